@@ -1,1 +1,1 @@
-"""Load a domain from files and check it; write a new domain to start from."""
+"""Load a domain from files and check it; write a new domain as a starting point."""

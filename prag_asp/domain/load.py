@@ -1,6 +1,6 @@
 """Load a domain: find, read and check its files.
 
-It is given as a shipped name, a folder, files, standard input, or a text from a program.
+A domain is given as a shipped name, a folder, files, standard input, or a string.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from prag_asp.scene.scene import Scene
 
 LEARNED = "learned.lp"
-"""The file of invariants that physics has proved; `prag-asp learn` writes it."""
+"""The file of invariants that physics has proved, written by `prag-asp learn`."""
 
 NO_SETTINGS = Path("<no domain.toml>")
 """The pseudo-path of the settings of a domain without a folder."""
@@ -61,11 +61,11 @@ class Domain:
     """A domain that has passed every check.
 
     `program` is the whole logic program (encodings, files of the domain and selected rules), `facts` are those of its
-    base part. `folder` is None unless the domain was loaded by its name or folder. Physics runs the Python
-    files of the domain only if it is `trusted`. `learned` are the pairs of impossible fluents that only the file of
-    learned invariants states, `constants` the values set for ``#const``s by name. `reduction` is the small-model
-    reduction of `program`, if there is one: counts use it, and reading `facts` grounds all entities. `irreducible` is
-    the reason why a domain with many alike entities has none.
+    base part. `folder` is None unless the domain was loaded by its name or folder. Physics runs the Python files of the
+    domain only if it is `trusted`. `learned` are the impossible pairs of fluents that only the file of learned
+    invariants states, `constants` the values set for ``#const``s, by name. `reduction` is the small-model reduction of
+    `program`, if any: counts use it, while reading `facts` grounds all entities. `irreducible` is the reason why a
+    domain with many interchangeable entities has no reduction.
     """
 
     name: str
@@ -83,7 +83,7 @@ class Domain:
 
     @property
     def label(self) -> str:
-        """The name with the constants that were set: ``hanoi (discs=4)``."""
+        """The name with the set constants: ``hanoi (discs=4)``."""
         settings = ", ".join(f"{name}={value}" for name, value in self.constants.items())
         return f"{self.name} ({settings})" if settings else self.name
 
@@ -104,19 +104,19 @@ def load_domain(
     """Read and check a domain: a shipped name, a folder, files that end in .lp, or a text.
 
     Files (``-`` is standard input) and a text together form one domain, named after the first. Includes are resolved in
-    the folder of a file, for a text in the working directory; such a domain has no domain.toml. Two files that end in
-    .pddl are a PDDL domain and its problem; one file may have both. `constants` are values for ``#const``s of the
-    domain. `settings` is a file to read in place of the folder's domain.toml; its relative paths begin at its folder.
+    the folder of the file, or for a text in the working directory; such a domain has no domain.toml. Two files that end
+    in .pddl are a PDDL domain and its problem; one file may have both. `constants` are values for ``#const``s of the
+    domain. `settings` is a file to read in place of the folder's domain.toml; its paths are relative to its folder.
 
     `rules` are names of files in the encodings' folder ``rules``; one with arguments, such as ``at_most(grasp,2)``, is
     also stated as a fact. `encodings` is a folder to use in place of the shipped encodings. With `flat`, the composites
-    of the domain are ignored: any sequence of its actions may be a plan. With `trust`, physics may run the Python files
-    that domain.toml names; nothing else runs them. Without `learned`, the file of learned invariants of a folder is not
-    read. It is not read with `settings` either, which may describe another scene. With `strict`, warnings are errors.
-    With `untimed`, durative actions of PDDL are read as instantaneous ones.
+    of the domain are ignored: any sequence of its actions can be a plan. With `trust`, physics may run the Python files
+    that domain.toml names; nothing else runs them. Without `learned`, the folder's file of learned invariants is not
+    read. It is not read with `settings` either, because that file may describe another scene. With `strict`, warnings
+    are errors. With `untimed`, durative actions of PDDL are read as instantaneous ones.
 
     Raises:
-        DomainError: something is wrong with the files; the message has one line for each problem.
+        DomainError: the files have problems; the message has one line for each problem.
     """
     stage("reading the domain")
     name, folder, entries, remarks = _find_domain(given, text, untimed=untimed)
@@ -150,12 +150,12 @@ def load_domain(
 def _find_domain(
     names: Sequence[str | Path | Source], text: str | None, *, untimed: bool
 ) -> tuple[str, Path | None, list[Path | Source], tuple[Problem, ...]]:
-    """Return the name of a domain, its folder if it has one, its files and texts in order, and warnings about PDDL.
+    """Return the name of a domain, its folder if any, its files and texts in order, and warnings about PDDL.
 
     The arguments are one name or folder, or any number of files and at most one text.
 
     Raises:
-        DomainError: there is no such domain, the arguments are of several kinds, or files of PDDL cannot be imported.
+        DomainError: the domain does not exist, the arguments are of several kinds, or PDDL files cannot be imported.
     """
     files = list(dict.fromkeys([*names, *([] if text is None else [text_source("text", text)])]))
     if not files:
@@ -191,10 +191,10 @@ def _find_domain(
 
 
 def _whole_program(core: tuple[Source, ...], own: tuple[Source, ...], rules: Iterable[str], encodings: Path) -> Program:
-    """Return the program of the encodings of every domain, those that a domain's `own` files need, these, and `rules`.
+    """Return the program of the core encodings, those that a domain's `own` files need, the own files, and `rules`.
 
     Raises:
-        DomainError: there is no such rule, or the rule takes another number of arguments.
+        DomainError: the rule does not exist, or takes another number of arguments.
     """
     core_paths = {each.path.resolve() for each in core}
     selected = (each for rule in rules for each in _rule_sources(rule, encodings))
@@ -203,7 +203,7 @@ def _whole_program(core: tuple[Source, ...], own: tuple[Source, ...], rules: Ite
 
 
 def _settings_file(settings: str | Path | None, folder: Path | None) -> Source:
-    """Return the text of the settings: a given file or that of the folder; it is empty if there is none.
+    """Return the text of the settings: the given file or that of the folder; empty if there is none.
 
     Raises:
         DomainError: the given file does not exist, or a file cannot be read.
@@ -222,7 +222,7 @@ def _rule_sources(rule: str, encodings: Path) -> tuple[Source, ...]:
     """Return the files of a rule; a rule with arguments is also stated as a fact, in an additional source.
 
     Raises:
-        DomainError: there is no such rule, or the rule takes another number of arguments.
+        DomainError: the rule does not exist, or takes another number of arguments.
     """
     atom = parse_atom(rule)
     folder = encodings / "rules"
@@ -267,7 +267,7 @@ def load_scene(domain: Domain) -> Scene:
 
 
 def scene_files(table: object, folder: Path) -> Iterator[Path]:
-    """Yield the files that the table of a scene names, and the meshes of the URDF files among them."""
+    """Yield the files that a scene table names, and the meshes of its URDF files."""
     for text in sorted(set(_texts(table))):
         path = folder / text
         if len(text) < 256 and "\0" not in text and is_inside(path, folder) and path.is_file():
@@ -292,7 +292,7 @@ def with_learned(domain: Domain, sources: tuple[Source, ...]) -> Domain:
     """Return a domain with learned invariants, each stated as ``impossible(F,G)``.
 
     Raises:
-        DomainError: the sources state something else, or use undeclared fluents.
+        DomainError: the sources state anything but invariants, or use undeclared fluents.
     """
     program = Program(each_once((*domain.program.sources, *sources)))
     impossible = check_learned(program, sources).impossible

@@ -1,4 +1,4 @@
-"""Write a small domain to start from. It passes all checks, and its tasks are feasible."""
+"""Write a small domain as a starting point. It passes all checks, and its tasks are feasible."""
 
 from __future__ import annotations
 
@@ -106,11 +106,11 @@ tray_1 = [0.47, 0.26, 90]
 
 
 def write_new_domain(name: str, parent: Path = Path()) -> Path:
-    """Write a small domain to start from into a new folder `name` below `parent`, and return this folder.
+    """Write a small domain as a starting point into a new folder `name` in `parent`, and return the folder.
 
     Raises:
         DomainError: the name is invalid, or the folder exists.
-        OutputError: the folder cannot be written; it is not created then.
+        OutputError: the folder cannot be written; in this case it is not created.
     """
     folder = parent / name
     if not NAME.fullmatch(Path(name).name) or name.endswith(("/", "\\")):

@@ -24,11 +24,11 @@ BRACES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     },
     "joints": {"sentences": (), "facts": (), "steps": ()},
 }
-"""The names in braces in the texts of a language; the second of the exact frames also has the facts."""
+"""The names in braces in the texts of a language; the second exact frame also has the facts."""
 
 
 def check_kinds(words: TableEntry) -> None:
-    """Report unknown words, and words whose value has a different type than in English."""
+    """Report unknown words, and words with a value of another type than in English."""
     english = {**shipped_table("en"), "numbers": [], "contractions": {}}
     words.require_known(english)
     for name, entry in words.entries():
@@ -48,7 +48,7 @@ def _is_like(value: object, model: object) -> bool:
 
 
 def check_forms(entry: TableEntry, words: Words) -> None:
-    """Report missing and superfluous forms and braces of a language; its tables have to be complete."""
+    """Report missing and superfluous forms and braces of a language; its tables must be complete."""
     table = words.table
     unknown = next((part for part in table["phrase"] if part not in PARTS), None)
     if unknown is not None or "noun" not in table["phrase"]:
@@ -74,7 +74,7 @@ def check_forms(entry: TableEntry, words: Words) -> None:
 
 
 def _check_texts(words: TableEntry, table: Mapping[str, Any]) -> None:
-    """Report frames and joints that are missing, or have wrong braces."""
+    """Report frames and joints that are missing or have wrong braces."""
     for part, keys in BRACES.items():
         for key, names in keys.items():
             entry, value, like = words.at(part).at(key), table[part].get(key), shipped_table("en")[part][key]

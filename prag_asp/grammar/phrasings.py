@@ -18,14 +18,14 @@ Way = TypeVar("Way")
 
 SPELLED = re.compile(r"(?P<number>[1-9][0-9]{0,3}) of (?P<all>[1-9][0-9]{0,3})")
 FRAMES = ("vague", "default")
-"""The levels whose frames have paraphrases; the frames of ``exact`` number the actions."""
+"""The levels whose frames have paraphrases; the frames of ``exact`` number the actions instead."""
 
 
 @dataclass(frozen=True)
 class Phrasings:
     """Every `all`-th paraphrase of each list, starting with the `number`-th, counted from 1.
 
-    A list without any of these, such as a list of one paraphrase, is used completely.
+    A list without any such paraphrase, such as a list of length one, is used completely.
     """
 
     number: int = 1
@@ -33,7 +33,7 @@ class Phrasings:
 
     @classmethod
     def parse(cls, text: str) -> Phrasings:
-        """Parse a subset of phrasings; an empty text is the set of all.
+        """Parse a subset of phrasings; an empty text means all of them.
 
         Raises:
             QueryError: the text is not of the form ``1 of 2``.
@@ -53,7 +53,7 @@ class Phrasings:
         return place % self.all == self.number - 1
 
     def of(self, ways: Sequence[Way]) -> Sequence[Way]:
-        """Return the paraphrases of a list in the subset, or all if there are none."""
+        """Return the paraphrases of a list that are in the subset, or all if there are none."""
         if self.all == 1:
             return ways
         return [way for place, way in enumerate(ways) if self.has(place)] or ways

@@ -1,4 +1,4 @@
-"""Check the tables of a domain's languages: unknown names, wrong braces, missing forms, ambiguous sentences."""
+"""Check the tables of a domain's languages for unknown names, wrong braces, missing forms and ambiguous sentences."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ def grammar_problems(settings: Settings, facts: Facts) -> list[TableProblem]:
 
 
 def _check_language(entry: TableEntry, settings: Settings, facts: Facts, code: str) -> None:
-    """Report the problems of one language of a domain: sentences only if the parts and the words are valid.
+    """Report the problems of a language of a domain; sentences are checked only if the parts and the words are valid.
 
-    Missing entries that instructions need are reported only if all others are right.
+    Missing entries that instructions need are reported only if all other entries are valid.
     """
     entry.require_known(PARTS)
     for part, table in entry.entries():
@@ -105,7 +105,7 @@ def _check_facts(language: TableEntry, reader: GrammarReader) -> None:
 
 
 def _check_nouns(language: TableEntry, reader: GrammarReader) -> None:
-    """Report nouns of unknown names, without a word, or of an unknown gender."""
+    """Report nouns for unknown names, without a word, or of an unknown gender."""
     states, words = reader.states, reader.words
     declared = {*map(str, states.classes), *states.entity_names}
     for name, entry in language.at("nouns").entries():
@@ -135,7 +135,7 @@ def _check_sentences(entry: TableEntry, reader: GrammarReader, arity: int) -> No
 
 
 def _check_ambiguity(language: TableEntry, reader: GrammarReader) -> None:
-    """Report actions that a sentence does not distinguish, at its place: in this table, or under ``[language]``."""
+    """Report actions that a sentence does not distinguish, at the sentence: in this table, or under ``[language]``."""
     own = language.at("actions", {})
     above = reader.settings.language if reader.code == FIRST else {}
     named = [*(name for name in above if name not in own.value), *own.value]

@@ -1,4 +1,4 @@
-"""Read the tables of a domain's language: ``[language.en]`` with its actions, facts, nouns and values."""
+"""Read the tables of a language of a domain: ``[language.en]`` with its actions, facts, nouns and values."""
 
 from __future__ import annotations
 
@@ -74,18 +74,18 @@ class Grammar:
 
 
 AGENTS = frozenset(["agent", "arm", "gripper", "hand", "robot"])
-"""Classes whose members act, where no scene says which entities are robots."""
+"""Classes whose members act, if no scene defines which entities are robots."""
 
 
 class _Way(NamedTuple):
-    """A source (``from``) or destination (``to``) of an action, and the place of what is moved, -1 for a robot."""
+    """A source (``from``) or destination (``to``) of an action, and the index of the moved argument, -1 for a robot."""
 
     word: str
     moved: int
 
 
 class GrammarReader:
-    """Reads the tables of one language of a domain, and ignores wrong entries, which the linter reports."""
+    """Reads the tables of a language of a domain; ignores wrong entries, which the linter reports."""
 
     def __init__(self, settings: Settings, facts: Facts, code: str) -> None:
         """Read the settings and the facts of a domain.
@@ -110,7 +110,7 @@ class GrammarReader:
         articles = self.words.articles | {"a", "an"}
         for name, arity in self.states.action_arguments:
             texts = listed(table.get(name))
-            if not texts and self.code == FIRST:  # a noun phrase brings its own article
+            if not texts and self.code == FIRST:  # a noun phrase has its own article
                 short = listed(self.settings.grammar.get(name))
                 texts = tuple(text for text in short if not any(f"{article} {{" in text for article in articles))
             sentences[name, arity] = tuple(self.templates(texts, arity))
@@ -142,9 +142,10 @@ class GrammarReader:
     def _ways(self) -> Mapping[Signature, Mapping[int, _Way]]:
         """Return the arguments of actions that are a source (``from``) or a destination (``to``).
 
-        Each action of the signature makes a binary fluent false, or true, whose second argument this is and whose first
-        argument is an earlier argument of the action. That is not a robot, and the fluent is not what a predicate says
-        of a robot, unless the action makes the fluent false and true of two places: then the robot moves itself.
+        Each action with the signature makes a binary fluent false, or true, whose second argument is this one and whose
+        first argument is an earlier argument of the action. The first argument is not a robot, and the fluent's
+        predicate is not about a robot, unless the action makes the fluent false for one place and true for another:
+        then the robot moves itself.
         """
         from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
 
@@ -187,7 +188,7 @@ class GrammarReader:
         return frozenset(kinds | {str(entity) for entity, name in self.states.memberships if str(name) in kinds})
 
     def facts(self) -> dict[Signature, FactForms]:
-        """Return the sentences of each fluent: from the language's table, its spatial predicate, or its name."""
+        """Return the sentences of each fluent, from the language's table, its spatial predicate, or its name."""
         from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
 
         table, scene = self._table("facts"), self.settings.scene
@@ -215,7 +216,7 @@ class GrammarReader:
     def _default(self, name: str, arity: int) -> Mapping[str, Any]:
         """Return the default forms of a fluent: its name and its arguments.
 
-        They have no modifier, because an image may not show the fluent.
+        They have no modifier, because the fluent may not be visible in an image.
         """
         defaults = _below(self.words.table, "defaults")
         every = _joined([f"{{{index}}}" for index in range(arity)], defaults.get("all", (", ", ", ")))
@@ -242,7 +243,7 @@ class GrammarReader:
         )
 
     def templates(self, texts: Sequence[str] | Iterator[str], arity: int, verb: str = "is") -> Iterator[Template]:
-        """Yield the templates of texts; a text with a word that agrees yields one for each form."""
+        """Yield the templates of texts; a text with an agreeing word yields one template for each form."""
         for phrasing, text in enumerate(map(self.words.expanded, texts)):
             forms: dict[str, set[str]] = {}
             for gender in self.words.genders if agrees(text) else ():
@@ -255,7 +256,7 @@ class GrammarReader:
                 yield replace(template, phrasing=phrasing)
 
     def nouns(self) -> dict[str, Noun]:
-        """Return the noun of each class, and of entities with a separate noun."""
+        """Return the noun of each class, and of each entity with a separate noun."""
         table = self._table("nouns")
         nouns = {name: noun for name, entry in table.items() if (noun := self.noun(entry)) is not None}
         for name in map(str, self.states.classes):
@@ -307,7 +308,7 @@ def tables(settings: Settings) -> Mapping[str, Mapping[str, Any]]:
 
 
 def listed(texts: object) -> tuple[str, ...]:
-    """Return a text or a list of texts as a tuple, without other values."""
+    """Return a text or a list of texts as a tuple; other values are dropped."""
     each = texts if isinstance(texts, list | tuple) else (texts,)
     return tuple(text for text in each if isinstance(text, str))
 
@@ -320,11 +321,11 @@ def plain(name: str) -> str:
 
 
 def _joined(words: Sequence[str], between: Sequence[str]) -> str:
-    """Return words joined by the first separator, the last one by the second."""
+    """Return words joined by the first separator, the last word by the second."""
     return between[1].join(part for part in (between[0].join(words[:-1]), *words[-1:]) if part)
 
 
 def _below(table: object, key: str) -> Mapping[str, Any]:
-    """Return the subtable with a key, empty if there is none."""
+    """Return the subtable with a key, or an empty table."""
     value = table.get(key) if isinstance(table, Mapping) else None
     return value if isinstance(value, Mapping) else {}

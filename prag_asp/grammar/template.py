@@ -1,4 +1,4 @@
-"""Sentence templates with slots for arguments, ``pick up {1} from {2:dat}``: fill them, and match them with texts."""
+"""Sentence templates with slots for arguments, ``pick up {1} from {2:dat}``: filling, and matching with texts."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class Template:
         return "".join(parts)
 
     def find(self, text: str, fits: Callable[[str], bool] = bool) -> Iterator[tuple[str, ...]]:
-        """Yield every assignment of words to the slots that makes this sentence the text, if all words fit."""
+        """Yield every assignment of words to the slots with which this sentence equals the text, if all words fit."""
         first, last = self.texts[0], self.texts[-1]
         if not self.slots:
             if text == first:
@@ -51,7 +51,7 @@ class Template:
             yield from self._split(text[len(first) : len(text) - len(last)], 1, fits)
 
     def _split(self, text: str, number: int, fits: Callable[[str], bool]) -> Iterator[tuple[str, ...]]:
-        """Yield the ways to split a text at the texts between slots, beginning with the slot of a number."""
+        """Yield the ways to split a text at the texts between slots, from the slot with a number on."""
         if number == len(self.slots):
             if fits(text):
                 yield (text,)
@@ -77,10 +77,10 @@ def parse_template(
     verbs: Mapping[str, str] | None = None,
     genders: frozenset[str] = frozenset(),
 ) -> Template:
-    """Parse a sentence; `verbs` are the forms of verbs in braces for some `genders`.
+    """Parse a sentence; `verbs` has the forms of verbs in braces for given `genders`.
 
     Raises:
-        QueryError: its braces are wrong; the message has the problem and the remedy.
+        QueryError: the braces are wrong; the message has the problem and the remedy.
     """
     unmatched = QueryError("has braces that do not match; write each as {0} or {0:case}")
     try:

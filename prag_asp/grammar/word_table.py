@@ -51,7 +51,7 @@ class Words:
         return str(form.get(case or self.cases[0], "") if isinstance(form, Mapping) else form)
 
     def adjective(self, kind: str, name: str, gender: str, case: str) -> str:
-        """Return a colour, a size or a place in the form for a noun, or "" if the language lacks the word."""
+        """Return the word for a colour, size or place in the form for a noun, or "" if the language lacks the word."""
         forms: Forms = self.table.get(kind, {}).get(name, "")
         if isinstance(forms, str):
             return forms
@@ -98,7 +98,7 @@ class Words:
 
     @property
     def articles(self) -> frozenset[str]:
-        """All forms of the article."""
+        """All forms of the definite article."""
         forms = self.table["the"]
         each = [forms] if isinstance(forms, str) else list(forms.values())
         return frozenset(text for form in each for text in ([form] if isinstance(form, str) else form.values()))
@@ -106,7 +106,7 @@ class Words:
 
 @lru_cache(maxsize=1024)
 def english_ordinal(value: int) -> str:
-    """Return the English ordinal of a number in words, from inflect, which is loaded only here."""
+    """Return the English ordinal of a number in words, by inflect, which is imported only here."""
     import inflect  # noqa: PLC0415 - counting and the other languages start faster without
 
     engine = inflect.engine()
@@ -130,7 +130,7 @@ def shipped_table(code: str) -> Mapping[str, Any]:
 
 
 def words_of(code: str, own: Mapping[str, Any]) -> Words:
-    """Return the words of a language: those of the package, overridden by a domain's `own` table.
+    """Return the words of a language: those in the package, overridden by a domain's `own` table.
 
     Raises:
         QueryError: the package does not have the language, and the domain's table lacks required words.
@@ -158,7 +158,7 @@ def _expanded(value: Any, words: Words) -> Any:
 
 
 def _replaced(text: str, words: Mapping[str, str]) -> str:
-    """Return a text with some whole words replaced, the longest first."""
+    """Return a text with some whole words replaced, longest first."""
     if not words or not text:
         return text
     longest_first = sorted(words, key=len, reverse=True)

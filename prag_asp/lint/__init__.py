@@ -3,10 +3,11 @@
     syntax -> vocabulary, directives, recursion -> (clingo grounds the base part) -> unsatisfiable atoms
     -> hierarchy, effects -> composites, limits -> (`prag_asp.pruning`) -> what it found -> open world -> settings
 
-Learned invariants are checked after all of that, on their own.
+Learned invariants are checked separately, after all other stages.
 
-A stage runs only if the stages before found no errors, so one mistake is reported once. An error means that the domain
-has no meaning, or that a count could be wrong. Everything else that looks wrong is a warning, which stops nothing.
+A stage runs only if the previous stages found no errors, so each mistake is reported once. An error means that the
+domain has no meaning, or that a count could be wrong. Anything else that looks wrong is a warning, which does not stop
+the check.
 """
 
 from prag_asp.lint.stages import Checked, check, check_learned, with_entities

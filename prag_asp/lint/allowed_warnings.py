@@ -14,11 +14,11 @@ from prag_asp.wording import did_you_mean
 TOML_COMMENT = re.compile(r"#(?P<words>[^#]*\blint:.*)$")
 
 Allowed = Mapping[tuple[Path, int], tuple[str, ...]]
-"""The names that each line allows, even those that are not names of warnings."""
+"""The names that each line allows, even unknown names."""
 
 
 def allowed_names(sources: Iterable[Source], settings: Settings) -> Allowed:
-    """Return the names that the comments of sources and of a domain.toml allow."""
+    """Return the names that comments in sources and in a domain.toml allow."""
     lines = enumerate(settings.text.split("\n"), 1)
     spoken = ((line, match["words"]) for line, text in lines if (match := TOML_COMMENT.search(text)))
     return allowed_in_sources(sources) | {(settings.path, line): names for line, names in allowed_by_comments(spoken)}

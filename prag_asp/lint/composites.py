@@ -1,4 +1,4 @@
-"""Check the composites and their stages."""
+"""Check composites and their stages."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from prag_asp.program.facts import Facts
 from prag_asp.program.problem import Problem
 
 MOST_ACTIONS = 100
-"""The maximum number of actions of a composite: the encodings nest them in one term of that depth."""
+"""The maximum number of actions of a composite: the encodings nest them in a term of this depth."""
 
 Symbol = clingo.Symbol
 
 
 class Complaint(NamedTuple):
-    """A problem of one composite: the place, the text that follows its name, and the remedy."""
+    """A problem of a composite: the place, the text that follows its name, and the remedy."""
 
     composite: Symbol
     place: RulePlace
@@ -29,7 +29,7 @@ class Complaint(NamedTuple):
 
 
 def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the problems of composites, stages and free actions; each check requires that those before pass."""
+    """Yield the problems of composites, stages and free actions; each check requires that the previous ones pass."""
     undeclared = list(_undeclared(facts, origins))
     yield from undeclared
     if facts.free and not facts.composites:
@@ -57,7 +57,7 @@ def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def grouped(complaints: Iterable[Complaint], name: str = "") -> Iterator[Problem]:
-    """Yield one problem for all composites of one name and place; with a `name`, a warning of that name."""
+    """Yield one problem for all composites with the same name and place; with a `name`, a warning of that name."""
     alike: dict[tuple[str, RulePlace], list[Complaint]] = {}
     for complaint in complaints:
         alike.setdefault((complaint.composite.name, complaint.place), []).append(complaint)

@@ -1,4 +1,4 @@
-"""Find statements that a domain may not have, rules in the wrong program part, and facts and rules without bounds."""
+"""Find statements that a domain may not have, rules in the wrong program part, and unbounded facts and rules."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ CHOICES = (ASTType.Aggregate, ASTType.Disjunction, ASTType.HeadAggregate)
 TIMED: frozenset[Signature] = frozenset([OCCURS, HOLDS])
 
 MOST = 10**8
-"""The maximum number of atoms of one fact. Each takes at least 100 bytes, so these take 10 GB."""
+"""The maximum number of atoms of a fact. Each takes at least 100 bytes, so that these take 10 GB."""
 
 NUMBER = re.compile(r"-?\d+")
 INTERVAL = re.compile(r"\((-?\d+|_*[a-z]\w*)\.\.(-?\d+|_*[a-z]\w*)\)")
@@ -110,10 +110,10 @@ def placement_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
 
 
 def last_step_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the rules of a step that read a predicate of the same step which rules of ``check(t)`` derive.
+    """Yield the rules of a step that read a predicate that rules of ``check(t)`` derive at the same step.
 
     A step is the same function at every time, so it does not know whether it is the last one: the program is ground
-    part by part, ``base``, ``step(1)`` to ``step(n)``, then ``check(n)``, and each part reads only what it or an
+    part by part, ``base``, ``step(1)`` to ``step(n)``, then ``check(n)``, and each part reads only atoms that it or an
     earlier part derives.
     """
     checks = [each for each in statements if each.is_rule and each.part == "check"]
@@ -153,7 +153,7 @@ def size_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
 
 
 def recursion_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the author's rules of a step that certainly derive ever larger terms at the same step.
+    """Yield the author's rules of a step that certainly derive endlessly growing terms at the same step.
 
     Rules of the base part that do so are found while it is grounded. A rule that never fires, because no other rule
     derives its head, is not reported.

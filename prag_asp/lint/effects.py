@@ -20,14 +20,15 @@ Row = tuple[Symbol, ...]
 ACTION = ("action", 1)
 INVARIANTS = ("exclusive", "implies", "impossible")
 ARITIES = {"precondition": 3, "postcondition": 3, "initially": 2, "goal": 2, **dict.fromkeys(INVARIANTS, 2)}
-"""The arities of invariants and of predicates that assign values to fluents; of 3 arguments, an action is first."""
+"""The arities of invariants and of predicates that assign values to fluents; of three arguments, the first is an
+action."""
 
 BOOLEAN = ("true", "false")
 VALUES = {"postcondition": (*BOOLEAN, "unknown")}
 
 
 def effect_problems(control: clingo.Control, facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield atoms with undeclared fluents or actions, with wrong values, or with two values at once."""
+    """Yield atoms with undeclared fluents or actions, with wrong values, or with contradictory values."""
     findings = Findings(origins, facts)
     for predicate in _doubtful(facts):
         rows = unsorted_rows(control, predicate, ARITIES[predicate])
@@ -160,7 +161,7 @@ LIMIT = ("at_most", 2)
 def limit_problems(
     control: clingo.Control, facts: Facts, statements: Sequence[Statement], origins: Origins
 ) -> Iterator[Problem]:
-    """Yield the limits of unknown actions, the limits that are not numbers, and limits that no rule reads."""
+    """Yield limits of unknown actions, limits that are not numbers, and limits that no rule reads."""
     limits = rows(control, *LIMIT)
     names = {action.name for action in facts.actions} if limits else set[str]()
     for name, most in limits:

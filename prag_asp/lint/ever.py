@@ -1,9 +1,9 @@
-"""Check the statements of ``ever``: if they lack a fluent that may be true, actions whose rules read it are missing.
+"""Check the statements of ``ever``: if one for a possibly true fluent is missing, actions whose rules read it are lost.
 
-Actions are also missing if their rules read a fluent that the action does not need.
+Actions are also lost if their rules read a fluent that the action does not require.
 
-Every fluent that is reachable and read has to be stated. By induction over the steps, an action that is not ground
-then never occurs, because all steps before it are ground actions.
+Every fluent that is reachable and read must be stated. By induction over the steps, an action that is not ground then
+never occurs, because all steps before it are ground actions.
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ MISSING = "actions that require it would be missing"
 def ever_problems(
     grounder: Grounder, facts: Facts, statements: Sequence[Statement], reach: RelaxedReach | None
 ) -> Iterator[Problem]:
-    """Yield the first fluent of each name that may be true at some time and is read by ``ever``, but not stated.
+    """Yield the first fluent of each name that may be true at some time and is read by ``ever`` but not stated.
 
     Without a `reach`, every fluent that the initial state, an action or a user rule may make true counts.
     """
     fluents = {fluent.name for fluent in facts.fluents}
-    readers: dict[str, Statement] = {}  # "" if any fluent may be read, such as by a variable
+    readers: dict[str, Statement] = {}  # "" if any fluent may be read, for example by a variable
     for each in statements:
         for atom in each.body if each.own else ():
             if atom.signature == EVER:
@@ -76,14 +76,14 @@ def _unknown(facts: Facts, statements: Sequence[Statement]) -> Callable[[clingo.
 
 
 def needless_problems(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield a warning for each rule that requires by ``ever`` a fluent that its action does not need."""
+    """Yield a warning for each rule that requires, by ``ever``, a fluent that its action does not require."""
     asking = [
         each
         for each in statements
         if each.own and each.is_rule and not each.conditions
         if [atom.signature for atom in each.heads] == [ACTION] and any(_ever_queries(each))
     ]
-    stated: set[tuple[str, str]] = set()  # each action with the fluents that a rule requires of all its instances
+    stated: set[tuple[str, str]] = set()  # each action with the fluents that a rule requires for all its instances
     for rule in statements if asking else ():
         body = [text for _, text in rule.literals]
         for head in rule.heads if rule.own else ():
@@ -124,7 +124,7 @@ def _ever_queries(rule: Statement) -> Iterator[str]:
 def _problem(
     fluent: clingo.Symbol, facts: Facts, reader: Statement, setters: Mapping[tuple[clingo.Symbol, str], FluentSetter]
 ) -> Problem:
-    """Return the problem of a fluent that is not stated, at the user rule that sets it or at the rule that reads it."""
+    """Return the problem of an unstated fluent, at the user rule that sets it or at the rule that reads it."""
     made_by = setters.get((fluent, "true"))
     if made_by is not None:
         effect = f"leaves open whether {fluent} is" if made_by.head.signature == CHANGED else f"may make {fluent}"

@@ -1,4 +1,4 @@
-"""Check the hierarchy of classes and entities, and terms that are not valid names."""
+"""Check the hierarchy of classes and entities, and find terms that are not valid names."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ ENTITY = re.compile(r"[^\"#]*")
 
 
 def term_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the entities, fluents, actions and composites that are not written as names with arguments."""
+    """Yield the entities, fluents, actions and composites that are not names with optional arguments."""
     for predicate, terms in (("fluent", facts.fluents), ("action", facts.actions), ("composite", facts.composites)):
         nameless = [term for term in terms if not NAMED.fullmatch(str(term))]
         for term in nameless[:1]:
@@ -92,7 +92,7 @@ def term_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def shared_name_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the names that several of a class, an entity and an action share, at the last declaration."""
+    """Yield the names that at least two of a class, an entity and an action share, at the last declaration."""
     entities = {str(entity): (entity, name) for entity, name in facts.entities.items()}
     for text in shared_names(facts):
         places = [origins.place("entity", *entities[text])] if text in entities else []
@@ -106,7 +106,7 @@ def shared_name_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
 def choice_problems(control: clingo.Control, statements: Sequence[Statement], origins: Origins) -> Iterator[Problem]:
     """Yield the first uncertain atom of each predicate: an atom that some answer sets of the base part lack.
 
-    If `ever` depends on its own negation through the actions, and there are no choices, only that is reported.
+    If `ever` depends on its own negation through actions, and there are no choices, only this is reported.
     """
     ever = [each.symbol for each in control.symbolic_atoms.by_signature(*EVER) if not each.is_fact]
     if ever and not any(each.node.head.ast_type in CHOICES for each in statements if each.own and each.is_rule):

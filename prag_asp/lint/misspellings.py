@@ -1,4 +1,4 @@
-"""Find misspelt predicates, which clingo does not report, and reserved names."""
+"""Find misspelled predicates, which clingo does not report, and reserved names."""
 
 from __future__ import annotations
 
@@ -55,14 +55,14 @@ def contract_signatures(statements: Iterable[Statement]) -> set[Signature]:
 
 
 def is_reserved(name: str) -> bool:
-    """Return whether a predicate, strongly negated or not, has a name that only the library may use."""
+    """Return whether a predicate, strongly negated or not, has a name reserved for the library."""
     return name.removeprefix("-").startswith(RESERVED)
 
 
 def _unread_heads(
     statements: Iterable[Statement], contract: set[Signature]
 ) -> dict[Signature, tuple[Statement, AtomNode]]:
-    """Return the author's heads outside of the contract that no body reads, each at its first occurrence."""
+    """Return the author's heads outside the contract that no body reads, each at its first occurrence."""
     unread: dict[Signature, tuple[Statement, AtomNode]] = {}
     for statement in statements:
         if statement.own:
@@ -80,7 +80,7 @@ def _unread_heads(
 
 
 def _takes(name: str, defined: Iterable[Signature]) -> str:
-    """Return the arities of the predicates of a name as text, empty if there is none."""
+    """Return the arities of the predicates with a name as text, empty if there are none."""
     return " or ".join(str(arity) for other, arity in sorted(defined) if other == name)
 
 
@@ -92,7 +92,7 @@ def _hint(name: str, defined: Iterable[Signature], vocabulary: Iterable[str], ot
 def _undefined_atoms(
     statements: Iterable[Statement], contract: set[Signature]
 ) -> dict[Signature, tuple[Statement, AtomNode]]:
-    """Return the atoms of the author's bodies that no head and no contract defines, each at its first occurrence."""
+    """Return the atoms in the author's bodies that no head and no contract defines, each at its first occurrence."""
     defined = set(contract)
     for statement in statements:
         defined |= {atom.signature for atom in statement.heads}

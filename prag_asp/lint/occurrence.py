@@ -28,7 +28,7 @@ def state_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def action_rejections(rejected: RejectedActions, facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield one warning for all actions of a name that one rule rejects, or a single one if no action remains."""
+    """Yield one warning for all actions with a name that a rule rejects, or a single warning if no action remains."""
     if rejected.rejections and len(rejected.rejections) == len(facts.actions):
         action, rejection = next(iter(rejected.rejections.items()))
         text = f"no action can ever occur: {action} cannot, because {_reason(rejection)}; change the conditions"
@@ -62,10 +62,10 @@ def goal_problems(rejected: RejectedActions, facts: Facts, origins: Origins) -> 
 
 
 def composite_rejections(rejected: RejectedComposites, facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the composites that every state rejects, and the problem that none can begin in the initial state."""
+    """Yield the composites that every state rejects, and the problem if none can begin in the initial state."""
     actions, failures = composite_actions(facts), rejected.failures
     complaints: list[Complaint] = []
-    for composite, failure in failures.items():  # only the innermost, each at the stage of the action to blame
+    for composite, failure in failures.items():  # only the innermost, each at the stage of the cause
         stages = facts.stages[composite]
         if any(part in failures for _, part in stages):
             continue

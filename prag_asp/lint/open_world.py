@@ -1,4 +1,4 @@
-"""Refuse step rules that read a fluent whose value may be unknown: with them, three-valued states are not exact."""
+"""Refuse step rules that read a fluent whose value may be unknown: three-valued states are not exact for them."""
 
 from __future__ import annotations
 
@@ -93,7 +93,7 @@ def _read_fluent(
 def _conditions(statement: Statement, timed: set[Signature]) -> Iterator[str]:
     """Yield the conditions of a rule that do not depend on the step; they restrict the fluents that it reads.
 
-    An occurrence becomes an action that is not pruned.
+    An occurrence is replaced by the condition that its action is not pruned.
     """
     bound, parameters = set[str](), set(statement.parameters)
     comparisons: list[str] = []

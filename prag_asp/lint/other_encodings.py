@@ -1,8 +1,8 @@
-"""Compare a copy of the encodings with the shipped ones, which the library makes assumptions about.
+"""Compare a copy of the encodings with the shipped ones, about which the library makes assumptions.
 
-Pruning, the refusal of unknown values, explanations, PDDL and physics assume what the shipped encodings mean. Engines
-compute from the ground rules; `automaton` and `symbolic` assume only that each step has one action, and refuse a copy
-whose rule for actions is another (see ``logic/ground/stationary.py``).
+Pruning, the refusal of unknown values, explanations, PDDL and physics assume the meaning of the shipped encodings.
+Engines compute from the ground rules; `automaton` and `symbolic` assume only that each step has one action, and refuse
+a copy with another rule for actions (see ``logic/ground/stationary.py``).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ FOLDERS = ("rules", "conditions")
 
 
 def edited_encodings(program: Program, statements: Sequence[Statement]) -> Mapping[Path, int]:
-    """Return the files with the name of a shipped encoding and other statements, each with the first such line.
+    """Return files that have the name of a shipped encoding but other statements, each with the first such line.
 
     These are files of a copy of the encodings, and files of a domain in a folder `rules` or `conditions`.
     """

@@ -1,4 +1,4 @@
-"""The rules from which ground atoms of the base part come, which clingo does not record."""
+"""The rules that derive the ground atoms of the base part, which clingo does not record."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class Origins:
                 yield self._base[number]
 
     def place(self, predicate: str, *arguments: clingo.Symbol) -> RulePlace:
-        """Return the place of the first rule that derives an atom, or else that derives its predicate."""
+        """Return the place of the first rule that derives an atom, or otherwise its predicate."""
         traced = next(self._deriving(predicate, arguments), None)
         if traced:
             return RulePlace(traced.path, traced.line)
@@ -83,5 +83,5 @@ class Origins:
         return RulePlace(stating[0].path, stating[0].line) if stating else RulePlace(own[0].path, 1)
 
     def violated(self) -> list[Statement]:
-        """Return the author's constraints of the base part that its facts violate."""
+        """Return the author's constraints in the base part that its facts violate."""
         return [each for each in self._deriving(VIOLATED) if each.own]

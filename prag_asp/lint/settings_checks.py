@@ -1,4 +1,4 @@
-"""Check domain.toml: unknown keys, wrong types, weights of unknown names, and an invalid scene."""
+"""Check domain.toml for unknown keys, wrong types, weights of unknown names, and an invalid scene."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Pro
 
 
 def name_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
-    """Yield the weights, the sentences and the parts of the scene that do not match the declarations of the logic.
+    """Yield the weights, sentences and scene parts that do not match the declarations in the logic.
 
     Pruned actions count as declared.
     """
@@ -72,7 +72,7 @@ def name_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
 
 
 def _located(problems: Iterable[TableProblem], settings: Settings) -> Iterator[Problem]:
-    """Yield problems of a domain.toml with its path and the line of their keys."""
+    """Yield problems of a domain.toml with its path and the lines of their keys."""
     for each in problems:
         yield Problem(settings.path, settings.line_of(*each.keys), str(each), each.warning)
 
@@ -95,7 +95,7 @@ def _check_weight(entry: TableEntry, key: str, facts: Facts) -> None:
 
 
 def _check_sentences(report: TableReport, settings: Settings, facts: Facts) -> None:
-    """Report the sentences directly under ``[language]`` of unknown names, or with the index of a missing argument."""
+    """Report sentences directly under ``[language]`` for unknown names, or with the index of a missing argument."""
     arities: dict[str, int] = {}
     for term in (*facts.fluents, *facts.declared_actions) if settings.language else ():
         arities[term.name] = max(arities.get(term.name, 0), len(term.arguments))

@@ -1,4 +1,4 @@
-"""The checks of a domain in stages, of which each relies on the ones before, and its pruning between them."""
+"""The checks of a domain in stages, each of which relies on the previous ones, with pruning in between."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ from prag_asp.tables.toml_text import parse_toml
 STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
 
 MANY = 250_000
-"""The number of fluents or actions from which a note warns: preparing so many actions took 48 s and 1.3 GB."""
+"""The number of fluents or actions from which a note warns: preparing this many actions took 48 s and 1.3 GB."""
 
 
 @dataclass(frozen=True)
@@ -86,12 +86,12 @@ class _WarningCollector:
 def check(
     program: Program, settings_source: Source, like: Mapping[clingo.Symbol, clingo.Symbol] | None = None
 ) -> Checked:
-    """Return what a domain states without what can never occur, its settings and its warnings.
+    """Return the facts of a domain without actions that can never occur, its settings and its warnings.
 
-    `like` maps entities that are not ground to ground representatives: settings may name both.
+    `like` maps entities that are not ground to ground representatives; settings may name both.
 
     Raises:
-        DomainError: something is wrong; the message has one line for each problem.
+        DomainError: the domain has errors; the message has one line for each problem.
     """
     sources = owned(program)
     statements, problems = parse_sources(sources)
@@ -115,7 +115,7 @@ def check(
     _check_facts(warnings, grounder, facts, statements, origins)
     edited = edited_encodings(program, statements)
     warnings.add(encoding_problems(edited))
-    added = added_encodings(program)  # what a user has added to a copy of the encodings counts as user rules
+    added = added_encodings(program)  # additions to a copy of the encodings count as user rules
     user_statements = [replace(each, own=True) if each.path in added else each for each in statements]
     if edited:
         pruning = Pruning.none(facts)
@@ -137,7 +137,7 @@ def check(
 
 
 def _note_size(facts: Facts, statements: Sequence[Statement]) -> None:
-    """Tell the user of so many fluents or actions that preparing them takes long."""
+    """Warn the user of fluents or actions so numerous that preparing them takes long."""
     for predicate, terms in (("fluent", facts.fluents), ("action", facts.actions)):
         declaring = [each for each in statements if any(atom.signature == (predicate, 1) for atom in each.heads)]
         if len(terms) > MANY and declaring:

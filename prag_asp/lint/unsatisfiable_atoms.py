@@ -1,11 +1,11 @@
-"""Find atoms of rules that can never hold, because no derivable atom has one of their names at its place.
+"""Find atoms in rules that can never hold, because no derivable atom has one of their names at its place.
 
     precondition(dorp(R,O), empty(R), true) :- action(dorp(R,O)).
 
 never fires if no action is called dorp, and clingo does not report it. Each name in a body is searched in the ground
 atoms of its predicate, at the same place. A name that no ground atom has is not a mistake if it is in the head of a
-rule that might fire with more entities. If the rules that derive it demand another missing name, only that one is
-reported: as an error if a known name is similar, as a warning otherwise.
+rule that might fire with more entities. If the rules that derive it demand another missing name, only that name is
+reported: as an error if a known name is similar, otherwise as a warning.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from prag_asp.wording import did_you_mean, is_misspelt
 FUNCTION = re.compile(r"(?P<name>_*[a-z][\w']*)?(?:\((?P<arguments>.*)\))?", re.S)
 ACTION, FLUENT = ("action", 1), ("fluent", 1)
 DECLARING: dict[Signature, Signature] = {OCCURS: ACTION, **dict.fromkeys([HOLDS, KNOWN, CHANGED], FLUENT)}
-"""The predicate of the base part that declares the first argument of some predicates of steps."""
+"""The predicate of the base part that declares the first argument, for some predicates of steps."""
 
 CLASS, CLASS_BELOW, BELONGING = ("class", 1), ("class", 2), ("entity", 2)
 """The predicates that declare a class, and the members of a class."""
@@ -34,7 +34,7 @@ NO_NAME: Signature = ("", -1)
 """The signature of a number, a string, or a missing argument."""
 
 Step = tuple[str, int, int]
-"""One step down in a term: the name and the arity of the function, and the index of the argument."""
+"""A step into a term: the name and the arity of the function, and the index of the argument."""
 
 
 class ArgumentPlace(NamedTuple):
@@ -169,7 +169,7 @@ def read_term(text: str) -> TermPattern | None:
 
 
 def _missing(control: clingo.Control, demands: Iterable[NameDemand]) -> set[tuple[ArgumentPlace, Signature]]:
-    """Return the places and names such that no ground atom has the name there, without those within a missing term."""
+    """Return pairs of a place and a name that no ground atom has there, except those within a missing term."""
     required: dict[Signature, dict[ArgumentPlace, set[Signature]]] = {}
     for each in demands:
         if each.place is not None:
@@ -226,7 +226,7 @@ class _NameMakers:
         """Yield the demands that no rule can meet, without those that follow from others.
 
         Only a rule whose own demands are met can meet a demand. If only dead rules would meet a demand, it follows from
-        theirs, unless they demand the same name.
+        their demands, unless they demand the same name.
         """
         dead = {each.rule for each in unmet if each.necessary}
         while True:
@@ -242,7 +242,7 @@ class _NameMakers:
         yield from first or hopeless[:1]
 
     def names(self, dead: set[Statement]) -> set[str]:
-        """Return every name that a ground atom can contain, from a head or computed in a body, without `dead` rules."""
+        """Return every name that a ground atom can contain, from heads or computed in bodies, without `dead` rules."""
         return {name for name, rules in self._of_name.items() if not rules.issubset(dead)} | self._constants
 
     def _can_make(self, demand: NameDemand, dead: set[Statement]) -> bool:
@@ -255,12 +255,12 @@ class _NameMakers:
         return not there.get(demand.name, set()) <= dead or (anywhere and not there.get(None, set()) <= dead)
 
     def _rules_at(self, place: ArgumentPlace) -> dict[Signature | None, set[Statement]]:
-        """Return the rules that derive each name at a place, and under None those that may derive any."""
+        """Return the rules that derive each name at a place, and under None the rules that may derive any name."""
         rules_of_name = self._at_place.get(place)
         if rules_of_name is None:
             rules_of_name = self._at_place[place] = {}
             places = [place]
-            if place.predicate == BELONGING and place.argument == 1:  # a class may come to have entities
+            if place.predicate == BELONGING and place.argument == 1:  # a class may later have entities
                 places += [ArgumentPlace(CLASS, 0), ArgumentPlace(CLASS_BELOW, 0)]
             for each in places:
                 for rule, head in self._heads.get(each.predicate, ()):
@@ -269,7 +269,7 @@ class _NameMakers:
 
 
 def _written_at(head: AtomNode, place: ArgumentPlace) -> Signature | None:
-    """Return the name that a head has at a place, None if it may have any."""
+    """Return the name that a head has at a place, or None if it may have any name."""
     term = read_term(head.arguments[place.argument])
     for name, arity, number in place.below:
         if term is None:

@@ -2,8 +2,9 @@
 
 They are unknown after such a step, like a fluent with the postcondition `unknown`. A step is ground once, in any state
 that satisfies the invariants, and a solver searches for a step that leaves a known fluent without a value. The
-hypotheses are that a fluent is known in every state, and that a user predicate that steps carry along is true of some
-terms in every state. Those that one step may break are dropped until the rest is inductive (Flanagan and Leino 2001).
+hypotheses are that a fluent is known in every state, and that a user predicate carried from step to step is true of
+given terms in every state. Hypotheses that a step may break are dropped until the rest is inductive (Flanagan and Leino
+2001).
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ STATES = f"""
 #external _supposed(F) : fluent(F).
 :- _supposed(F), fluent(F), not holds(F,true,{BEFORE}), not holds(F,false,{BEFORE}).
 """
-"""The states before a step: some fluents are known, which satisfy the invariants."""
+"""The states before a step, in which some fluents are known and satisfy the invariants."""
 
 BROKEN = f"_broken(F) :- fluent(F), changed(F,{STEP}), not holds(F,true,{STEP}), not holds(F,false,{STEP})."
 """A step leaves a fluent without a value."""
@@ -45,7 +46,7 @@ BROKEN = f"_broken(F) :- fluent(F), changed(F,{STEP}), not holds(F,true,{STEP}),
 def unset_fluents(
     program: Program, facts: Facts, statements: Sequence[Statement], unsure: Collection[clingo.Symbol]
 ) -> dict[clingo.Symbol, Statement]:
-    """Return the fluents that may become unknown, apart from those `unsure` to be known, each with a rule to blame."""
+    """Return the fluents that may become unknown, except those already `unsure`, each with a responsible rule."""
     steps = [each for each in statements if each.own and each.is_rule and each.part == "step"]
     heads = ((each, atom) for each in steps for atom in each.heads if atom.signature == CHANGED and not atom.negated)
     changing = [(each, atom) for each, atom in heads if not _is_set(each, atom, steps)]
@@ -53,7 +54,7 @@ def unset_fluents(
         return {}
     try:
         fluents = _found_unset(_step_program(program, facts), facts, _carried(statements, steps), unsure)
-    except DomainError:  # engines that unroll the steps decide what such a step does
+    except DomainError:  # engines that unroll the steps handle such a step
         fluents = [fluent for fluent in facts.fluents if fluent not in unsure]
     blamed: dict[clingo.Symbol, Statement] = {}
     for fluent in fluents:
@@ -65,7 +66,7 @@ def unset_fluents(
 
 
 def _is_set(rule: Statement, head: AtomNode, steps: Sequence[Statement]) -> bool:
-    """Return whether another rule gives the fluent one value wherever this rule changes it."""
+    """Return whether another rule gives the fluent a value whenever this rule changes it."""
     fluent, literals = renamed_literals(head.arguments[0], rule)
     setting = (
         renamed_literals(atom.arguments[0], each)
@@ -78,13 +79,13 @@ def _is_set(rule: Statement, head: AtomNode, steps: Sequence[Statement]) -> bool
 
 
 def _may_name(term: str, fluent: clingo.Symbol) -> bool:
-    """Return whether the text of a term may stand for a fluent."""
+    """Return whether the text of a term may denote a fluent."""
     name = term.partition("(")[0]
     return not name[:1].islower() or name == fluent.name or ";" in term
 
 
 def _carried(statements: Sequence[Statement], steps: Sequence[Statement]) -> list[Signature]:
-    """Return the predicates apart from states and actions that user rules read at the step before."""
+    """Return the predicates, except states and actions, that user rules read at the previous step."""
     timed = {atom.signature for each in statements if each.timed for atom in each.heads}
     read = {
         atom.signature
@@ -106,7 +107,7 @@ def _step_program(program: Program, facts: Facts) -> Program:
 def _found_unset(
     program: Program, facts: Facts, carried: Sequence[Signature], unsure: Collection[clingo.Symbol]
 ) -> list[clingo.Symbol]:
-    """Return the fluents that are not known in every state, by dropping hypotheses that a step breaks."""
+    """Return the fluents that are not known in every state, found by dropping hypotheses that a step breaks."""
     atoms = _carried_atoms(program, carried) if carried else set[clingo.Symbol]()
     if atoms is None:
         return [fluent for fluent in facts.fluents if fluent not in unsure]
@@ -150,9 +151,9 @@ def _found_unset(
 
 
 def _carried_atoms(program: Program, carried: Sequence[Signature]) -> set[clingo.Symbol] | None:
-    """Return the atoms of some predicates, without their time, that any number of steps may derive.
+    """Return the atoms of given predicates, without their time, that any number of steps may derive.
 
-    None if there seems to be no end of them.
+    The result is None if there seem to be infinitely many.
     """
     grounder = Grounder(program, strict=False)
     grounder.add("_states", [STATES])

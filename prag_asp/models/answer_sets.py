@@ -165,7 +165,7 @@ class AnswerSets:
         """Yield `count` answer sets, each with a probability exactly proportional to its weight, reproducibly by seed.
 
         Raises:
-            NotFound: there is no answer set, or all have the weight 0.
+            NotFound: there is no answer set, or all have weight 0.
         """
         if self._way() == "clingo":
             total = self._compiled.enumeration.total()
@@ -179,7 +179,7 @@ class AnswerSets:
         """Return, for each symbol that may be shown, the exact probability, by weight, that an answer set has it.
 
         Raises:
-            NotFound: there is no answer set, or all have the weight 0.
+            NotFound: there is no answer set, or all have weight 0.
         """
         if self._way() == "clingo":
             total = self._compiled.enumeration.total()

@@ -126,7 +126,7 @@ def literals(formula: Formula) -> Iterator[Literal]:
 
 
 def certainly_unlike(one: Sequence[Variable | str], other: Sequence[Variable | str], condition: Formula) -> bool:
-    """Return whether the inequalities of a condition imply that two rows of terms denote different objects."""
+    """Return whether two rows of terms surely differ, by the inequalities of a condition or by object names."""
     unequal: list[set[Variable | str]] = [
         {each.left, each.right} for each in conjuncts(condition) if isinstance(each, Equality) and not each.positive
     ]

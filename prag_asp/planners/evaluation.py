@@ -28,7 +28,7 @@ After = Mapping[int, Node]
 
 @dataclass(frozen=True)
 class ActionFunctions:
-    """The effects of an action as functions; each of `refused` forbids the action in the states where it is true."""
+    """The effects of an action as functions; each function in `refused` forbids the action in states where it holds."""
 
     refused: tuple[Node, ...]
     after: After
@@ -68,7 +68,7 @@ class StepFunctions:
         return {number: (symbols[variable] in start) == value for variable, (number, value) in enumerate(self._own)}
 
     def opposed(self, fluent: clingo.Symbol, value: str) -> tuple[int, bool] | None:
-        """Return the literal of a proposition for "the fluent is not known to have the value".
+        """Return the literal for "the fluent is not known to have the value".
 
         The result is None if the fluent never has the value.
         """
@@ -104,13 +104,13 @@ class StepFunctions:
         return sorted({self._own[variable][0] for variable in after})
 
     def becomes(self, number: int, after: After) -> Node:
-        """Return the function that is true where a proposition is true after a step."""
+        """Return the function that is true if a proposition is true after a step."""
         value, variable = next(iter(self._variables[number].items()))
         function = after.get(variable, self._left(variable))
         return function if value else self._functions.opposite(function)
 
     def undecided(self, number: int, after: After) -> Node:
-        """Return the function that is true where a fluent is unknown after a step."""
+        """Return the function that is true if a fluent is unknown after a step."""
         variables = self._variables[number]
         if len(variables) < 2:
             return FALSE
@@ -118,7 +118,7 @@ class StepFunctions:
         return self._functions.choice(true, false, self._functions.opposite(false))
 
     def refused_at_end(self) -> list[Node]:
-        """Return the functions that forbid a final state where they are true."""
+        """Return the functions that forbid a final state if they are true."""
         step = self._transition.step
         values = self._state(step.ground.now)
         self._evaluate(self._transition.final_strata, step.final_bodies.__getitem__, values, {})
@@ -174,7 +174,7 @@ def holds(fluent: clingo.Symbol, value: str) -> clingo.Symbol:
 
 
 def _proposition(symbol: clingo.Symbol, unknown: Collection[clingo.Symbol]) -> tuple[Proposition, bool]:
-    """Return the proposition of a state variable, with the value that it has if the variable is true."""
+    """Return the proposition of a state variable, with its value if the variable is true."""
     if not symbol.match(*HOLDS.without_time):
         return Proposition(symbol, CARRIED), True
     fluent, value = symbol.arguments

@@ -27,7 +27,7 @@ Values = Mapping[Proposition, bool]
 
 
 class ConditionalEffect(NamedTuple):
-    """A value that an action sets if its condition holds before."""
+    """A value that an action sets if its condition holds before the action."""
 
     condition: tuple[Value, ...]
     value: Value
@@ -37,7 +37,7 @@ class ConditionalEffect(NamedTuple):
 class Case:
     """A precondition, which is a conjunction of values and clauses, and conditional effects.
 
-    Effects whose conditions may hold together do not contradict each other.
+    Effects whose conditions may hold simultaneously do not contradict each other.
     """
 
     precondition: Values

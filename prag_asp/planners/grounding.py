@@ -1,7 +1,7 @@
 """A domain without rules over time as ground actions with preconditions and effects.
 
 An invariant that an action might break becomes a precondition: if the action makes one literal of a binary clause
-false, it requires the other one, unless it makes that true itself.
+false, it requires the other one, unless it makes the other one true.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ NOT_OVER_TIME = ("closed_world", "ever", "canonical_names", "joint_names", "clos
 """Rules of the encodings that do not restrict plans."""
 
 MOST = 400
-"""Maximum number of fluents for which pairs are computed; their number is four times its square."""
+"""The maximum number of fluents for which pairs are computed; the number of pairs is four times its square."""
 
 Values = Mapping[clingo.Symbol, bool]
 
@@ -42,7 +42,7 @@ class _StripsAction(NamedTuple):
 
 
 class FactPairs:
-    """The pairs of values that may be in one reachable state, an upper bound (h^2 of Haslum and Geffner).
+    """The pairs of values that may be in one reachable state, an overapproximation (h^2 of Haslum and Geffner).
 
     A pair is reached if the initial state has it, or if a reachable action makes one of its values and makes or
     preserves the other. Conditions that exclude unreachable pairs are redundant. Each value is a bit of an integer.
@@ -61,7 +61,7 @@ class FactPairs:
             pass
 
     def excludes(self, before: Values, fluent: clingo.Symbol, value: bool) -> bool:
-        """Return whether a value of a fluent is mutex with one of some others."""
+        """Return whether a value of a fluent is mutex with one of several other values."""
         return not self._beside(self._bits(before)) >> self._bit(fluent, value) & 1
 
     def _apply(self, before: list[int], after: list[int], changed: int) -> bool:
@@ -85,7 +85,7 @@ class FactPairs:
         return is_new
 
     def _beside(self, bits: Iterable[int]) -> int:
-        """Return the values that may hold together with each of some values."""
+        """Return the values that may hold together with each of the given values."""
         compatible = self._reached
         for bit in bits:
             compatible &= self._with[bit]
@@ -99,7 +99,7 @@ class FactPairs:
 
 
 def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes | None = None) -> PlanningTask:
-    """Return the planning task with all applicable actions; fluents that `state` does not name are false.
+    """Return the planning task with all applicable actions; fluents not in `state` are false.
 
     With `outcomes`, unknown effects have these values, by default false.
 
@@ -149,7 +149,7 @@ def outcomes_of(task: Task, facts: Facts) -> Outcomes:
 
 
 def broken_invariant(facts: Facts, state: Mapping[clingo.Symbol, bool]) -> bool:
-    """Return whether a state violates an invariant; fluents that it does not name are false."""
+    """Return whether a state violates an invariant; fluents that the state does not have are false."""
     both = (*facts.exclusive, *facts.impossible)
     return any(state.get(f) and state.get(g) for f, g in both) or any(
         state.get(f) and not state.get(g) for f, g in facts.implies
@@ -157,7 +157,7 @@ def broken_invariant(facts: Facts, state: Mapping[clingo.Symbol, bool]) -> bool:
 
 
 def rules_over_time(program: Program) -> Iterator[tuple[Path, int]]:
-    """Yield the places of rules that restrict plans beyond the statements of actions."""
+    """Yield the places of rules that restrict plans further than preconditions and effects of actions do."""
     for source, own in owned(program):
         if own or (source.path.parent.name == "rules" and source.path.stem not in NOT_OVER_TIME):
             statements, _ = parse_sources([(source, own)])
@@ -165,7 +165,7 @@ def rules_over_time(program: Program) -> Iterator[tuple[Path, int]]:
 
 
 def _strips_action(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | None) -> _StripsAction | None:
-    """Return an action as the domain states it, or None if it contradicts itself.
+    """Return an action with its stated preconditions and effects, or None if it contradicts itself.
 
     Raises:
         DomainError: an effect is unknown and there are no `outcomes`.
@@ -194,9 +194,9 @@ def _safe_precondition(
     clauses: Mapping[FluentValue, list[FluentValue]],
     pairs: FactPairs | None,
 ) -> Values | None:
-    """Return the precondition under which an action preserves the invariants, or None if it always breaks one.
+    """Return the precondition under which an action preserves the invariants, or None if it always violates one.
 
-    `clauses` has for each value the values that an invariant requires if it does not hold.
+    `clauses` has, for each value, the values that an invariant requires if that value does not hold.
     """
     before = dict(action.precondition)
     known = entailed(before.items(), graph)

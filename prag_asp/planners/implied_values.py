@@ -13,7 +13,7 @@ from prag_asp.program.invariants import FluentValue, conflict, entailed, invaria
 
 
 class ImpliedValues:
-    """The invariants; `unknown` has the fluents that may be unknown, which have propositions for known values."""
+    """The invariants; `unknown` has the fluents that may be unknown, whose propositions state known values."""
 
     def __init__(self, facts: Facts, unknown: Collection[clingo.Symbol]) -> None:
         self._graph = invariant_graph(facts, impossible=True)
@@ -71,11 +71,11 @@ class ImpliedValues:
             before |= new
 
     def _known(self, values: Iterable[Value]) -> Mapping[FluentValue, FluentValue]:
-        """Return the values of fluents that some values entail under the invariants."""
+        """Return the fluent values that some values entail under the invariants."""
         return entailed((meaning for each in values if (meaning := self._meaning(each)) is not None), self._graph)
 
     def _meaning(self, value: Value) -> FluentValue | None:
-        """Return the fluent value that a value of a proposition means, if any."""
+        """Return the fluent value that a value of a proposition represents, if any."""
         (term, role), truth = value
         if role == CARRIED or (term in self._unknown and not truth):
             return None

@@ -1,4 +1,4 @@
-"""Lift ground actions that are equal up to their arguments to an action with parameters."""
+"""Lift ground actions that differ only in their arguments to an action with parameters."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import NamedTuple
 import clingo
 
 FEW = 4
-"""Maximum number of schemas for the actions of one name."""
+"""The maximum number of schemas for the actions of one name."""
 
 Literal = tuple[str, tuple[str, ...], bool]
 """A predicate, its terms, and whether it is asserted; a term is the name of an object or a variable."""
@@ -25,7 +25,7 @@ class PddlCase(NamedTuple):
 
     @property
     def key(self) -> Hashable:
-        """A value that is equal for cases that differ only in order."""
+        """A key that is equal for cases that differ only in order."""
         after = frozenset((frozenset(where), effect) for where, effect in self.effects)
         return frozenset(self.precondition), frozenset(map(frozenset, self.clauses)), after
 
@@ -37,7 +37,7 @@ class PddlCase(NamedTuple):
             yield from clause
 
     def rename(self, names: Mapping[str, str]) -> PddlCase:
-        """Return a case with other terms."""
+        """Return the case with its terms renamed."""
 
         def literal(old: Literal) -> Literal:
             return old[0], tuple(names.get(term, term) for term in old[1]), old[2]
@@ -63,9 +63,9 @@ def variable(number: int) -> str:
 
 
 def group_alike(instances: Sequence[Instance]) -> list[list[Instance]]:
-    """Return groups of actions: one group if all have a common schema, else groups that are equal with variables.
+    """Return groups of actions: one group if all have a common schema, otherwise groups with equal schemas.
 
-    If there are more than `FEW` groups, whose numbers would not help readers, each action is a group.
+    If there are more than `FEW` groups, numbered schemas would not help readers, so each action is a group.
     """
     if lift(instances) is not None:
         return [list(instances)]

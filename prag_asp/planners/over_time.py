@@ -28,26 +28,26 @@ from prag_asp.planners.grounding import rules_over_time
 from prag_asp.planners.implied_values import ImpliedValues
 
 MOST_NODES = 1_000_000
-"""Maximum number of diagram nodes."""
+"""The maximum number of diagram nodes."""
 
 MOST_CASES = 1000
-"""Maximum number of copies of one action, one for each case of its conditions."""
+"""The maximum number of copies of an action, one for each case of its conditions."""
 
 REACHED = Proposition(clingo.Function("goal-reached"), CARRIED)
-"""The proposition that the goal holds, for a goal that is not a conjunction."""
+"""The proposition that the goal holds, for goals that are not conjunctions."""
 
 OPPOSITE = {True: "false", False: "true"}
 
 Change = tuple[Value, Node]
-"""A value that an action sets, and the states before it in which it does."""
+"""A value that an action sets, and the states in which the action sets it."""
 
 
 def ground_over_time(
     domain: Domain, stated: Mapping[clingo.Symbol, bool], goal: Mapping[clingo.Symbol, bool] | None, *, whole: bool
 ) -> PlanningTask:
-    """Return the planning task of a domain from the initial state `stated`, in which other fluents are false.
+    """Return the planning task of a domain with the initial state `stated`, in which other fluents are false.
 
-    With a `goal`, the final state has these values as well. With `whole`, there are no conditional effects and no
+    With a `goal`, the final state must also have these values. With `whole`, there are no conditional effects and no
     disjunctions: an action has a case for each combination of truth values of its conditions (Nebel 2000).
 
     Raises:
@@ -94,7 +94,7 @@ class _Step:
         self.unknown: set[clingo.Symbol] = set()
 
     def ground(self, goal: Mapping[clingo.Symbol, bool], *, whole: bool) -> PlanningTask:
-        """Return the planning task, which is valid if `unknown` stays empty."""
+        """Return the planning task, which is valid only if `unknown` remains empty."""
         first = self._step.first
         initial = {self._propositions[number] for number, value in first.items() if value}
         propositions = [*self._propositions]
@@ -119,7 +119,7 @@ class _Step:
 
     @contextmanager
     def _within_limits(self, what: str) -> Iterator[None]:
-        """Refuse a domain in which a part depends on the state in too many ways."""
+        """Refuse a domain if a part of it depends on the state in too many ways."""
         try:
             yield
         except TooLarge:
@@ -127,7 +127,7 @@ class _Step:
             raise DomainError(f"{self._place()}: {problem}; let its rules read fewer fluents at once") from None
 
     def _place(self) -> str:
-        """Return the line of the first rule over time, if any, because the rule at fault is unknown."""
+        """Return the line of the first rule over time, if any, because the responsible rule is unknown."""
         return next((f"{path}:{line}" for path, line in rules_over_time(self._domain.program)), self._domain.name)
 
     def _cases(self, letter: int, end: Node | None, *, whole: bool) -> Iterator[Case]:
@@ -171,7 +171,7 @@ class _Step:
         }
 
     def _changes(self, after: After, fixed: Mapping[int, bool]) -> Iterator[Change]:
-        """Yield the states in which each proposition becomes true, and those in which it becomes false.
+        """Yield, for each proposition, the states in which it becomes true, and those in which it becomes false.
 
         The two are disjoint, because planners disagree on contradictory effects.
         """
@@ -223,7 +223,7 @@ class _Step:
                 yield Case(case, (), tuple(ConditionalEffect((), each) for each in effects))
 
     def _where(self, function: Node, fixed: Mapping[int, bool]) -> Node:
-        """Return a function without states that contradict some values under the invariants."""
+        """Return a function without the states that contradict some values under the invariants."""
         fixed_values = [*map(self._value, fixed.items())]
         functions = self._functions
         return functions.any(

@@ -1,6 +1,6 @@
 """The names of a domain and its formulas as PDDL text.
 
-If negative conditions are not allowed, `opposites` maps a predicate to the one for its negation.
+If negative conditions are not allowed, `opposites` maps a predicate to the predicate for its negation.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ KEYWORDS = frozenset([
 
 
 class Spelling:
-    """Unique names of things, because some parsers refuse shared names."""
+    """Unique PDDL names, because some parsers refuse shared names."""
 
     def __init__(self) -> None:
         self._names: dict[Hashable, str] = {}
         self._taken: set[str] = set(KEYWORDS)
 
     def name(self, thing: Hashable, text: str) -> str:
-        """Return the name of a thing, derived from a text."""
+        """Return the unique name of an item, derived from a text."""
         if thing not in self._names:
             plain = re.sub(r"[^a-z0-9_]+", "-", text.lower()).strip("-_")
             first = plain if re.match("[a-z]", plain) else f"n{plain}"
@@ -39,12 +39,12 @@ class Spelling:
 
 
 def mirror(literals: Iterable[Literal], opposites: Mapping[str, str]) -> list[Literal]:
-    """Return the literals of the predicates of negations, for predicates that have one."""
+    """Return the literals of the predicates for negations, for predicates that have such a predicate."""
     return [(opposites[name], terms, not value) for name, terms, value in literals if name in opposites]
 
 
 def all_of(literals: Clause, clauses: Iterable[Clause], opposites: Mapping[str, str]) -> str:
-    """Return literals and clauses as PDDL formulas, each after a blank."""
+    """Return literals and clauses as PDDL formulas, each preceded by a blank."""
     formulas = [
         as_text(
             (opposites[name], terms, True) if not value and name in opposites else (name, terms, value)
@@ -56,7 +56,7 @@ def all_of(literals: Clause, clauses: Iterable[Clause], opposites: Mapping[str, 
 
 
 def effects(case: PddlCase, opposites: Mapping[str, str]) -> str:
-    """Return the effects of a case as PDDL text, each after a blank."""
+    """Return the effects of a case as PDDL text, each preceded by a blank."""
     by_condition: dict[Clause, list[Literal]] = {}
     for where, each in case.effects:
         by_condition.setdefault(where, []).append(each)
@@ -68,7 +68,7 @@ def effects(case: PddlCase, opposites: Mapping[str, str]) -> str:
 
 
 def as_text(literals: Iterable[Literal]) -> str:
-    """Return literals as PDDL text, each after a blank."""
+    """Return literals as PDDL text, each preceded by a blank."""
     texts = (
         f"({' '.join([name, *terms])})" if value else f"(not ({' '.join([name, *terms])}))"
         for name, terms, value in literals

@@ -1,7 +1,7 @@
 """Write a domain, or one of its tasks, as a PDDL domain and problem.
 
-Actions of one name that are equal up to their arguments become one action with parameters, and a predicate that states
-for which objects it exists; other actions are written without parameters.
+Actions of one name that differ only in their arguments become one action with parameters, with a predicate for its
+valid arguments; other actions are written without parameters.
 """
 
 from __future__ import annotations
@@ -54,8 +54,8 @@ def write(domain: Domain, task: Task | None = None, *, negative: bool = True, co
     """Write a domain or a task as PDDL; the goal of a task is the known part of its final state.
 
     Fluents that are unknown in the initial state of a task are false in PDDL. Without rules over time, an unknown
-    effect has the value that the task needs, and is false in all other actions, so that PDDL has the plans of the
-    domain that agree with these values. Comments in the problem state both.
+    effect has the value that the task needs, and is false in all other actions, so that the PDDL plans are the plans of
+    the domain that agree with these values. Comments in the problem state both.
 
     Rules over time become preconditions and conditional effects. Without `conditional`, there are no conditional
     effects and no disjunctions: an action has a copy for each combination of its conditions, so that plans keep their
@@ -175,7 +175,7 @@ class _PddlWriter:
         return tuple(sorted(map(self._literals, clauses)))
 
     def _schemas_of(self, key: tuple[str, int], actions: Sequence[GroundAction]) -> Iterator[_Schema]:
-        """Yield the schemas of the actions of a name; actions with a common schema share it."""
+        """Yield the schemas of the actions with a name; actions with a common schema share it."""
         instances = []
         for action in actions:
             arguments = tuple(map(self._object, action.term.arguments))
@@ -206,7 +206,7 @@ class _PddlWriter:
             yield from (_Schema(name, variables, case, allowed) for name, case in zip(names, cases, strict=True))
 
     def _action_names(self, key: tuple[Hashable, ...], text: str, cases: Sequence[PddlCase]) -> list[str]:
-        """Return the names of the cases of an action, which have numbers if there are several."""
+        """Return the names of the cases of an action, numbered if there are several."""
         texts = [text] if len(cases) == 1 else [f"{text}-{number + 1}" for number in range(len(cases))]
         return [self._spelling.name(("action", *key, number), each) for number, each in enumerate(texts)]
 

@@ -1,1 +1,1 @@
-"""The author's logic text: its files, their syntax, the facts that they state."""
+"""The logic program of a domain: its files, their syntax, and the facts that they state."""

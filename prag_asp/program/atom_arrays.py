@@ -1,4 +1,4 @@
-"""Fast iteration over the ground atoms of a predicate; a domain may have 100,000.
+"""Fast iteration over the ground atoms of a predicate, of which a domain may have 100,000.
 
 The Python package of clingo makes a dozen wrapper calls for each atom. This module calls the functions of the C
 interface directly if the installed version of the package has all of them.
@@ -19,7 +19,7 @@ except ImportError:
 
 OF_ATOMS = ("begin", "is_valid", "next", "symbol", "literal", "is_fact")
 NEEDED = ("clingo_signature_create", "clingo_symbol_arguments", *(f"clingo_symbolic_atoms_{each}" for each in OF_ATOMS))
-"""The functions of the C interface that are called."""
+"""The required functions of the C interface."""
 
 GroundAtom = tuple[list[clingo.Symbol], int, bool]
 """The arguments of an atom, its literal, and whether it is a fact."""

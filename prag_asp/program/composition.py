@@ -42,9 +42,9 @@ def _innermost_first(facts: Facts) -> Iterable[clingo.Symbol]:
 
 
 def find_cycle(successors: Mapping[clingo.Symbol, Iterable[clingo.Symbol]]) -> list[clingo.Symbol]:
-    """Return a cycle as a list that begins and ends with its least term, or an empty list.
+    """Return a cycle as a list that begins and ends with its smallest term, or an empty list.
 
-    The choice among several cycles depends on the terms alone.
+    The choice among several cycles depends only on the terms.
     """
     sorter: TopologicalSorter[clingo.Symbol] = TopologicalSorter()
     for term, others in sorted(successors.items()):

@@ -1,4 +1,4 @@
-"""Set the ``#const``s of a domain, as clingo's option ``-c`` does."""
+"""Set the ``#const``s of a domain, like clingo's option ``-c``."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Constant = int | str | clingo.Symbol
 """A value: an integer, a term or the text of a term."""
 
 LONGEST = 1000
-"""The maximum number of characters of a value; clingo crashes on terms that are nested too deep."""
+"""The maximum number of characters of a value; clingo crashes on terms nested too deeply."""
 
 
 def parse_constants(constants: Mapping[str, Constant]) -> dict[str, str]:
@@ -51,7 +51,7 @@ def parse_constants(constants: Mapping[str, Constant]) -> dict[str, str]:
 def set_constants(sources: Sequence[Source], constants: Mapping[str, str], domain: str) -> tuple[Source, ...]:
     """Return the files of a domain with new values in their ``#const`` statements; line numbers do not change.
 
-    Every reader of the program, the linter, an engine or the cache, then sees the same value.
+    So all readers of the program (the linter, engines, the cache) see the same value.
 
     Raises:
         DomainError: no file declares a constant, a constant may not be set, or a file cannot be parsed.

@@ -1,4 +1,4 @@
-"""The names of classes, entities and actions in queries. Ambiguous names are refused."""
+"""The names of classes, entities and actions in queries; ambiguous names are refused."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from prag_asp.wording import unknown
 
 
 def named(facts: Facts) -> Mapping[str, set[str]]:
-    """Return the names of classes, entities and actions; a ground action is a name as well."""
+    """Return the names of classes, entities and actions; a ground action is also a name."""
     return {
         "class": set(map(str, facts.classes)),
         "entity": set(facts.entity_names),
@@ -23,9 +23,9 @@ def named(facts: Facts) -> Mapping[str, set[str]]:
 
 
 def shared_names(facts: Facts) -> list[str]:
-    """Return the ambiguous names: names of several of a class, an entity and an action."""
+    """Return the ambiguous names: names of at least two of a class, an entity and an action."""
     others = {*facts.classes, *facts.entities}
-    texts = {str(action) for action in facts.declared_actions if action in others}  # others are spelled as none of them
+    texts = {str(action) for action in facts.declared_actions if action in others}  # others share no spelling
     kinds = (set(map(str, facts.classes)), set(facts.entity_names), texts | facts.action_names)
     return sorted({name for one, other in combinations(kinds, 2) for name in one & other})
 

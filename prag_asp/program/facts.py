@@ -34,8 +34,8 @@ class Facts:
     Terms are clingo symbols, in clingo's order of terms. `parents` maps a class to its direct superclasses, `entities`
     an entity to its declared class; `memberships` is the derived ``is_a``. `pruned` are the declared actions and
     composites that every state rejects; no other facts about them remain. `unreachable` are the actions whose
-    preconditions are relaxed-unreachable: no step tries them, but their preconditions and effects remain. `static` are
-    fluents with a value that they have in every state, because no action that is tried sets them. It may lack some.
+    preconditions are relaxed-unreachable: no step tries them, but their preconditions and effects remain. `static` maps
+    fluents to the value that they have in every state, because no tried action sets them. It may be incomplete.
     """
 
     parents: Mapping[clingo.Symbol, tuple[clingo.Symbol, ...]]
@@ -104,12 +104,12 @@ class Facts:
 
     @cached_property
     def action_arguments(self) -> Mapping[tuple[str, int], list[set[str]]]:
-        """The arguments, as text, at each place of the actions with a name and an arity, including pruned ones."""
+        """The arguments, as text, at each position of the actions with a name and an arity, including pruned ones."""
         return _arguments(self.declared_actions)
 
     @cached_property
     def fluent_arguments(self) -> Mapping[tuple[str, int], list[set[str]]]:
-        """The arguments, as text, at each place of the fluents with a name and an arity."""
+        """The arguments, as text, at each position of the fluents with a name and an arity."""
         return _arguments(self.fluents)
 
     @property
@@ -186,7 +186,7 @@ def without(facts: Facts, pruned: Iterable[clingo.Symbol]) -> Facts:
 
 
 def flattened(facts: Facts) -> Facts:
-    """Return facts without composites, so that any sequence of actions may be a plan."""
+    """Return facts without composites, so that any sequence of actions can be a plan."""
     composites = set(facts.composites)
     pruned = tuple(term for term in facts.pruned if term not in composites)
     return replace(facts, composites=(), stages={}, free=(), pruned=pruned)
@@ -220,7 +220,7 @@ def _by_action(
     """Return the fluents and values of a predicate by action, sorted.
 
     `actions` and `fluents` are sorted, and each term is looked up once, because comparing thousands of clingo's terms
-    is slow. Further lookups are by the identity of terms that are kept alive, because to hash these is slow as well.
+    is slow. Further lookups use the identity of terms that are kept alive, because hashing terms is also slow.
     """
     ranks = {fluent: (rank, fluent) for rank, fluent in enumerate(fluents)}
     spelled = {clingo.Function(value): value for value in VALUES}

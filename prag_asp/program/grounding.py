@@ -22,10 +22,10 @@ SCRIPT = "#Script"
 """The text that clingo prints for the value of a check in an undefined operation."""
 
 REMARKS = "--warn=atom-undefined"
-"""The option that has clingo remark on atoms that no rule derives."""
+"""The option that makes clingo report atoms that no rule derives."""
 
 MESSAGES = 1000
-"""The number of messages after which clingo is silent."""
+"""The number of messages after which clingo suppresses further ones."""
 
 Part = tuple[str, Sequence[clingo.Symbol]]
 
@@ -34,9 +34,9 @@ class Grounder:
     """A clingo control for one program, without output.
 
     `notes` are the messages about undefined operations, which are errors only if `strict`. `remarks` are those about
-    atoms that no rule derives; clingo prints them with the option `REMARKS`. If `text` is given, it is a program in
-    aspif, and is ground instead of `program`, without further checks. An `observer` receives everything that clingo
-    grounds.
+    atoms that no rule derives; clingo prints them with the option `REMARKS`. If `text` is given, it is an aspif
+    program, which is ground instead of `program`, without further checks. An `observer` receives the ground program
+    from clingo.
 
     Raises:
         DomainError: clingo cannot parse the program, or one of its intervals is too wide.
@@ -63,7 +63,7 @@ class Grounder:
             message_limit=MESSAGES,
         )
         if observer is not None:
-            self.control.register_observer(observer)  # before aspif is read, which adds its rules at once
+            self.control.register_observer(observer)  # before aspif is read, because that immediately adds its rules
         self._run(lambda: self.control.add("base", [], guarded.text))
 
     def ground(self, parts: Iterable[Part]) -> None:
@@ -76,11 +76,11 @@ class Grounder:
         self._run(lambda: self.control.ground(list(parts), context=self._checks))
 
     def state(self, atoms: Iterable[clingo.Symbol]) -> None:
-        """Add facts for the parts that are ground later."""
+        """Add facts for program parts that are ground later."""
         self._add_facts(f"{atom}." for atom in atoms)
 
     def leave_open(self, atoms: Iterable[clingo.Symbol]) -> None:
-        """Add external atoms, which may be true or false, for the parts that are ground later."""
+        """Add external atoms, which may be true or false, for program parts that are ground later."""
         self._add_facts(f"#external {atom}." for atom in atoms)
 
     def add(self, part: str, rules: Iterable[str]) -> None:
@@ -124,7 +124,7 @@ class Grounder:
 
 
 def locate_message(program: Program, message: str) -> str:
-    """Return a message of clingo as one line that begins with the file and the line number."""
+    """Return a clingo message as one line that begins with the file and the line number."""
     place = re.search(POSITION, message)
     if not place:
         return " ".join(message.split())
@@ -138,7 +138,7 @@ def locate_message(program: Program, message: str) -> str:
 
 
 def _remark(program: Program, message: str) -> Problem:
-    """Return a message of clingo on an atom that no rule derives as a warning, without the checks in its arguments."""
+    """Return clingo's message about an atom that no rule derives as a warning, without the checks in its arguments."""
     place = re.search(POSITION, message)
     path, line = program.locate(int(place["line"])) if place else (ADDED, 0)
     words = " ".join(re.sub(POSITION, "", message).split())

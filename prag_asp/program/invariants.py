@@ -13,11 +13,11 @@ FluentValue = tuple[clingo.Symbol, bool]
 """A fluent with its value."""
 
 Value = TypeVar("Value", bound=Hashable)
-"""A fluent with its value, or what stands for it."""
+"""A fluent with its value, or a representation of it."""
 
 Graph = Mapping[FluentValue, tuple[FluentValue, ...]]
 Reasons = Mapping[FluentValue, FluentValue]
-"""Each derived value, with the value that it was derived from."""
+"""Maps each derived value to the value that it was derived from."""
 
 
 def invariant_graph(facts: Facts, *, impossible: bool = False) -> Graph:
@@ -33,7 +33,7 @@ def invariant_graph(facts: Facts, *, impossible: bool = False) -> Graph:
 
 
 def entailed(values: Iterable[Value], graph: Mapping[Value, tuple[Value, ...]]) -> dict[Value, Value]:
-    """Return values and their consequences, each with the value that it follows from."""
+    """Return values and their consequences, each mapped to the given value that it follows from."""
     if not graph:
         return {value: value for value in values}
     reasons: dict[Value, Value] = {}
@@ -48,9 +48,9 @@ def entailed(values: Iterable[Value], graph: Mapping[Value, tuple[Value, ...]]) 
 
 
 def conflict(reasons: Reasons, others: Reasons | None = None) -> tuple[FluentValue, FluentValue] | None:
-    """Return two values with contradicting consequences, one value twice if it contradicts itself, or None.
+    """Return two values with contradictory consequences (the same value twice if it contradicts itself), or None.
 
-    With `others`, the first value is one of its reasons.
+    With `others`, the first value is from the reasons in `others`.
     """
     against = reasons if others is None else others
     if not against:

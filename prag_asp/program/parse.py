@@ -21,7 +21,7 @@ DEEPEST = 300
 """The maximum nesting of parentheses: deeper terms exhaust the stack of clingo or of functions on its terms."""
 
 IN_CALLBACK = "error in callback"
-"""The message of clingo after a failure in a Python callback."""
+"""Clingo's message after a failure in a Python callback."""
 
 STAND_IN = "$"
 """A character that clingo accepts only in strings and comments."""
@@ -72,7 +72,7 @@ def _parsed(source: Source, own: bool) -> tuple[tuple[Statement, ...], Problem |
 
 
 def _character_problem(source: Source) -> Problem | None:
-    """Return the problem of the first character that clingo cannot read, or of a parenthesis that is nested too deep.
+    """Return the problem of the first character that clingo cannot read, or of the first parenthesis nested too deeply.
 
     Some of these would crash the process.
     """
@@ -107,17 +107,17 @@ def number_problem(source: Source) -> Problem | None:
 
 
 def require_memory(error: RuntimeError) -> None:
-    """Raise a MemoryError if clingo failed in a Python callback: the callbacks here fail for no other reason.
+    """Raise a MemoryError if clingo failed in a Python callback: callbacks here have no other reason to fail.
 
     Raises:
-        MemoryError: a callback has failed.
+        MemoryError: a callback failed.
     """
     if IN_CALLBACK in str(error):
         raise MemoryError(IN_CALLBACK) from None
 
 
 def _syntax_problem(source: Source, messages: list[str]) -> Problem:
-    """Return the problem of the first syntax error, because the others follow from it."""
+    """Return the problem of the first syntax error only, because the others may follow from it."""
     error = re.match(MESSAGE, messages[0]) if messages else None
     if not error:
         text = f"clingo cannot read this file: {' '.join(messages) or 'no reason given'}; fix it"

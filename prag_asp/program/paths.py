@@ -9,7 +9,7 @@ from prag_asp.safe_reading import STANDARD_INPUT
 from prag_asp.wording import did_you_mean
 
 BY_LIBRARY = frozenset(["canonical_names", "joint_names", "closed_invariants", "weights"])
-"""Rules that only the library adds, three of them together with computed facts."""
+"""Rules that only the library adds, three of them with computed facts."""
 
 PDDL = ".pddl"
 """The suffix of PDDL files."""
@@ -18,7 +18,7 @@ PACKAGE = Path(__file__).resolve().parent.parent
 
 
 def data_folder(name: str) -> Path:
-    """Return the data folder `name`, such as ``encodings``: in the package, or beside it in a checkout."""
+    """Return the data folder `name`, such as ``encodings``, in the package, or next to it in a checkout."""
     installed = PACKAGE / name
     return installed if installed.is_dir() else PACKAGE.parent / name
 
@@ -34,12 +34,12 @@ def rule_names(encodings: Path) -> list[str]:
 
 
 def is_file_name(name: str | Path) -> bool:
-    """Return whether a domain argument is a file, of logic or PDDL, or standard input, not a name or a folder."""
+    """Return whether a domain argument is a logic or PDDL file or standard input, rather than a name or a folder."""
     return str(name) == STANDARD_INPUT or (Path(name).suffix in (".lp", PDDL) and not Path(name).is_dir())
 
 
 def domain_folder(name_or_path: str | Path) -> Path:
-    """Return the folder of a domain, from a shipped name or the path of a folder.
+    """Return the folder of a domain, given a shipped name or a folder path.
 
     Raises:
         DomainError: there is neither a shipped domain nor a folder of that name, the path is a file, or the folder has
@@ -65,7 +65,7 @@ def shipped_suites() -> dict[str, Path]:
 
 
 def suite_file(name_or_path: str | Path) -> Path:
-    """Return the file of a suite, from a shipped name or the path of a file.
+    """Return the file of a suite, given a shipped name or a file path.
 
     Raises:
         QueryError: there is neither a shipped suite nor a file of that name.

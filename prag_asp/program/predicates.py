@@ -30,7 +30,7 @@ class EncodingPredicate(NamedTuple):
         return f"{self.name}({','.join(map(str, arguments))})."
 
     def timeless(self, *arguments: clingo.Symbol) -> clingo.Symbol:
-        """Return the atom with these arguments, which lack the last one, the step."""
+        """Return the atom with these arguments, without the last argument, the step."""
         return clingo.Function(self.name, arguments)
 
     @property
@@ -64,7 +64,7 @@ REQUEST, MEMORY, FINDING = (
     EncodingPredicate("_memory", 2),
     EncodingPredicate("_finding", 2),
 )
-"""Predicates of conditions and weights: their requests, their memory after a step, and their findings at a step."""
+"""Predicates of conditions and weights: their requests, their memory after a step, and their results at a step."""
 
 
 def refers_to(text: str, predicate: EncodingPredicate) -> bool:

@@ -35,20 +35,20 @@ WARNINGS: Mapping[str, str] = {
     "undeclared": "a name of a PDDL file that is read, although it is declared nowhere",
     "unused": "a predicate that no rule reads",
 }
-"""The warnings by name: suspicious, but well defined."""
+"""The names of warnings: the domain is suspicious, but well-defined."""
 
 SHOWN = 5
-"""The maximum number of warnings of one name that are shown: more of them rarely say anything new."""
+"""The maximum number of shown warnings of one name: more are rarely informative."""
 
 ALLOW = re.compile(r"\blint:\s*allow\b(?P<names>[^*#%\n]*)")
-"""Such a comment in a logic program (after %, or in %* *%) or in domain.toml (after #)."""
+"""A comment that allows warnings, in a logic program (after %, or in %* *%) or in domain.toml (after #)."""
 
 
 class Problem(NamedTuple):
     """One line of the report; `text` reads ``what is wrong; what to do``.
 
-    Without a name it is an error: the domain has no meaning, or a count could be wrong. With the `name` of one of the
-    `WARNINGS` it is a warning, which the comment ``% lint: allow NAME`` on its line suppresses.
+    Without a name, it is an error: the domain has no meaning, or a count could be wrong. With the `name` of one of the
+    `WARNINGS`, it is a warning, which the comment ``% lint: allow NAME`` on its line suppresses.
     """
 
     path: Path
@@ -58,7 +58,7 @@ class Problem(NamedTuple):
 
     @property
     def is_warning(self) -> bool:
-        """Whether it is a warning: the domain is well defined."""
+        """Whether the problem is a warning, that is, the domain is well-defined."""
         return bool(self.name)
 
     def as_error(self) -> Problem:
@@ -82,7 +82,7 @@ def raise_problems(problems: Iterable[Problem]) -> None:
 
 
 def first_of_each(warnings: Iterable[Problem]) -> Iterator[Problem]:
-    """Yield the first `SHOWN` warnings of each name; the last of them counts those that are omitted."""
+    """Yield the first `SHOWN` warnings of each name; the last of them has the number of omitted ones."""
     warnings = list(warnings)
     total = Counter(each.name for each in warnings)
     texts: Counter[str] = Counter()
@@ -96,7 +96,7 @@ def first_of_each(warnings: Iterable[Problem]) -> Iterator[Problem]:
 
 
 def allowed_in_sources(sources: Iterable[Source]) -> dict[tuple[Path, int], tuple[str, ...]]:
-    """Return the names that the comments of sources allow, by file and line, even those that name no warning."""
+    """Return the names that comments of sources allow, by file and line, even unknown names."""
     allowed: dict[tuple[Path, int], tuple[str, ...]] = {}
     for source in sources:
         if "lint:" in source.text:
@@ -105,7 +105,7 @@ def allowed_in_sources(sources: Iterable[Source]) -> dict[tuple[Path, int], tupl
 
 
 def allowed_by_comments(spoken: Iterable[tuple[int, str]]) -> Iterator[tuple[int, tuple[str, ...]]]:
-    """Yield the lines of comments that allow warnings, with the names."""
+    """Yield the lines of comments that allow warnings, with the allowed names."""
     for line, words in spoken:
         match = ALLOW.search(words)
         if match:

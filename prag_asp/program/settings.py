@@ -20,9 +20,9 @@ MAX_EXPONENT = 1000
 class Settings:
     """The tables of a domain.toml; `path` is its path even if the file does not exist, and `text` its contents.
 
-    `weights` are by names of actions (``grasp``), pairs of consecutive ones (``grasp>move``), single actions, classes
-    and entities. `language` maps names of actions and fluents to their first sentence. `grammar` is the whole table
-    ``[language]``, with the tables of languages. `scene` is the table that physics reads.
+    `weights` has as keys names of actions (``grasp``), pairs of consecutive ones (``grasp>move``), ground actions,
+    classes and entities. `language` maps names of actions and fluents to their first sentence. `grammar` is the whole
+    table ``[language]``, with the tables of languages. `scene` is the table that physics reads.
     """
 
     path: Path
@@ -49,11 +49,11 @@ def read_table(path: Path) -> dict[str, Any]:
 
 
 def settings_of(table: Mapping[str, Any], source: Source) -> Settings:
-    """Return the settings of the table of a file. Values of a wrong type are ignored: the linter reports them."""
+    """Return the settings in the table of a file. Values of a wrong type are ignored; the linter reports them."""
     weights = {key: weight_of(value) for key, value in _table(table, "weights").items()}
     grammar = _table(table, "language")
     language: dict[str, str] = {}
-    for key, value in grammar.items():  # tables are those of languages
+    for key, value in grammar.items():  # tables belong to languages
         sentences = [each for each in (value if isinstance(value, list) else [value]) if isinstance(each, str)]
         if sentences:
             language[key] = sentences[0]
@@ -84,7 +84,7 @@ def _table(table: Mapping[str, Any], name: str) -> Mapping[str, Any]:
 
 
 def _rounded(value: Any) -> Any:
-    """Return a value with its decimals as floats, for physics."""
+    """Return a value with decimals converted to floats, for physics."""
     if isinstance(value, Mapping):
         return {key: _rounded(each) for key, each in value.items()}
     if isinstance(value, list):

@@ -29,7 +29,7 @@ REACHABLE = "reachable.lp"
 """The encoding of relaxed reachability, which only pruning uses."""
 
 EVER_AT_START, EVER_BY_ACTIONS = "ever(F) :- initially(F,true).", "ever(F) :- postcondition(_,F,true)."
-"""``rules/ever.lp`` without `not`, for a closed world in which no action makes a value unknown."""
+"""``rules/ever.lp`` without `not`, for closed worlds in which no action makes a value unknown."""
 
 ADDED = Path("<added by the library>")
 """The pseudo-path of facts that the library adds to a program."""
@@ -40,12 +40,12 @@ END = re.compile(r"(?<!\.)\.(?!\.)")
 SETS = re.compile(r"\b(?:holds|_known)\b")
 INCLUDE = re.compile(r'#include\s*"(?P<file>[^"\\\n]*)"\s*\.')
 SCRIPT = re.compile(r"#include\s*<\s*incmode\s*>")
-"""The only file that clingo brings along: a script that grounds and solves step by step."""
+"""The only file included in clingo: a script that grounds and solves step by step."""
 
 
 @dataclass(frozen=True)
 class Source:
-    """One file of a logic program without its includes; `includes` are their line numbers and their files."""
+    """A file of a logic program without its includes; `includes` has their line numbers and files."""
 
     path: Path
     text: str
@@ -60,7 +60,7 @@ class Program:
 
     @cached_property
     def text(self) -> str:
-        """The joined text of all files; each begins in the part `base`."""
+        """The joined text of all files; each file begins in the part `base`."""
         return "".join(f"#program base.\n{source.text}\n" for source in self.sources)
 
     @cached_property
@@ -72,7 +72,7 @@ class Program:
         return starts
 
     def locate(self, line: int) -> tuple[Path, int]:
-        """Return the file and the line number in it of a line of `text`; lines count from 1."""
+        """Return the file of a line of `text`, and the line number in that file; lines count from 1."""
         at = max(bisect.bisect_right(self._starts, line) - 1, 0)
         return self.sources[at].path, max(line - self._starts[at], 1)
 
@@ -81,11 +81,11 @@ def read_sources(path: Path | Source, encodings: Path, *, own: Path | None = Non
     """Return a file and everything that it includes, each file once, included files first.
 
     An include is looked up in the folder of the including source, then in the folder of encodings. `own` is the folder
-    that the file has to lie in. Without it, the user has named the file: it may be a link, and its includes have to lie
-    in its folder.
+    that must contain the file. Without it, the user has named the file: it may be a link, and its folder must contain
+    its includes.
 
     Raises:
-        DomainError: a file cannot be read, or an include leads out of the folder `own` and the encodings.
+        DomainError: a file cannot be read, or an include is outside the folder `own` and the encodings.
     """
     sources: dict[Path, Source] = {}
     begin = path if isinstance(path, Source) else Source(path, read_text(path, own))
@@ -125,10 +125,10 @@ def _read(source: Source, encodings: Path, own: Path, sources: dict[Path, Source
 
 
 def read_text(path: Path, within: Path | None = None) -> str:
-    """Return the text of a file, which has to lie in the folder `within`, if there is one.
+    """Return the text of a file, which must be in the folder `within`, if given.
 
     Raises:
-        DomainError: the file is missing, unreadable, too large, elsewhere or not UTF-8.
+        DomainError: the file is missing, unreadable, too large, outside the folder or not UTF-8.
     """
     try:
         content = read_bytes(path, within=within)
@@ -139,7 +139,7 @@ def read_text(path: Path, within: Path | None = None) -> str:
 
 
 def decoded(content: bytes, path: Path) -> str:
-    """Decode the content of a file, with all line ends replaced by line feeds.
+    """Return the decoded content of a file, with all line ends replaced by line feeds.
 
     Raises:
         DomainError: the content is not UTF-8.
@@ -182,10 +182,10 @@ def standard_input() -> Source:
 
 
 def core_sources(encodings: Path) -> tuple[Source, ...]:
-    """Return the encodings that every domain uses: those directly in the folder, without the optional ones.
+    """Return the encodings that every domain uses: those directly in the folder, except optional ones.
 
     Raises:
-        DomainError: the folder holds no encodings.
+        DomainError: the folder has no encodings.
     """
     if not (encodings / CONTRACT).is_file():
         raise DomainError(f"{encodings}: this folder of encodings has no {CONTRACT}; copy the shipped encodings")
@@ -194,7 +194,7 @@ def core_sources(encodings: Path) -> tuple[Source, ...]:
 
 
 def each_once(sources: Iterable[Source]) -> tuple[Source, ...]:
-    """Return sources without duplicates, which have the same path and the same text."""
+    """Return sources without duplicates, that is, those with the same path and text."""
     unique: dict[tuple[Path, str], Source] = {}
     for source in sources:
         unique.setdefault((source.path.resolve(), source.text), source)
@@ -205,14 +205,14 @@ def asked_sources(own: Sequence[Source], encodings: Path) -> tuple[Source, ...]:
     """Return the optional encodings that a domain needs: for composites, and for rules that set fluents."""
     hierarchy = read_sources(encodings / HIERARCHY, encodings) if any("composite" in each.text for each in own) else ()
     texts = (blanked(each.text) for each in own if SETS.search(each.text))
-    # A mention in the condition of a head counts, too.
+    # An occurrence in the condition of a head also counts.
     sets_fluents = any(SETS.search(rule.partition(":-")[0]) for text in texts for rule in END.split(text))
     one_value = read_sources(encodings / ONE_VALUE, encodings) if sets_fluents else ()
     return (*hierarchy, *one_value)
 
 
 def owned(program: Program) -> list[tuple[Source, bool]]:
-    """Return the files of a program, each with a flag that is true unless it belongs to the encodings."""
+    """Return the files of a program, each with a flag that is false if it belongs to the encodings."""
     encodings = encodings_folder(program)
     if encodings is None:
         return [(source, True) for source in program.sources]

@@ -24,7 +24,7 @@ PLAIN_ATOM = re.compile(r"(?P<sign>not not |not )?(?P<name>-?_*[a-z][\w']*)(?:\(
 
 @dataclass(frozen=True)
 class AtomNode:
-    """An atom of a rule: its predicate, with a prefix ``-`` if strongly negated, and its arguments as text."""
+    """An atom of a rule: its predicate, prefixed with ``-`` if strongly negated, and its arguments as text."""
 
     name: str
     arguments: tuple[str, ...]
@@ -56,7 +56,7 @@ class AtomNode:
 class Statement:
     """One statement of a source, in its program part; statements are compared by identity.
 
-    `own` is true for the files of the domain, false for the encodings. `parameters` are those of the part.
+    `own` is true for the files of the domain, false for the encodings. `parameters` are those of the program part.
     """
 
     node: AST
@@ -69,7 +69,7 @@ class Statement:
 
     @property
     def timed(self) -> bool:
-        """Whether the statement belongs to a step or to the check after the last step."""
+        """Whether the statement belongs to a step, or to the check after the last step."""
         return self.part in TIMED_PARTS
 
     @property
@@ -84,7 +84,7 @@ class Statement:
 
     @cached_property
     def literals(self) -> tuple[tuple[AST, str], ...]:
-        """The body's literals, each with its text."""
+        """The literals of the body, each with its text."""
         return tuple((node, str(node)) for node in getattr(self.node, "body", ()))
 
     @cached_property
@@ -94,7 +94,7 @@ class Statement:
 
     @cached_property
     def body(self) -> tuple[AtomNode, ...]:
-        """The atoms that a statement reads, including those of conditions."""
+        """The atoms that the statement reads, including those of conditions."""
         return (*self._head[1], *(atom for node, text in self.literals for atom in atoms(node, text)))
 
     @property
@@ -153,7 +153,7 @@ def atoms(node: AST, text: str) -> Iterator[AtomNode]:
 
 
 def plain_atom(node: AST, text: str) -> AtomNode | None:
-    """Return the atom of a plain literal from its text, which is fast; None for other literals, strings and pools."""
+    """Return the atom of a plain literal, parsed quickly from its text; None for other literals, strings and pools."""
     match = PLAIN_ATOM.match(text)
     if not match or '"' in text or ";" in text:
         return None
@@ -215,7 +215,7 @@ def runs_no_code(name: str) -> str:
 
 
 def spelled(signature: Signature) -> str:
-    """Return a signature as clingo writes it: ``holds/3``."""
+    """Return a signature in clingo's notation: ``holds/3``."""
     return f"{signature[0]}/{signature[1]}"
 
 
@@ -230,7 +230,7 @@ def variables(text: str) -> set[str]:
 
 
 def with_replaced(text: str, replaced: Mapping[Statement, str]) -> str:
-    """Return a text with some statements replaced by text of one line; line numbers do not change."""
+    """Return a text with some statements replaced by one-line texts; line numbers do not change."""
     lines = text.encode().split(b"\n")  # clingo counts columns in bytes
     for statement in sorted(replaced, key=_begin, reverse=True):
         (first, column), end = _begin(statement), statement.node.location.end

@@ -55,7 +55,7 @@ class TaskEnv(GoalEnv):
 
     Instead of a space, give a `domain` and a `length`; instead of a dataset, its folder. With `split`, only the part of
     that name is used: a part of a dataset, or of a space divided by `shares` (80 % ``train`` and 20 % ``test`` by
-    default), by whole `skeletons`, or by a condition (`hold_out`), as `generate` divides it with the same seed. The
+    default), by whole `skeletons`, or by a held-out name (`hold_out`), as `generate` divides it with the same seed. The
     conditions `where` restrict a space or a dataset. So plain values define an environment.
 
     An observation has the agent's `observation` (`layout.names` names its numbers), and, by the convention of goal
@@ -72,8 +72,8 @@ class TaskEnv(GoalEnv):
 
     With a `part` of the space, only its tasks are used. A `curriculum` chooses the tasks (`LengthCurriculum`,
     `NoveltyCurriculum`, `AdaptiveCurriculum` or `BanditCurriculum`) or the initial subgoals (`ReverseCurriculum`); or
-    give two, one of each kind. It learns only from the episodes of this environment. `info` has the same keys at a
-    reset and at each step, among them the instruction at three levels in a `language`, the sentence of the current
+    give two, one of each kind. Curricula learn only from the episodes of this environment. `info` has the same keys at
+    a reset and at each step, among them the instruction at three levels in a `language`, the sentence of the current
     subgoal, the exact `probability` of the task and of its stage (`stage_probability`), and the number of samples that
     were `rejected` before it. Observations also have the images of `cameras`, as `camera_` and the name: 8-bit colours,
     with the width and height `size` in pixels.
@@ -172,7 +172,7 @@ class TaskEnv(GoalEnv):
         only on the seed; without any seed, they are random.
 
         Raises:
-            QueryError: the options are wrong, or the task has no witness.
+            QueryError: the options are invalid, or the task has no witness.
             NotFound: `PATIENCE` samples in a row are not feasible.
         """
         request = options_of(options)

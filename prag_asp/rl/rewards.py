@@ -9,11 +9,11 @@ The potential of a moment is the number of reached subgoals plus ``1 / (1 + D / 
 distances to the goal. It is never negative, and grows all the way to the goal, more steeply near the goal. The dense
 reward of a step is `WORTH` times the difference of the potentials, plus the sparse one. With the discount of the agent,
 as in Ng, Harada and Russell ("Policy invariance under reward transformations", 1999), the potentials of an episode
-cancel except for that of its end, which is the same for all episodes that reach the goal: with one subgoal, the optimal
-policy stays optimal. With several, the last one counts for more than in the sparse reward. With the discount 1, this
-holds for agents that do not discount. With it, other agents learn in fewer steps, because staying near the goal costs
-nothing, but their optimal policy may change. Because no potential is negative, the rewards of a closed loop never add
-up to more than 0.
+cancel except for the potential of its end, which is the same for all episodes that reach the goal: with one subgoal,
+the optimal policy stays optimal. With several, the last one counts for more than in the sparse reward. With the
+discount 1, this holds for agents that do not discount. With it, other agents learn in fewer steps, because staying near
+the goal costs nothing, but their optimal policy may change. Because no potential is negative, the rewards of a closed
+loop never add up to more than 0.
 """
 
 from __future__ import annotations

@@ -32,8 +32,7 @@ STAND_OFF = 0.025
 """The distance of the post from the panel of a drawer, or from the edge of a door: the fingers fit in between."""
 
 RIM = 2 / 3
-"""The height of a tray's walls as a share of the cabinet's inner height: they hold contents in, but not the hand
-out."""
+"""The height of a tray's walls as a share of the cabinet's inner height: they keep contents in and let the hand in."""
 
 QUARTER = math.pi / 2
 SWEPT = 9

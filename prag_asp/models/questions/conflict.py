@@ -140,7 +140,7 @@ class _LiftableLines:
         return Conflict(tuple(self._lines[place] for place in conflict), minimal)
 
     def _core(self, places: Sequence[int]) -> list[int] | None:
-        """Return a subset of lines that excludes every answer set while all others are lifted, or None.
+        """Return a subset of lines that excludes every answer set while all other lines are lifted, or None.
 
         Raises:
             _GivenUp: the solver reached its limit.

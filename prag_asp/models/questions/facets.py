@@ -32,7 +32,7 @@ class Narrowing:
 
 @dataclass(frozen=True)
 class Facet:
-    """The share of answer sets that have a shown atom, and the remaining sets if the atom is chosen, or excluded.
+    """The share of answer sets that have a shown atom, and what remains if the atom is chosen or excluded.
 
     An atom in no or in all answer sets is not a facet: choosing or excluding it leaves nothing or changes nothing, and
     both are None.
@@ -50,7 +50,7 @@ class Facet:
 
 @dataclass(frozen=True)
 class _Companions:
-    """The facets of some answer sets, given as bit sets the atoms that some of them have and that some of them lack."""
+    """The facets of some answer sets, as bit sets of the atoms that some of them have, and that some of them lack."""
 
     having: int = 0
     lacking: int = 0

@@ -181,7 +181,7 @@ class DomainReader:
 
 
 def check_requirements(source: PddlSource, section: Expression | None) -> None:
-    """Warn of unknown requirements, and of requirements for features that are refused where used."""
+    """Warn of unknown requirements, and of requirements for features that are refused if used."""
     for each in section.rest if section else ():
         name = source.list_of([each], each.line).head if isinstance(each, Expression) else each
         if name not in REQUIREMENTS:

@@ -75,7 +75,7 @@ class ProblemReader:
             self._initial.append(literal)
 
     def _read_at_time(self, tree: Expression, scope: Scope, derived: frozenset[str]) -> None:
-        """Read a timed initial literal: it is true in the initial state at time 0, and otherwise ignored."""
+        """Read a timed initial literal, which is true in the initial state if its time is 0, and otherwise ignored."""
         time, literal = tree.rest
         if not self._untimed:
             text = "(at TIME ...): literals that become true at a time cannot be imported"

@@ -1,1 +1,1 @@
-"""Checks that stop clingo at numbers out of range and at ever larger terms."""
+"""Checks that stop clingo at numbers out of range and at endlessly growing terms."""

@@ -16,7 +16,7 @@ OPERATIONS = (ASTType.BinaryOperation, ASTType.UnaryOperation)
 
 WIDTH, COMBINATIONS = 64, 10_000
 """The width up to which an interval in an operation is evaluated at all values, not only at its ends; and the maximum
-number of evaluated combinations of values. Both bound the time of one check."""
+number of evaluated combinations of values. Both bound the time of a check."""
 
 
 class OutOfRange(Exception):
@@ -51,7 +51,7 @@ class Operation:
 
 
 Expression = int | Leaf | NumberRange | Operation | tuple["Expression", ...]
-"""A tuple is a pool of expressions."""
+"""An expression; a tuple is a pool of expressions."""
 
 UNARY = {UnaryOperator.Minus: "negative", UnaryOperator.Negation: "complement", UnaryOperator.Absolute: "absolute"}
 BINARY = {
@@ -98,7 +98,7 @@ def divides(expression: Expression) -> bool:
 
 
 def check_range(expression: Expression, values: Mapping[str, clingo.Symbol]) -> None:
-    """Evaluate an expression for these values of its leaves.
+    """Evaluate an expression for given values of its leaves.
 
     Raises:
         OutOfRange: the value or an intermediate result is out of range.
@@ -127,7 +127,7 @@ def _parts(expression: Expression) -> Sequence[Expression]:
 
 
 def _values(expression: Expression, values: Mapping[str, clingo.Symbol]) -> Iterator[int]:
-    """Yield the values of an expression; it has several with intervals or pools."""
+    """Yield the values of an expression, several if it has intervals or pools."""
     if isinstance(expression, int):
         yield expression
     elif isinstance(expression, Leaf):

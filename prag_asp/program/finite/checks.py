@@ -1,4 +1,4 @@
-"""The functions that a guarded program calls during grounding: range of numbers, number and depth of terms."""
+"""The functions that a guarded program calls during grounding: they check ranges, and numbers and depths of terms."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from prag_asp.program.finite.arithmetic import Expression, OutOfRange, check_ran
 from prag_asp.program.problem import Problem
 
 MOST_VALUES = 25_000
-"""The maximum number of values of which a rule derives larger terms within one step; grounding them takes 1 s."""
+"""The maximum number of values from which a rule derives larger terms within one step; grounding them takes 1 s."""
 
 DEEPEST = 1_000
 """The maximum depth of the terms that such a rule derives."""
@@ -24,7 +24,7 @@ WIDEST = 1_000_000
 """The maximum number of values of an interval; each takes a few hundred bytes in an atom."""
 
 MOST_KNOWN = 100_000
-"""The number of operations on certain inputs that are known to be in range: some ten megabytes."""
+"""The maximum number of remembered operations and inputs in range: some ten megabytes."""
 
 ZERO = clingo.Number(0)
 
@@ -38,7 +38,7 @@ class BoundReached(DomainError):
 
     def __init__(self, problem: Problem | BoundReached) -> None:
         super().__init__(str(problem))
-        # clingo re-raises the error of a callback, with the error as its argument.
+        # clingo re-raises the error of a callback with that error as its argument.
         self.problem: Problem = problem.problem if isinstance(problem, BoundReached) else problem
 
 
@@ -60,7 +60,7 @@ class Site:
 
 @dataclass
 class Checks:
-    """The functions that a guarded program calls during grounding by one control.
+    """The functions that a guarded program calls while a control grounds it.
 
     `overflows` are the sites of numbers out of range: for these, clingo reports an undefined operation.
     """
@@ -79,7 +79,7 @@ class Checks:
         return site.error(out_of_range(site.text))
 
     def as_written(self, message: str) -> str:
-        """Return clingo's message about an undefined operation, with the operation as the author wrote it."""
+        """Return clingo's message about an undefined operation, with the operation as written by the author."""
         here = (site for site in self.sites if site.text and message.startswith(f"{site.path}:{site.line}:"))
         site = next(here, None)
         return f"{site.path}:{site.line}: operation undefined: {site.text}" if site else message
@@ -144,10 +144,10 @@ class Checks:
         return clingo.Number(0)
 
     def goes_on(self, number: clingo.Symbol, time: clingo.Symbol, *values: clingo.Symbol) -> clingo.Symbol:
-        """Return 0 if a rule may derive terms of these values.
+        """Return 0 if a rule may derive terms from these values.
 
         Raises:
-            BoundReached: the rule has derived too many values or too deep terms, or never terminates.
+            BoundReached: the rule has derived too many values or terms that are too deep, or never terminates.
         """
         site = self.sites[number.number]
         if site.certain:

@@ -1,9 +1,9 @@
-"""Find recursive rules that may derive new terms forever, and those that certainly do.
+"""Find recursive rules that may derive new terms forever, and rules that certainly do.
 
 A recursive rule derives new terms if a term of its head may be larger than the terms that it reads in the same
-component. Without such rules, the terms of a component are bounded by those below it, so grounding terminates. The
-proof here covers only one application of a rule: it derives no larger term. Otherwise, `Checks.goes_on` bounds the
-number of new terms of the rule and their depth at run time.
+component. Without such rules, the terms of a component are bounded by those of the components below it, so grounding
+terminates. The proof here covers only one application of a rule: it derives no larger term. Otherwise, `Checks.goes_on`
+bounds the number and the depth of the rule's new terms at run time.
 
 A rule that reads only its own head, with smaller terms, never terminates once it fires: such `certain` rules are
 reported without grounding up to the limit.
@@ -35,7 +35,7 @@ LOWER = (ComparisonOperator.GreaterThan, ComparisonOperator.GreaterEqual)
 class EndlessRule:
     """A rule that may derive larger terms of `variables` forever; a `certain` one does so once it fires.
 
-    `element` is the index of the element of its head that derives them, None for a head without elements.
+    `element` is the index of the head element that derives them, None for a head without elements.
     """
 
     rule: Statement
@@ -79,7 +79,7 @@ class _Derivation:
 
     @cached_property
     def bound(self) -> tuple[tuple[str, Signature, int], ...]:
-        """The variables that positive atoms bind, with the predicate and the depth in its terms."""
+        """The variables that positive atoms bind, each with the predicate and its depth in the terms."""
         return tuple(
             (name, _signature(atom), depth)
             for atom in self.atoms
@@ -160,7 +160,7 @@ def _derivations(rule: Statement) -> Iterator[_Derivation]:
 
 
 def _grown(each: _Derivation, inside: Collection[Signature]) -> tuple[str, ...]:
-    """Return the variables of which a derivation builds larger terms, unless a comparison bounds them.
+    """Return the variables from which a derivation builds larger terms, unless a comparison bounds them.
 
     The height of a variable is the depth by which its values may exceed the terms of the component `inside`. A variable
     that a predicate outside the component binds has finitely many values: its height is minus infinity.
@@ -189,7 +189,7 @@ def _grown(each: _Derivation, inside: Collection[Signature]) -> tuple[str, ...]:
 def _is_bounded(each: _Derivation, place: int, name: str) -> bool:
     """Return whether an argument of the head is a variable plus a number, and a comparison bounds its value.
 
-    A bound above the numbers of an interval, or in a step above the values of `Checks.goes_on`, counts as none.
+    A bound that exceeds the size limit of intervals, or in a step the limit of `Checks.goes_on`, does not count.
     """
     term = _substituted(each, _arguments(each.head)[place])
     step = _step(term)
@@ -236,7 +236,7 @@ def _step(term: AST) -> tuple[str, int] | None:
 def _is_certain(each: _Derivation) -> bool:
     """Return whether a derivation that fires once fires again with its own result, forever.
 
-    It does if its literals are atoms and equations, and one atom equals its head except for smaller arguments that no
+    It does if its literals are atoms and equations, and an atom equals its head except for smaller arguments that no
     other atom reads.
     """
     equal = [comparison == ComparisonOperator.Equal for _, comparison, _ in each.comparisons]
@@ -271,7 +271,7 @@ def _is_larger(name: str, term: AST) -> bool:
 
 
 def _is_hidden(name: str, term: AST) -> bool:
-    """Return whether a term maps infinitely many values of a variable to one, as ``X/7`` does, but not ``X+1``."""
+    """Return whether a term may map several values of a variable to one, as ``X/7`` does, unlike ``X+1``."""
     if term.ast_type == ASTType.BinaryOperation and term.operator_type not in SOLVED:
         return any(variable == name for variable, _ in _depths(term, 1))
     return any(_is_hidden(name, child) for child in children_of(term))

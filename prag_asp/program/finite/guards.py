@@ -1,4 +1,4 @@
-"""Insert checks into the rules of a domain: of the range of numbers, and of the number of new terms.
+"""Insert checks of the range of numbers, and of the number of new terms, into the rules of a domain.
 
 clingo computes with 32 bits and overflows silently. So rules call functions of `Checks` during grounding; line numbers
 do not change. An operation is checked in place: ``X+1`` becomes ``(X+1)+@in_range(7,X)``, which adds 0 or has no
@@ -25,14 +25,14 @@ from prag_asp.program.sources import ADDED, Program, Source, owned
 from prag_asp.program.syntax import Statement, below, children_of, runs_no_code, variables
 
 OPERATION = re.compile(r"[-+*/\\&?^~|]|\.\.")
-"""Arithmetic in the text of a rule as clingo prints it; it also matches some rules without arithmetic."""
+"""Matches rules with arithmetic, as clingo prints them, and some rules without."""
 
 SUMS = (AggregateFunction.Sum, AggregateFunction.SumPlus)
 COLLECTIONS = (ASTType.Pool, ASTType.Aggregate, ASTType.BodyAggregate, ASTType.HeadAggregate)
-"""Nodes whose intervals are alternatives: they multiply no instances of a rule."""
+"""Nodes whose intervals are alternatives, which do not multiply the instances of a rule."""
 
 MOST_COMBINATIONS = 100_000_000
-"""The largest number of combinations of the constant intervals of a rule: clingo takes half a minute for so many."""
+"""The maximum number of combinations of the constant intervals of a rule, which take clingo half a minute."""
 
 SMALL = 1_000
 """The largest constant weight whose sums are not checked: two million elements would be needed for an overflow."""
@@ -64,7 +64,7 @@ def guard_program(program: Program) -> Guarded:
             raise BoundReached(problem)
     statements = {source: parse_sources([(source, own)])[0] for source, own in owned(program) if source.path != ADDED}
     for statement in chain.from_iterable(statements.values()):
-        for name in statement.scripts if statement.own else ():  # those of the checks are internal
+        for name in statement.scripts if statement.own else ():  # the functions of the checks are internal
             raise DomainError(str(statement.problem(runs_no_code(name))))
     endless: dict[Statement, list[EndlessRule]] = {}
     for each in endless_rules(chain.from_iterable(statements.values())):
@@ -120,7 +120,7 @@ class _CheckWriter:
             self._count(each)
 
     def _require_few_combinations(self, rule: Statement) -> None:
-        """Check that the constant intervals of a rule have few combinations, where each makes an instance of the rule.
+        """Check that the constant intervals of a rule have few combinations, if each is an instance of the rule.
 
         Raises:
             BoundReached: the intervals have too many combinations.
@@ -285,7 +285,7 @@ def _end(node: AST) -> tuple[int, int]:
 
 
 def _bound(literals: Sequence[AST], outer: frozenset[str]) -> frozenset[str]:
-    """Return the variables that literals bind, without those for which an operation has to be solved."""
+    """Return the variables that literals bind without solving an operation."""
     bound = set(outer)
     equations: list[tuple[str, set[str]]] = []
     for literal in literals:
@@ -318,7 +318,7 @@ def _plain_variables(term: AST) -> set[str]:
 
 
 def _is_signed(term: AST) -> bool:
-    """Return whether a term is the negation or the absolute value of another: it is in range if the other is."""
+    """Return whether a term is the negation or the absolute value of another term, and so in range if that term is."""
     return term.ast_type == ASTType.UnaryOperation and term.operator_type != UnaryOperator.Negation
 
 

@@ -97,7 +97,7 @@ class BanditSampler:
         return self._pool.next_in_pool(self._stream.take)
 
     def note_feasibility(self, word: Word, feasible: bool) -> None:
-        """Ignore it."""
+        """Do nothing."""
 
     def update(self, result: EpisodeResult) -> None:
         """Record the attempts; after each lot, update the gains and pull an arm."""

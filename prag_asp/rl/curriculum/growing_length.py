@@ -62,7 +62,7 @@ class LengthSampler:
         return proposal._replace(probability=shares[place] * proposal.probability)
 
     def note_feasibility(self, word: Word, feasible: bool) -> None:
-        """Ignore it."""
+        """Do nothing."""
 
     def update(self, result: EpisodeResult) -> None:
         """Proceed to the next length if enough episodes of this one were successful."""

@@ -83,7 +83,7 @@ class AdaptiveSampler:
         return self._pool.next_in_pool(self._drawn)
 
     def note_feasibility(self, word: Word, feasible: bool) -> None:
-        """Ignore it."""
+        """Do nothing."""
 
     def update(self, result: EpisodeResult) -> None:
         """Record the attempts; after each lot, update the weights."""

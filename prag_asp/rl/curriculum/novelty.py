@@ -37,7 +37,7 @@ EMPHASIS, HALF = 64, Fraction(1, 2)
 
 @dataclass(frozen=True)
 class NoveltyCurriculum:
-    """Sample new "tasks", "skeletons", action "names" or "pairs" of names first, whichever `what` is.
+    """Sample new ones first: `what` is "tasks", "skeletons", action "names", or "pairs" of names.
 
     Tasks are sampled without replacement, in uniformly random order; so are skeletons, each with one of its tasks by
     weight. With names or pairs, each task has one that is due: one that has not occurred in a feasible task or in
@@ -109,7 +109,7 @@ def _stretches(pool: TaskPool, sizes: Sequence[int]) -> list[tuple[int, int]]:
 
 
 def _found(stretches: Sequence[tuple[int, int]], number: int) -> tuple[int, int]:
-    """Return the length that a number falls in, and the number within that length."""
+    """Return the length of the item with a number, and its number among the items of that length."""
     for length, size in stretches:
         if number < size:
             return length, number
@@ -133,10 +133,10 @@ class PassSampler:
         return self._pool.next_in_pool(self._next)
 
     def note_feasibility(self, word: Word, feasible: bool) -> None:
-        """Ignore it."""
+        """Do nothing."""
 
     def update(self, result: EpisodeResult) -> None:
-        """Ignore it."""
+        """Do nothing."""
 
     def summary(self) -> Mapping[str, int | str]:
         """Return the number of the pass, the samples in it, and the total."""
@@ -214,7 +214,7 @@ class CoverageSampler:
             self._begin(left or self._all, self._tries if left else {})
 
     def update(self, result: EpisodeResult) -> None:
-        """Ignore it."""
+        """Do nothing."""
 
     def summary(self) -> Mapping[str, int | str]:
         """Return the numbers of due names or pairs and of all."""
@@ -257,8 +257,8 @@ class CoverageSampler:
         """Begin to sample due names or pairs, with larger weights if rare; the share of tasks with them is exact.
 
         The total weight of all tasks is a polynomial in the weight factor of the due names or pairs, and its constant
-        term is the weight of the tasks without them; so the share of the other tasks can approach 1. The weight of a
-        name that is also a class or an entity cannot be increased: the sampler waits for it.
+        term is the weight of the tasks without them; so the share of the tasks with them can approach 1. The weight of
+        a name that is also a class or an entity cannot be increased: the sampler waits for it.
         """
         self._due, self._tries, self._emphasized = frozenset(due), dict(tries), None
         spaces = map(self._pool.at, self._pool.space.lengths)

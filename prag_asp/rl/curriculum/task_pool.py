@@ -99,7 +99,7 @@ class TaskPool:
         """The lengths of its tasks, ascending.
 
         Raises:
-            QueryError: there is no task.
+            QueryError: the pool has no task.
         """
         lengths = sorted(length for length in self.space.lengths if length and self.at(length).count())
         if not lengths:
@@ -122,7 +122,7 @@ class TaskPool:
         The probability is that among all tasks of the space, or among those of the length.
 
         Raises:
-            QueryError: there is no task.
+            QueryError: the pool has no task.
             NotFound: `MISSES` tasks in a row are not in the pool.
         """
         draws = self.draws(seed=seed, length=length)

@@ -120,10 +120,10 @@ class DomainWeightsSampler:
         return next(self._proposals)
 
     def note_feasibility(self, word: Word, feasible: bool) -> None:
-        """Ignore it."""
+        """Do nothing."""
 
     def update(self, result: EpisodeResult) -> None:
-        """Ignore it."""
+        """Do nothing."""
 
     def summary(self) -> Mapping[str, int | str]:
         """Return nothing."""

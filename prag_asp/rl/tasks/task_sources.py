@@ -129,7 +129,7 @@ class SingleTask:
         raise QueryError(f"rank {rank}: there is only one task; give a space or a dataset")
 
     def update(self, result: EpisodeResult) -> None:
-        """Ignore it."""
+        """Do nothing."""
 
     def summary(self) -> Mapping[str, int | str]:
         """Return nothing."""
@@ -140,7 +140,7 @@ class SingleTask:
         return {}
 
     def load_state_dict(self, state: State) -> None:
-        """Ignore it."""
+        """Do nothing."""
 
 
 def assign_witness(task: Task, witness: Witness, scene: Scene) -> Assignment:
@@ -273,7 +273,7 @@ class DatasetSource:
         return self._assignment(require_rank(rank, self._count))
 
     def update(self, result: EpisodeResult) -> None:
-        """Ignore it."""
+        """Do nothing."""
 
     def summary(self) -> Mapping[str, int | str]:
         """Return nothing."""
