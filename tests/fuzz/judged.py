@@ -6,7 +6,8 @@ line on stderr, but
 - a check of a domain prints a line for each problem, and each of these begins with ``file:line: `` and is another;
 - a line that says how many warnings there are, and one that begins with ``note: ``, may come before it, and warnings
   with their names in brackets, and what `generate` says of its folder;
-- with code 1, `validate`, `explain`, `sample` and `verify` have answered on stdout, and their figures are on stderr.
+- with code 1, `validate`, `explain`, `sample` and `verify` have answered on stdout, and their figures are on stderr;
+  where `sample` found nothing, its figures are followed by the line that says so.
 
 No line on stderr is longer than 500 characters, or has a character that a terminal would obey.
 """
@@ -77,7 +78,7 @@ def _bad_texts(ran: Ran, err: str) -> Mapping[str, bool]:
 def _lacks_reason(ran: Ran, lines: Sequence[str], arguments: Sequence[str], mutant: Mutant) -> str:
     if ran.code == 0:
         return "silence: accepted without output" if mutant.owes_output and not ran.out else ""
-    if ran.code == 1 and arguments[0] in FIGURES and ran.out:
+    if ran.code == 1 and arguments[0] in FIGURES and (ran.out or lines[-1:] and lines[-1].startswith("only 0 of ")):
         return ""
     why = [line for line in lines if not BESIDE.fullmatch(line)]
     placed = [bool(PLACE.fullmatch(line)) for line in why]
