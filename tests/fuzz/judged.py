@@ -78,7 +78,8 @@ def _bad_texts(ran: Ran, err: str) -> Mapping[str, bool]:
 def _lacks_reason(ran: Ran, lines: Sequence[str], arguments: Sequence[str], mutant: Mutant) -> str:
     if ran.code == 0:
         return "silence: accepted without output" if mutant.owes_output and not ran.out else ""
-    if ran.code == 1 and arguments[0] in FIGURES and (ran.out or lines[-1:] and lines[-1].startswith("only 0 of ")):
+    found_nothing = any(line.startswith("only 0 of ") for line in lines)
+    if ran.code == 1 and arguments[0] in FIGURES and (ran.out or found_nothing):
         return ""
     why = [line for line in lines if not BESIDE.fullmatch(line)]
     placed = [bool(PLACE.fullmatch(line)) for line in why]
