@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from functools import lru_cache
 from itertools import pairwise, product
 from typing import NamedTuple
@@ -23,6 +25,13 @@ EDGE = 1e-9
 
 SIDES = 32
 """The number of sides of a tessellated cylinder or ball: the error is at most half a percent of the radius."""
+
+
+NEAR = 1e-4
+"""The error of a smallest width or projection, as a fraction of the diameter or the surface."""
+
+MOST_DIRECTIONS = 20_000
+"""The maximum number of directions that are compared at once; for round bodies, the bounds stay coarse."""
 
 
 def part_surfaces(shape: Shape) -> tuple[Floats, ...]:
@@ -49,6 +58,60 @@ def surface(shape: Shape) -> Floats:
         SceneError: a mesh cannot be read.
     """
     return np.concatenate(part_surfaces(shape))
+
+
+class LeastExtent(NamedTuple):
+    """Lower bounds of the width of a body in any direction, in metres, and of its projections, in square metres."""
+
+    width: float
+    area: float
+
+
+def least_extent(shape: Shape) -> LeastExtent:
+    """Return the least extent of the convex hull of a body with a model.
+
+    Both bounds come from a branch and bound over directions: a width changes by at most the diameter, and the area of a
+    projection by at most half the surface, for each radian (Cauchy's formula for projections).
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    return _least_extent(shape, mesh_states(shape))
+
+
+@lru_cache(maxsize=256)
+def _least_extent(shape: Shape, files: tuple[tuple[int, int], ...]) -> LeastExtent:
+    """Return the least extent of a body; the states of its files are part of the cache key."""
+    triangles = convex_hull(surface(shape).reshape(-1, 3))
+    corners = np.unique(triangles.reshape(-1, 3), axis=0)
+    areas = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]) / 2
+    return LeastExtent(
+        _least(lambda along: np.ptp(along @ corners.T, axis=1), float(np.linalg.norm(np.ptp(corners, axis=0)))),
+        _least(lambda along: np.abs(along @ areas.T).sum(1) / 2, float(np.linalg.norm(areas, axis=1).sum()) / 2),
+    )
+
+
+def _least(value: Callable[[Floats], Floats], slope: float) -> float:
+    """Return a lower bound of an even function of unit vectors (n, 3) that changes by at most `slope` per radian."""
+    side, best, tolerance = 1.0, math.inf, NEAR * slope
+    cells = np.array([(k, 0.0, 0.0) for k in range(3)])  # squares on three faces of a cube: the face, and the centre
+    while True:
+        along = np.insert(cells[:, 1:], 0, 1.0, axis=1)
+        along = np.where(
+            cells[:, :1] == 1, along[:, [2, 0, 1]], np.where(cells[:, :1] == 2, along[:, [1, 2, 0]], along)
+        )
+        values = value(along / np.linalg.norm(along, axis=1)[:, None])
+        best = min(best, float(values.min()))
+        # A square is nearer to the centre of the sphere than its projection: angles are at most distances on the cube.
+        bounds = values - slope * math.sqrt(2.0) * side
+        open_cells = cells[bounds < best - tolerance]
+        if not len(open_cells):
+            return max(0.0, best - tolerance)
+        if 4 * len(open_cells) > MOST_DIRECTIONS:
+            return max(0.0, float(bounds.min()))
+        side /= 2
+        shifts = np.array([(0.0, x * side, y * side) for x in (-1, 1) for y in (-1, 1)])
+        cells = (open_cells[:, None] + shifts).reshape(-1, 3)
 
 
 def mesh_states(shape: Shape) -> tuple[tuple[int, int], ...]:

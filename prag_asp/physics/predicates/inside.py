@@ -19,6 +19,7 @@ from prag_asp.scene.forms import Outline, rectangle
 from prag_asp.scene.furniture import cavity
 from prag_asp.scene.geometry import Pose, Quaternion, extents, heading, inside_by, multiply, to_local, yaw_of
 from prag_asp.scene.scene import Scene
+from prag_asp.scene.surfaces import least_extent
 
 TOLERANCE = 0.002
 FLOOR_BAND = 0.01
@@ -153,13 +154,21 @@ def _impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
     entity, container = arguments
     shape, (inner_x, inner_y, _) = scene.shapes[entity], cavity(scene.shapes[container])
     # The width of a projection is at least the smallest side of the body, and its area at least that of the smallest
-    # projection of the body, which is convex.
+    # projection of the body, which is convex. The sides of a model's box are not bounds, because it may be oblique in
+    # its file.
     small, middle, _ = sorted(shape.size)
     area = small * middle * (math.pi / 4 if shape.traits.round else 1.0)
     if not scene.shapes[container].hollow:
         yield f"{words(container)} is not a container, so {words(entity)} cannot be in it"
-    elif small > min(inner_x, inner_y) or area > inner_x * inner_y:
+    elif _exceeds(small, area, inner_x, inner_y) and (
+        shape.model is None or _exceeds(*least_extent(shape), inner_x, inner_y)
+    ):
         yield f"{words(entity)} is larger than the cavity of {words(container)}"
+
+
+def _exceeds(width: float, area: float, inner_x: float, inner_y: float) -> bool:
+    """Return whether a body with such smallest width and projection cannot be between the sides of a cavity."""
+    return width > min(inner_x, inner_y) or area > inner_x * inner_y
 
 
 def _located_demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
