@@ -90,7 +90,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     ) -> DatasetSpec:
         """Return the request for a dataset of `tasks` different feasible tasks of a domain, given its `fields`.
 
-        Tasks are sampled without replacement, by `weights` or those of the domain; lengths occur by their exact shares,
+        Tasks are sampled without replacement, by `weights` or those of the domain; lengths occur in exact proportion,
         or in turn with `evenly`. With `split`, each part gets its share of the tasks, and no two parts have a task
         (with `skeletons`: a skeleton) in common; with `hold_out`, only ``test`` has the tasks held out. A witness is
         sought from `starts` initial states of each task. With `demonstrate`, the robot performs each task; `staging`

@@ -21,7 +21,7 @@ FOLDERS = ("rules", "conditions")
 
 
 def edited_encodings(program: Program, statements: Sequence[Statement]) -> Mapping[Path, int]:
-    """Return files that have the name of a shipped encoding but other statements, each with the first such line.
+    """Return files named like a shipped encoding with other statements, each with the line of the first one.
 
     These are files of a copy of the encodings, and files of a domain in a folder `rules` or `conditions`.
     """

@@ -115,7 +115,7 @@ def open_atomic(file: str | Path, *, mode: int = EVERYBODY, follow: bool = True)
 
 
 def replace_file(file: str | Path, content: bytes, *, mode: int = EVERYBODY, follow: bool = True) -> None:
-    """Write a file atomically: after an interruption, it has either its old content or the new one.
+    """Write a file atomically: after an interruption, it has either its old or its new content.
 
     A device or a pipe is written directly. `mode` and `follow` are those of `open_atomic`.
 

@@ -50,7 +50,7 @@ def _impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
 
 
 def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield constraints that a body stands on another, with its centre above it."""
+    """Yield the constraints for one body to stand on another with its centre above the other."""
     entity, support = arguments
     shape = scene.shapes[support]
     if shape.traits.surface:

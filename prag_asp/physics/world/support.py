@@ -31,7 +31,7 @@ class Contact:
 
 
 def contacts(situation: Situation, entity: str, others: Iterable[str]) -> list[Contact]:
-    """Return the contacts of a body with tops, floors of containers and the table below it."""
+    """Return the contacts of a body with tops of bodies, floors of containers and the table below it."""
     return _contacts(situation, entity, list(_tops(situation, others)))
 
 
