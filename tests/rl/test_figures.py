@@ -75,7 +75,7 @@ def test_where_episodes_begin_is_told_as_it_is_kept() -> None:
         "last": "with the grasp",
         "task": "at home",
         "any": "at a uniformly sampled stage",
-        "backwards": "ever nearer to home",
+        "backwards": "progressively nearer to home",
     }.items():
         rows = last(kept(f"grasp_from_{name}", reward="dense"))
         assert len(rows) == 3 and cells(begin) == [together(rows), together(rows, "whole")]
