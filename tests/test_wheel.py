@@ -7,7 +7,6 @@ import shlex
 import shutil
 import subprocess
 import sys
-from configparser import ConfigParser
 from email import message_from_bytes
 from email.parser import HeaderParser
 from pathlib import Path
@@ -15,7 +14,6 @@ from zipfile import ZipFile
 
 import pytest
 
-from prag_asp.rl.registration import register_environments
 from tests.bare import PROJECT, link, packages
 from tests.docs.pages import FRESH, blocks
 from tests.docs.test_readme import long_description
@@ -71,15 +69,6 @@ def test_the_wheel_has_the_package_its_encodings_and_domains_and_nothing_else(wh
     with ZipFile(wheel) as archive:
         names = {name for name in archive.namelist() if ".dist-info/" not in name}
     assert names == expected and "prag_asp/py.typed" in names
-
-
-def test_gymnasium_finds_its_environments(wheel: Path) -> None:
-    with ZipFile(wheel) as archive:
-        (name,) = (each for each in archive.namelist() if each.endswith("/entry_points.txt"))
-        told = ConfigParser()
-        told.read_string(archive.read(name).decode())
-    assert dict(told["gymnasium.envs"]) == {"__root__": "prag_asp.rl.registration:register_environments"}
-    assert callable(register_environments)
 
 
 def test_its_metadata_let_every_python_from_3_10_on_install_it(wheel: Path) -> None:

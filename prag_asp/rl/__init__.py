@@ -1,7 +1,7 @@
 """Reinforcement learning: a Gymnasium environment over task spaces, its rewards, curricula, and chains of skills.
 
 >>> import gymnasium
->>> env = gymnasium.make("prag_asp/Tabletop-v0", length=2)
+>>> env = gymnasium.make("prag_asp.rl:prag_asp/Tabletop-v0", length=2)
 >>> observation, info = env.reset(seed=0)
 >>> info["task"]
 'pick(panda,brick_1,table_1) place(panda,brick_1,behind,can_1)'
@@ -16,7 +16,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from prag_asp.lazy import names_from
-from prag_asp.missing import require_gymnasium
 from prag_asp.rl.registration import register_environments
 
 if TYPE_CHECKING:
@@ -46,7 +45,6 @@ __all__ = [
     "run",
 ]  # fmt: skip
 
-require_gymnasium()
 register_environments()
 
 _HOMES = {

@@ -102,7 +102,7 @@ def _least(value: Callable[[Floats], Floats], slope: float) -> float:
         )
         values = value(along / np.linalg.norm(along, axis=1)[:, None])
         best = min(best, float(values.min()))
-        # A square is nearer to the centre of the sphere than its projection: angles are at most distances on the cube.
+        # The faces of the cube are outside the unit sphere, so an angle is at most the distance of points on a face.
         bounds = values - slope * math.sqrt(2.0) * side
         open_cells = cells[bounds < best - tolerance]
         if not len(open_cells):

@@ -393,8 +393,8 @@ def test_an_environment_loads_no_torch_and_leaves_nothing_behind_and_prints_noth
     code = (
         "import os, sys, prag_asp.dataset, prag_asp.physics\n"
         "assert 'gymnasium' not in sys.modules\n"
-        "import gymnasium, prag_asp.rl; from prag_asp import TaskSpace, load_domain\n"
-        "env = gymnasium.make('prag_asp/Task-v0', space=TaskSpace(load_domain('tabletop'), length=1))\n"
+        "import gymnasium\n"
+        "env = gymnasium.make('prag_asp.rl:prag_asp/Tabletop-v0', length=1)\n"
         "env.reset(seed=0); env.step(env.action_space.sample())\n"
         f"assert os.listdir({str(tmp_path)!r}) == []; env.close(); env.close()\n"
         f"assert os.listdir({str(tmp_path)!r}) == [] and 'torch' not in sys.modules\n"

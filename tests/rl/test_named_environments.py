@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from gymnasium.envs.registration import EnvSpec
 
-import prag_asp.rl  # noqa: F401 - registers the environments where the package is not installed
+import prag_asp.rl  # noqa: F401 - registers the environments
 from prag_asp import Dataset, TaskSpace, load_domain, shipped_domains
 from prag_asp.dataset import generate
 from prag_asp.dataset.store.instructions import LEVELS
