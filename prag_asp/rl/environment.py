@@ -22,10 +22,17 @@ from prag_asp.physics import Budget, Witness, require_physics
 from prag_asp.rl.arena import PERIOD, Arena
 from prag_asp.rl.camera_views import Image, Viewer
 from prag_asp.rl.control import SIZES, Control
-from prag_asp.rl.environment_options import Until, check_episodes, check_figures, moves_of, options_of
+from prag_asp.rl.environment_options import (
+    Until,
+    check_episodes,
+    check_figures,
+    conditions_of,
+    moves_of,
+    options_of,
+)
 from prag_asp.rl.goal_env import GoalEnv, Observation
 from prag_asp.rl.goals import PLACES, subgoals_of
-from prag_asp.rl.observations import Layout, observe
+from prag_asp.rl.observations import Layout, ObservationKind, observe
 from prag_asp.rl.reward_annealing import RewardAnnealing
 from prag_asp.rl.rewards import Reward
 from prag_asp.rl.state_checksum import verify_checksum, with_checksum
@@ -106,13 +113,15 @@ class TaskEnv(GoalEnv):
         task: Task | None = None,
         witness: Witness | None = None,
         curriculum: Curricula = None,
-        stage: int | Literal["any"] = 0,
+        stage: int | str = 0,
         until: Until = "task",
         reward: Reward = "dense",
         fade: int | Literal["success"] = "success",
-        discount: float = 1.0,
+        discount: float = 0.99,
         control: Control = "tool",
+        observation: ObservationKind = "relative",
         everything: bool = False,
+        goals: bool = False,
         steps: int = STEPS,
         budget: Budget | None = None,
         language: str = "en",
@@ -125,15 +134,16 @@ class TaskEnv(GoalEnv):
             "skeletons": skeletons, "hold_out": hold_out, "split_seed": split_seed, "part": part,
             "dataset": dataset, "task": task, "witness": witness,
             "curriculum": curriculum, "stage": stage, "until": until, "reward": reward, "fade": fade,
-            "discount": discount, "control": control, "everything": everything, "steps": steps, "budget": budget,
-            "language": language,
+            "discount": discount, "control": control, "observation": observation, "everything": everything,
+            "goals": goals, "steps": steps, "budget": budget, "language": language,
             "cameras": cameras, "size": size, "render_mode": render_mode,
         }  # fmt: skip
         origin = named_origin(
-            space=space, part=part, dataset=dataset, task=task, domain=domain, length=length, where=where,
-            split=SplitOptions(split, shares, skeletons, hold_out, split_seed), curriculum=curriculum,
+            space=space, part=part, dataset=dataset, task=task, domain=domain, length=length,
+            where=where if task is not None else conditions_of(where, stage), curriculum=curriculum,
+            split=SplitOptions(split, shares, skeletons, hold_out, split_seed),
         )  # fmt: skip
-        check_episodes(until=until, reward=reward, control=control, stage=stage, steps=steps)
+        check_episodes(until=until, reward=reward, control=control, observation=observation, stage=stage, steps=steps)
         modes = self.metadata["render_modes"]
         check_figures(discount=discount, budget=budget, render_mode=render_mode, modes=modes)
         require_physics()
@@ -144,7 +154,8 @@ class TaskEnv(GoalEnv):
         # Releases the simulators even if the environment is not closed.
         weakref.finalize(self, self._resources.close)
         self._viewer = Viewer(self.scene, cameras, size, self._resources)
-        self.layout = Layout.of(self.scene, map(atom_of, self.domain.facts.actions), everything=everything)
+        actions = map(atom_of, self.domain.facts.actions)
+        self.layout = Layout.of(self.scene, actions, everything=everything, kind=observation)
         self.control, self._until, self._steps, self.discount = control, until, int(steps), float(discount)
         annealing = RewardAnnealing(fade)
         self.share, self._annealing = float(reward != "sparse"), annealing if reward == "faded" else None
@@ -156,11 +167,13 @@ class TaskEnv(GoalEnv):
         self._arena: Arena | None = None
         self._over = True
         self.action_space = spaces.Box(-1.0, 1.0, (SIZES[control] * len(self.layout.robots),), np.float32)
-        goals = spaces.Box(-np.inf, np.inf, (2 * PLACES,), np.float32)
-        seen = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
-        self.observation_space = spaces.Dict(
-            {"observation": seen, "achieved_goal": goals, "desired_goal": goals, **self._viewer.spaces}
-        )
+        self._has_goals = bool(goals)
+        seen: spaces.Space[Any] = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
+        if goals or cameras:
+            goal = spaces.Box(-np.inf, np.inf, (2 * PLACES,), np.float32)
+            both = {"achieved_goal": goal, "desired_goal": goal} if goals else {}
+            seen = spaces.Dict({"observation": seen, **both, **self._viewer.spaces})
+        self.observation_space = seen
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -213,7 +226,7 @@ class TaskEnv(GoalEnv):
             self.stage += 1
             measured, here = self._goal(situation)
         seen = self._observation(situation, here)
-        reward, ended = self.rewards(seen["achieved_goal"], seen["desired_goal"])
+        reward, ended = self.rewards(*self._goals(here))
         self._before = here
         self._left -= 1
         done, late = bool(ended), self._left <= 0
@@ -372,18 +385,22 @@ class TaskEnv(GoalEnv):
         measured = subgoal.measured(situation)
         return measured, np.array([self.stage, *subgoal.placed(measured)], dtype=np.float32)
 
+    def _goals(self, here: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Return the achieved and the desired goal of a moment."""
+        desired = np.zeros(2 * PLACES, dtype=np.float32)
+        desired[::PLACES] = self._last
+        return np.concatenate([here, self._before]), desired
+
     def _observation(self, situation: Situation, here: NDArray[np.float32]) -> Observation:
         """Return the observation of a moment."""
         assert self._arena is not None
-        desired = np.zeros(2 * PLACES, dtype=np.float32)
-        desired[::PLACES] = self._last
-        seen = observe(self.layout, situation, self.action, self._arena.speeds, self._arena.commanded_openings)
-        observation = {
-            "observation": seen,
-            "achieved_goal": np.concatenate([here, self._before]),
-            "desired_goal": desired,
-        }
-        return observation | self._viewer.images(situation)
+        seen = observe(
+            self.layout, situation, self.action, self._arena.speeds, self._arena.commanded_openings, here[1:]
+        )
+        if isinstance(self.observation_space, spaces.Box):
+            return seen
+        goals = dict(zip(("achieved_goal", "desired_goal"), self._goals(here), strict=True)) if self._has_goals else {}
+        return {"observation": seen, **goals, **self._viewer.images(situation)}
 
     def _info(self, measured: list[float], *, success: bool) -> dict[str, Any]:
         """Return the info of an observation."""
