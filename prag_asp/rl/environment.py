@@ -69,7 +69,8 @@ class TaskEnv(GoalEnv):
     environments, `achieved_goal` and `desired_goal` of the shape (2 * `PLACES`,): for now, and for one step before;
     `prag_asp.rl.rewards` explains the vectors. The action has, for each robot in turn, a displacement of the tool along
     x, y, z, a turn about the vertical and a motion of the fingers (`control` "tool"), or motions of seven joints and
-    the fingers ("joints"), each between -1 and 1; it lasts 1/20 s.
+    the fingers ("joints"), each between -1 and 1; it lasts 1/20 s. `action_scale` is a factor of all its numbers
+    except those of the fingers, for skills that need small motions.
 
     `stage` is the initial subgoal, from 0 (-1 is the last, "any" is random); the episode begins in the witness's state
     at its start. It lasts `until` that "subgoal" or the whole "task" is reached, and at most `steps` for each subgoal.
@@ -119,6 +120,7 @@ class TaskEnv(GoalEnv):
         fade: int | Literal["success"] = "success",
         discount: float = 0.99,
         control: Control = "tool",
+        action_scale: float = 1.0,
         observation: ObservationKind = "relative",
         everything: bool = False,
         goals: bool = False,
@@ -137,7 +139,7 @@ class TaskEnv(GoalEnv):
         )  # fmt: skip
         check_episodes(until=until, reward=reward, control=control, observation=observation, stage=stage, steps=steps)
         modes = self.metadata["render_modes"]
-        check_figures(discount=discount, budget=budget, render_mode=render_mode, modes=modes)
+        check_figures(discount=discount, action_scale=action_scale, budget=budget, render_mode=render_mode, modes=modes)
         require_physics()
         self.render_mode = render_mode
         self.domain = origin.domain(domain if length is None else None)
@@ -147,7 +149,9 @@ class TaskEnv(GoalEnv):
         weakref.finalize(self, self._resources.close)
         self._viewer = Viewer(self.scene, cameras, size, self._resources)
         actions = map(atom_of, self.domain.facts.actions)
-        self.layout = Layout.of(self.scene, actions, everything=everything, kind=observation)
+        self.layout = Layout.of(
+            self.scene, actions, everything=everything, kind=observation, joints=control == "joints"
+        )
         self.control, self._until, self._steps, self.discount = control, until, int(steps), float(discount)
         annealing = RewardAnnealing(fade)
         self.share, self._annealing = float(reward != "sparse"), annealing if reward == "faded" else None
@@ -160,6 +164,8 @@ class TaskEnv(GoalEnv):
         self._over = True
         self.action_space = spaces.Box(-1.0, 1.0, (SIZES[control] * len(self.layout.robots),), np.float32)
         self._has_goals = bool(goals)
+        motions = [*[float(action_scale)] * (SIZES[control] - 1), 1.0]
+        self._action_scale = np.array(motions * len(self.layout.robots))
         seen: spaces.Space[Any] = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
         if goals or cameras:
             goal = spaces.Box(-np.inf, np.inf, (2 * PLACES,), np.float32)
@@ -210,7 +216,7 @@ class TaskEnv(GoalEnv):
         arena = self._begun_arena
         if self._over:
             raise QueryError("the episode has ended; reset the environment")
-        moves = moves_of(action, SIZES[self.control] * len(self.layout.robots))
+        moves = moves_of(action, SIZES[self.control] * len(self.layout.robots)) * self._action_scale
         self.situation = situation = arena.act(moves, self.control)
         self._moves.append(moves)
         measured, here = self._goal(situation)

@@ -50,14 +50,17 @@ def check_episodes(
     _check_steps(steps)
 
 
-def check_figures(*, discount: object, budget: object, render_mode: object, modes: list[str]) -> None:
-    """Check a discount, a budget and a render mode.
+def check_figures(
+    *, discount: object, action_scale: object, budget: object, render_mode: object, modes: list[str]
+) -> None:
+    """Check a discount, the scale of actions, a budget and a render mode.
 
     Raises:
-        QueryError: the discount, the budget or the render mode has a value that is not allowed.
+        QueryError: one of them has a value that is not allowed.
     """
-    if not isinstance(discount, Real) or isinstance(discount, bool) or not 0.0 < float(discount) <= 1.0:
-        raise QueryError(f"a discount is above 0 and at most 1; got {discount!r}")
+    for figure, what in ((discount, "a discount"), (action_scale, "an action_scale")):
+        if not isinstance(figure, Real) or isinstance(figure, bool) or not 0.0 < float(figure) <= 1.0:
+            raise QueryError(f"{what} is above 0 and at most 1; got {figure!r}")
     if budget is not None and not isinstance(budget, Budget):
         raise QueryError(f"budget {budget!r:.80}: give a prag_asp.physics.Budget")
     if render_mode is not None and render_mode not in modes:

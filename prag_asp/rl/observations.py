@@ -46,8 +46,9 @@ FACTS = (*(f"fact {i + 1}" for i in range(BROUGHT)), "other facts")
 """The signed distances of the facts of the current subgoal, in metres or radians: of each that its action brings about,
 and the largest of all others. A fact holds if its distance is at most 0."""
 
+JOINT_SCALES = {f"joint {i}": 0.5 for i in range(1, 8)}
 ARM_SCALES = {
-    **{f"joint {i}": 0.5 for i in range(1, 8)}, "z": 10.0, "vx": 2.0, "vy": 2.0, "vz": 2.0, "cos yaw": 1.0,
+    "z": 10.0, "vx": 2.0, "vy": 2.0, "vz": 2.0, "cos yaw": 1.0,
     "sin yaw": 1.0, "width": 25.0, "asked width": 25.0,
 }  # fmt: skip
 BODY_SCALES = {
@@ -70,12 +71,21 @@ class Layout:
     arguments: int
     bodies: tuple[str, ...] = ()
     kind: ObservationKind = "relative"
+    joints: bool = False
 
     @classmethod
     def of(
-        cls, scene: Scene, actions: Iterable[Atom], *, everything: bool = False, kind: ObservationKind = "relative"
+        cls,
+        scene: Scene,
+        actions: Iterable[Atom],
+        *,
+        everything: bool = False,
+        kind: ObservationKind = "relative",
+        joints: bool = False,
     ) -> Layout:
-        """Return the layout for the actions of a domain; with `everything`, it includes all bodies of the scene.
+        """Return the layout for the actions of a domain.
+
+        With `everything`, it includes all bodies of the scene; with `joints`, also if it is `relative`, the joints.
 
         Raises:
             QueryError: there are no actions.
@@ -86,7 +96,7 @@ class Layout:
         skills = sorted({skill(action, scene) for action in actions})
         bodies = tuple(entity for entity, shape in scene.shapes.items() if shape.traits.body) if everything else ()
         most = max(len(named_bodies(action, scene)) for action in actions)
-        return cls(tuple(scene.robots), {name: i for i, name in enumerate(skills)}, most, bodies, kind)
+        return cls(tuple(scene.robots), {name: i for i, name in enumerate(skills)}, most, bodies, kind, joints)
 
     @property
     def scales(self) -> Mapping[str, float]:
@@ -114,7 +124,8 @@ class Layout:
     def _all_scales(self) -> list[tuple[str, float]]:
         """The names of all features and their factors, 0 for those that are not observed."""
         relative = self.kind == "relative"
-        owners = [(robot, ARM, ARM_SCALES) for robot in self.robots]
+        arm = {**(JOINT_SCALES if self.joints else {}), **ARM_SCALES}
+        owners = [(robot, ARM, arm) for robot in self.robots]
         named = [f"body {i + 1}" for i in range(self.arguments)]
         owners += [(body, BODY, BODY_SCALES) for body in (*named, *self.bodies)]
         result = [

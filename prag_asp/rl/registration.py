@@ -13,9 +13,30 @@ LENGTH = "2..4"
 """The default number of actions of tasks."""
 
 SKILLS: dict[str, dict[str, Any]] = {
-    "PragApproach": {"domain": "prag", "length": 2, "stage": "approach", "until": "subgoal", "steps": 50},
-    "PragGrasp": {"domain": "prag", "length": 2, "stage": "grasp", "until": "subgoal", "steps": 25},
-    "TabletopPick": {"domain": "tabletop", "length": 2, "stage": "pick", "until": "subgoal", "steps": 50},
+    "PragApproach": {
+        "domain": "prag",
+        "length": 2,
+        "stage": "approach",
+        "until": "subgoal",
+        "steps": 50,
+        "action_scale": 0.5,
+    },
+    "PragGrasp": {
+        "domain": "prag",
+        "length": 2,
+        "stage": "grasp",
+        "until": "subgoal",
+        "steps": 25,
+        "action_scale": 0.5,
+    },
+    "TabletopPick": {
+        "domain": "tabletop",
+        "length": 2,
+        "stage": "pick",
+        "until": "subgoal",
+        "steps": 50,
+        "action_scale": 0.5,
+    },
 }
 """The arguments of environments for single skills: episodes that begin with a subgoal of the skill and end with it.
 

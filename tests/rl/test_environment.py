@@ -25,6 +25,7 @@ from prag_asp.physics import Budget, Validator, Witness
 from prag_asp.rl import AdaptiveCurriculum, TaskEnv, oracle
 from prag_asp.rl.control import STRIDE
 from prag_asp.rl.goals import PLACES
+from prag_asp.rl.observations import FACTS
 from prag_asp.rl.tasks import episode_sampler
 from prag_asp.rl.tasks.task_sources import assign_witness
 from prag_asp.scene.geometry import yaw_of
@@ -296,7 +297,7 @@ def test_options_that_mean_nothing_are_refused_and_the_episode_goes_on(env: Task
         {"stage": "last"}, {"stage": None}, {"stage": 0.0}, {"budget": 3}, {"discount": True},
         {"reward": "dens"}, {"until": "never"}, {"control": "legs"}, {"steps": 0}, {"discount": 0.0},
         {"reward": "faded", "fade": 0}, {"reward": "faded", "fade": "soon"}, {"space": None}, {"fade": 1.5},
-        {"steps": np.int64(0)}, {"discount": np.float64(1.5)},
+        {"steps": np.int64(0)}, {"discount": np.float64(1.5)}, {"observation": "pixels"}, {"action_scale": 0},
     ],
 )  # fmt: skip
 def test_environments_that_mean_nothing_are_refused(space: TaskSpace, arguments: dict[str, Any]) -> None:
@@ -348,6 +349,48 @@ def test_each_number_of_an_observation_has_a_name(env: TaskEnv) -> None:
     told = seen["body 1: cos turn"], seen["body 1: sin turn"]
     assert told == pytest.approx((math.cos(turn), math.sin(turn)), abs=1e-6)
     assert seen["body 1: dz"] == pytest.approx(at[2] - z, abs=1e-6)
+
+
+def test_a_relative_observation_has_numbers_of_the_poses_by_their_scales(
+    chance: Chance, given: Mapping[str, list[Given]]
+) -> None:
+    task, witness = given["prag"][0]
+    envs = [TaskEnv(task=task, witness=witness, observation=kind) for kind in ("relative", "poses")]
+    rng = np.random.default_rng(chance.seed(4))
+    scales, names = (env.layout.scales for env in envs)
+    assert set(scales) < set(names) and set(names.values()) == {1.0}
+    found = [env.reset()[0] for env in envs]
+    for _ in range(20):
+        seen, poses = (
+            dict(zip(env.layout.names, each.tolist(), strict=True)) for env, each in zip(envs, found, strict=True)
+        )
+        for name, scale in scales.items():
+            bounds = (-0.1, 0.5) if "fact" in name else (-np.inf, np.inf)
+            assert seen[name] == pytest.approx(scale * np.clip(poses[name], *bounds), abs=1e-5)
+        measured = envs[0].save_state()["_before"][1:]
+        assert [poses[name] for name in FACTS] == pytest.approx(measured.tolist(), abs=1e-6)
+        assert max(map(abs, seen.values())) < 10.0
+        move = rng.uniform(-1.0, 1.0, 5)
+        found = [env.step(move)[0] for env in envs]
+    for env in envs:
+        env.close()
+
+
+def test_a_stage_can_be_that_of_an_action_and_tasks_have_it(space: TaskSpace) -> None:
+    env = TaskEnv(TaskSpace(load_domain("prag"), length=3), stage="grasp")
+    probabilities = set()
+    for number in range(8):
+        info = env.reset(seed=0 if number == 0 else None)[1]
+        stages = [i for i, action in enumerate(env.task.actions) if action.name == "grasp"]
+        assert info["stage"] in stages and info["stage_probability"] == Fraction(1, len(stages))
+        probabilities.add(info["probability"])
+    assert probabilities == {Fraction(1, TaskSpace(load_domain("prag"), length=3).where("has grasp").count())}
+    env.close()
+    env = TaskEnv(space)
+    assert env.reset(options={"rank": 0, "stage": "pick"})[1]["action"].startswith("pick(")
+    with pytest.raises(QueryError, match="the name of an action"):
+        env.reset(options={"rank": 0, "stage": "grasp"})
+    env.close()
 
 
 @pytest.mark.parametrize("name", ["two_arms", "kitchen"])
@@ -441,7 +484,7 @@ def test_what_is_no_action_and_steps_outside_an_episode_are_refused(given: Mappi
     ):
         with pytest.raises(QueryError, match=r"an action has the shape \(5,\) and finite numbers"):
             env.step(action)
-    assert env.step(np.full(5, 1e300))[0].shape == (51,)
+    assert env.step(np.full(5, 1e300))[0].shape == (44,)
     env.close()
     with pytest.raises(QueryError, match="no episode has begun"):
         env.step(STILL)
