@@ -32,7 +32,7 @@ AGENTS = {"SAC": SAC, "TQC": TQC}
 
 SKILLS = ("PragApproach", "PragGrasp")
 
-FRESH = 10_000
+FRESH = 20_000
 """The seed of the first test; that of an agent is added."""
 
 
