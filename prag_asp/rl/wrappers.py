@@ -1,4 +1,4 @@
-"""Wrappers of environments for learning: actions relative to a scripted reach, and observations of images alone."""
+"""A wrapper of environments for learning: actions relative to a scripted reach."""
 
 from __future__ import annotations
 
@@ -43,7 +43,8 @@ class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np
         """Return the action of the environment, clipped to -1 and 1."""
         env = self._task_env
         scale = np.tile(np.array([*[self._share] * 4, 1.0], dtype=np.float32), len(env.layout.robots))
-        return np.clip(scale * action + self._reach(), -1.0, 1.0, dtype=np.float32)
+        moves: NDArray[np.float32] = np.clip(scale * action + self._reach(), -1.0, 1.0, dtype=np.float32)
+        return moves
 
     def _reach(self) -> NDArray[np.float32]:
         """Return the motion of the reach as an action."""
