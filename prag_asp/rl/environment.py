@@ -164,8 +164,8 @@ class TaskEnv(GoalEnv):
         self._over = True
         self.action_space = spaces.Box(-1.0, 1.0, (SIZES[control] * len(self.layout.robots),), np.float32)
         self._has_goals = bool(goals)
-        motions = [*[float(action_scale)] * (SIZES[control] - 1), 1.0]
-        self._action_scale = np.array(motions * len(self.layout.robots))
+        self.action_scale = float(action_scale)
+        self._scales = np.array([*[self.action_scale] * (SIZES[control] - 1), 1.0] * len(self.layout.robots))
         seen: spaces.Space[Any] = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
         if goals or cameras:
             goal = spaces.Box(-np.inf, np.inf, (2 * PLACES,), np.float32)
@@ -216,7 +216,7 @@ class TaskEnv(GoalEnv):
         arena = self._begun_arena
         if self._over:
             raise QueryError("the episode has ended; reset the environment")
-        moves = moves_of(action, SIZES[self.control] * len(self.layout.robots)) * self._action_scale
+        moves = moves_of(action, SIZES[self.control] * len(self.layout.robots)) * self._scales
         self.situation = situation = arena.act(moves, self.control)
         self._moves.append(moves)
         measured, here = self._goal(situation)

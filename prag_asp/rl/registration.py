@@ -35,7 +35,6 @@ SKILLS: dict[str, dict[str, Any]] = {
         "stage": "pick",
         "until": "subgoal",
         "steps": 50,
-        "action_scale": 0.5,
     },
 }
 """The arguments of environments for single skills: episodes that begin with a subgoal of the skill and end with it.

@@ -22,7 +22,7 @@ class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np
     """Adds to each action the motion of a scripted reach to the first body that the current action names.
 
     The reach moves the tool of the acting arm over the body, then down to its centre, at most by the largest
-    displacement of an action; it does not turn the tool or move the fingers, and stops while the arm holds something.
+    displacement of an action; it does not turn the tool or move the fingers, and lifts what the arm holds.
     An agent thus learns a residual (Johannink and others, "Residual reinforcement learning for robot control", 2019),
     of which `share` is the scale.
 
@@ -52,12 +52,14 @@ class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np
         moves = np.zeros((len(robots), SIZES["tool"]), dtype=np.float32)
         acting = next((name for name in env.action.arguments if name in robots), robots[0])
         bodies = named_bodies(env.action, env.scene)
-        if bodies and env.situation.arm(acting).held is None:
+        if env.situation.arm(acting).held is not None:
+            moves[robots.index(acting), 2] = 1.0
+        elif bodies:
             body, tool = env.situation.body(bodies[0]), env.situation.tool(acting).position
             x, y, z = (at - here for at, here in zip(body.centre, tool, strict=True))
             if math.hypot(x, y) > ASIDE:
                 over = body.high[2] + ABOVE - tool[2]
                 x, y, z = (x, y, over) if over < ABOVE / 2 else (0.0, 0.0, over)
-            step = STRIDE * max(1.0, *(abs(part) / STRIDE for part in (x, y, z)))
+            step = max(STRIDE * env.action_scale, abs(x), abs(y), abs(z))
             moves[robots.index(acting), :3] = x / step, y / step, z / step
         return moves.ravel()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import pyarrow.parquet as pq
@@ -44,27 +44,21 @@ def cells(begin: str) -> list[str]:
     return [cell.strip() for cell in found.strip("|").split("|")[1:]]
 
 
-KINDS = [(agent, skill) for skill in ("PragApproach", "PragGrasp") for agent in ("SAC", "TQC")]
+KINDS = [("SAC", "PragApproach"), ("SAC", "PragGrasp")]
 
 
 @pytest.mark.parametrize(("agent", "skill"), KINDS)
 def test_default_agents_learn_what_is_kept(agent: str, skill: str) -> None:
     rows = kept("plain", agent=agent, skill=skill)
-    assert [row["seed"] for row in rows] == [0, 1, 2] and {row["trials"] for row in rows} == {30}
+    assert [row["seed"] for row in rows] == [*range(len(rows))] and {row["trials"] for row in rows} == {30}
     (steps,) = {row["steps"] for row in rows}
     seconds = sum(row["processor_seconds"] for row in rows) / len(rows)
     expected = [f"{steps:,}", f"{each(rows)} of 30", together(rows), f"{seconds:.0f} s"]
     assert cells(f"`{skill}` | {agent}")[1:] == expected
 
 
-def test_success_against_length_is_told_as_it_is_kept() -> None:
+def test_success_of_the_oracle_against_length_is_what_is_kept() -> None:
+    rows = kept("chained", policy="oracle")
+    assert len(rows) == 30
     for length in range(1, 7):
-        assert cells(str(length)) == list(shares(length))
-
-
-def shares(length: int) -> Iterator[str]:
-    """Yield the share of plans that came so far, of each policy."""
-    for policy, count in {"oracle": 30, "learned": 90, "cloned": 90}.items():
-        rows = kept("chained", policy=policy)
-        assert len(rows) == count
-        yield percent(Rate(sum(row["reached"] >= length for row in rows), count))
+        assert cells(str(length)) == [percent(Rate(sum(row["reached"] >= length for row in rows), 30))]
