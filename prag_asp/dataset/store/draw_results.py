@@ -37,17 +37,21 @@ class StartResult(msgspec.Struct):
 
 
 class DrawResult(msgspec.Struct):
-    """The result of a draw: its verdict, without a witness, and the result from each initial state."""
+    """The result of a draw: its verdict, without a witness, and the result from each initial state.
+
+    A `trivial` task that is left out has no verdict.
+    """
 
     part: str
     draw: int
     verdict: Verdict | None
     starts: list[StartResult]
+    trivial: bool = False
 
     @property
     def passed(self) -> bool:
         """Whether the task was accepted, not rejected."""
-        return self.verdict is None or self.verdict.feasible
+        return not self.trivial and (self.verdict is None or self.verdict.feasible)
 
     @property
     def witnesses(self) -> int:
