@@ -196,7 +196,7 @@ def _count_tasks(manifest: Manifest) -> str:
 
 def print_parts(dataset: Dataset) -> None:
     """Print the parts of a dataset with their sizes, and on stderr why tasks were rejected."""
-    from prag_asp.dataset.store.manifest import TRIVIAL
+    from prag_asp.dataset.store.draw_results import TRIVIAL
 
     manifest = dataset.manifest
     width = max(len(part.name) for part in manifest.parts)

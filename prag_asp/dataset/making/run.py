@@ -20,11 +20,10 @@ from prag_asp.dataset.making.executors import Executor
 from prag_asp.dataset.pages.dataset_card import write_card
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.domain_snapshot import MEND, DomainSnapshot, write_snapshot
-from prag_asp.dataset.store.draw_results import DrawResult
+from prag_asp.dataset.store.draw_results import TRIVIAL, DrawResult
 from prag_asp.dataset.store.instructions import TaskTexts, captioner_of
 from prag_asp.dataset.store.manifest import (
     DATASET,
-    TRIVIAL,
     Manifest,
     PartManifest,
     SpaceSize,

@@ -10,6 +10,9 @@ from prag_asp.physics.verdict import Verdict
 
 NOTHING = msgspec.Raw(b"null")
 
+TRIVIAL = "the final state is the initial state"
+"""The reason why a trivial task is left out."""
+
 
 class RecordingInfo(msgspec.Struct):
     """The recording from an initial state, as in its row, with the colours of entities if these are randomized."""

@@ -12,6 +12,7 @@ import msgspec
 
 from prag_asp.dataset.dataset_spec import DatasetSpec
 from prag_asp.dataset.store.domain_snapshot import DomainSnapshot, FileRecord
+from prag_asp.dataset.store.draw_results import TRIVIAL
 from prag_asp.dataset.store.manifest_file import ManifestFile
 from prag_asp.errors import QueryError
 from prag_asp.integers import digits_of, number_of
@@ -47,10 +48,6 @@ class RejectionCount(msgspec.Struct):
     status: str
     reason: str
     count: Whole
-
-
-TRIVIAL = "the final state is the initial state"
-"""The reason why a trivial task is left out."""
 
 
 class LengthTally(msgspec.Struct):
