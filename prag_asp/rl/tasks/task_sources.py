@@ -103,7 +103,7 @@ class WitnessFinder:
         """
         witness = self.witness(task)
         if witness is None:
-            raise QueryError(f"no witness is found for the task {task}; take another, or give a larger budget")
+            raise QueryError(f"no witness is found for the task {task}; choose another, or give a larger budget")
         return witness
 
 
@@ -204,7 +204,9 @@ class SpaceSource:
             if witness is not None:
                 return Assignment(task, witness, probability=proposal.probability, rejected=rejected)
             rejected += 1
-        raise NotFound(f"none of {PATIENCE} sampled tasks in a row is feasible; take another space, or a larger budget")
+        raise NotFound(
+            f"none of {PATIENCE} sampled tasks in a row is feasible; choose another space, or give a larger budget"
+        )
 
     def ranked(self, rank: int) -> Assignment:
         """Return the task with a rank, with a witness.
@@ -262,7 +264,7 @@ class DatasetSource:
             assignment = self._assignment(int(self._rng.integers(self._count)))
             if assignment.task.actions:
                 return assignment._replace(probability=Fraction(1, self._count), rejected=rejected)
-        raise NotFound(f"{self._dataset.folder}: {PATIENCE} tasks in a row have no action; take another dataset")
+        raise NotFound(f"{self._dataset.folder}: {PATIENCE} tasks in a row have no action; choose another dataset")
 
     def ranked(self, rank: int) -> Assignment:
         """Return the task of the dataset with a number.
