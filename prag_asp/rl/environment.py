@@ -159,9 +159,9 @@ class TaskEnv(GoalEnv):
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode.
 
-        `options` may have the `task` (and its `witness`) or the `rank` of a task (in a dataset, its number), the
-        initial `stage`, and the `steps` of each subgoal; the rest is sampled. With a `seed`, all later samples depend
-        only on the seed; without any seed, they are random.
+        `options` may have the `task` (and its `witness`), the `rank` of a task (in a dataset, its number) or a
+        `scenario`, the initial `stage`, and the `steps` of each subgoal; the rest is sampled. With a `seed`, all later
+        samples depend only on the seed; without any seed, they are random.
 
         Raises:
             QueryError: the options are invalid, or the task has no witness.
