@@ -45,24 +45,19 @@ def followed(envs: VecEnv, chance: Chance) -> list[Any]:
     """Return what two environments tell of a few steps, over the ends of their episodes."""
     rng = np.random.default_rng(chance.seed(1))
     envs.seed(7)
-    told: list[Any] = [seen_of(envs.reset()), [info["task"] for info in envs.reset_infos]]
+    told: list[Any] = [envs.reset().tobytes(), [info["task"] for info in envs.reset_infos]]
     assert told[-1][0] != told[-1][1], "each has a seed of its own"
     for _ in range(5):
         seen, gains, ends, infos = envs.step(rng.uniform(-1.0, 1.0, (2, 5)))
-        told += [seen_of(seen), gains.tolist(), ends.tolist(), [info["action"] for info in infos]]
+        told += [seen.tobytes(), gains.tolist(), ends.tolist(), [info["action"] for info in infos]]
     envs.close()
     return told
-
-
-def seen_of(observation: Any) -> dict[str, bytes]:
-    """Return an observation, bit for bit."""
-    return {name: array.tobytes() for name, array in observation.items()}
 
 
 @pytest.mark.parametrize("reward", ["sparse", "dense"])
 def test_hindsight_replay_learns_from_an_episode_that_has_failed(reward: Any, given: Mapping[str, list[Given]]) -> None:
     task, witness = given["tabletop"][0]
-    env = TaskEnv(task=task, witness=witness, reward=reward, until="subgoal", steps=20)
+    env = TaskEnv(task=task, witness=witness, reward=reward, until="subgoal", steps=20, goals=True)
     model = SAC(
         "MultiInputPolicy", env, replay_buffer_class=HerReplayBuffer, replay_buffer_kwargs={"n_sampled_goal": 4},
         learning_starts=25, batch_size=64, seed=0, device="cpu", policy_kwargs={"net_arch": [8]},
