@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from prag_asp.cli import exit_control
+from prag_asp.cli.terminal import hide_progress
 from prag_asp.errors import PragError, one_line
 from prag_asp.wording import plural
 
@@ -42,6 +43,7 @@ def tallied(tally: Tally, line: Callable[[], str]) -> Iterator[None]:
         if tally.seen and not failed:
             from rich.console import Console
 
+            hide_progress()
             console = Console(stderr=True, highlight=False)
             console.print(one_line(line()), soft_wrap=True, markup=False)
             if tally.reasons or tally.causes:
