@@ -52,14 +52,15 @@ def test_a_stage_that_reports_nothing_is_shown_after_a_while(monkeypatch: pytest
 
 def test_lines_go_to_stdout_while_progress_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
     screen = terminal_of(monkeypatch)
-    monkeypatch.setattr(sys, "stdout", io.StringIO())
+    stdout = io.StringIO()
+    monkeypatch.setattr(sys, "stdout", stdout)
     with terminal.progress() as tell:
         tell("exploring")
         assert eventually(lambda: "exploring" in screen.getvalue())
         with writer(None) as out:
             out.write("a " * 200)
         terminal.say("b")
-    assert sys.stdout.getvalue() == f"{'a ' * 200}\nb\n"
+    assert stdout.getvalue() == f"{'a ' * 200}\nb\n"
     assert "a a" not in screen.getvalue()
 
 
