@@ -87,9 +87,9 @@ class PreparedFormula:
     @property
     def cost(self) -> str:
         """The length of the formula as text."""
-        clauses, variables = len(self.clauses) + len(self.nodes), len(self.names) - 1
-        over = f"{variables:,} variable{'s' if variables > 1 else ''}"
-        return f"{clauses:,} clause{'s' if clauses > 1 else ''} over {over}, width {self.order.width}"
+        numbers = {"clause": len(self.clauses), "sum": len(self.sums), "variable": len(self.order.variables)}
+        clauses, sums, variables = (f"{number:,} {what}{'' if number == 1 else 's'}" for what, number in numbers.items())
+        return f"{clauses}{f' and {sums}' if self.sums else ''} over {variables}, width {self.order.width}"
 
 
 def prepare(formula: ModelFormula, kept: Iterable[int]) -> PreparedFormula:
