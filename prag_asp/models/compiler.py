@@ -88,7 +88,9 @@ class PreparedFormula:
     def cost(self) -> str:
         """The length of the formula as text."""
         numbers = {"clause": len(self.clauses), "sum": len(self.sums), "variable": len(self.order.variables)}
-        clauses, sums, variables = (f"{number:,} {what}{'' if number == 1 else 's'}" for what, number in numbers.items())
+        clauses, sums, variables = (
+            f"{number:,} {what}{'' if number == 1 else 's'}" for what, number in numbers.items()
+        )
         return f"{clauses}{f' and {sums}' if self.sums else ''} over {variables}, width {self.order.width}"
 
 

@@ -12,6 +12,10 @@ TRUE: Literal = 1
 """The first variable is always true, so that constants are literals and no clause is empty."""
 
 
+MANY = 16
+"""The number of literals from which a sum is recorded; the nodes of a shorter one are gates like others."""
+
+
 class Sum(NamedTuple):
     """A literal that is true if the weights of the true literals reach a bound; all weights are positive."""
 
@@ -113,7 +117,9 @@ class ClauseBuilder:
             return TRUE
         output = nodes.get(bound, -TRUE)
         self.nodes.discard(output)
-        if not self.nodes.isdisjoint(every):
+        if len(terms) < MANY:
+            self.nodes -= every
+        elif not self.nodes.isdisjoint(every):
             self.sums[output] = Sum(output, bound, tuple(literals), tuple(weights))
         return output
 

@@ -74,7 +74,7 @@ class Turn(NamedTuple):
 
 def seconds_of_enumeration(predicted: float) -> float:
     """Return the seconds after which an enumeration has taken so long that its prediction was wrong."""
-    return max(1.0, 3 * predicted)
+    return max(5.0, 3 * predicted)
 
 
 def turns_of_engines(predicted: float | None, width: int, *, tight: bool, whole: bool, swept: bool) -> tuple[Turn, ...]:
