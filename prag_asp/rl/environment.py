@@ -120,15 +120,7 @@ class TaskEnv(GoalEnv):
         size: int | tuple[int, int] | None = None,
         render_mode: Literal["rgb_array"] | None = None,
     ) -> None:
-        self._arguments = {
-            "space": space, "domain": domain, "length": length, "where": where, "split": split, "shares": shares,
-            "skeletons": skeletons, "hold_out": hold_out, "split_seed": split_seed, "part": part,
-            "dataset": dataset, "task": task, "witness": witness,
-            "curriculum": curriculum, "stage": stage, "until": until, "reward": reward, "fade": fade,
-            "discount": discount, "control": control, "everything": everything, "steps": steps, "budget": budget,
-            "language": language,
-            "cameras": cameras, "size": size, "render_mode": render_mode,
-        }  # fmt: skip
+        self._arguments = {name: value for name, value in locals().items() if name != "self"}
         origin = named_origin(
             space=space, part=part, dataset=dataset, task=task, domain=domain, length=length, where=where,
             split=SplitOptions(split, shares, skeletons, hold_out, split_seed), curriculum=curriculum,
@@ -167,9 +159,9 @@ class TaskEnv(GoalEnv):
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode.
 
-        `options` may have the `task` (and its `witness`) or the `rank` of a task (in a dataset, its number), the
-        initial `stage`, and the `steps` of each subgoal; the rest is sampled. With a `seed`, all later samples depend
-        only on the seed; without any seed, they are random.
+        `options` may have the `task` (and its `witness`), the `rank` of a task (in a dataset, its number) or a
+        `scenario`, the initial `stage`, and the `steps` of each subgoal; the rest is sampled. With a `seed`, all later
+        samples depend only on the seed; without any seed, they are random.
 
         Raises:
             QueryError: the options are invalid, or the task has no witness.

@@ -18,7 +18,7 @@ from prag_asp.wording import unknown
 Until = Literal["subgoal", "task"]
 UNTIL: tuple[Until, ...] = get_args(Until)
 
-OPTIONS = ("task", "witness", "rank", "stage", "steps")
+OPTIONS = ("task", "witness", "rank", "scenario", "stage", "steps")
 
 REAL = "biuf"
 """The kinds of NumPy types for real numbers: no complex numbers, and no texts, which NumPy would parse as numbers."""
@@ -65,8 +65,11 @@ def options_of(options: object) -> Mapping[str, Any]:
     for name in options:
         if name not in OPTIONS:
             raise QueryError(unknown(str(name), OPTIONS, "option"))
-    if options.get("rank") is not None and options.get("task") is not None:
-        raise QueryError("a rank and a task: give one of them")
+    given = [name for name in ("rank", "task", "scenario") if options.get(name) is not None]
+    if len(given) > 1:
+        raise QueryError(f"a {given[0]} and a {given[1]}: give one of them")
+    if options.get("scenario") is not None and options.get("witness") is not None:
+        raise QueryError("a scenario has its own witness; leave the other out")
     if options.get("steps") is not None:
         _check_steps(options["steps"])
     return options

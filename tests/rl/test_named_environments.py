@@ -171,3 +171,17 @@ def test_a_reset_can_give_the_episode_other_steps(env: TaskEnv) -> None:
     for _ in range(6):
         *_, truncated, _ = env.step(STILL)
     assert truncated
+
+
+def test_the_scenario_of_an_episode_begins_it_again(dataset: Dataset) -> None:
+    env, data = TaskEnv(domain="tabletop", length=2), TaskEnv(dataset=dataset)
+    for each in (env, data):
+        observation, info = each.reset(seed=3)
+        again, same = env.reset(options={"scenario": info["scenario"]})
+        assert same["task"] == info["task"] and same["scenario"] == info["scenario"]
+        assert np.array_equal(observation["observation"], again["observation"])
+    for wrong in ({"scenario": "tabletop:2"}, {"scenario": info["scenario"], "rank": 1}):
+        with pytest.raises(QueryError):
+            env.reset(options=wrong)
+    env.close()
+    data.close()

@@ -11,6 +11,8 @@ from typing import Any, Literal, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.dataset.scenario import Scenario
+from prag_asp.dataset.scenarios import Scenarios, searched
 from prag_asp.dataset.store.instructions import LEVELS, PLAIN, TaskTexts, captioner_of
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
@@ -56,6 +58,7 @@ class EpisodeStart:
         levels = {level: written.get(level, written.get(PLAIN, "")) for level in LEVELS}
         return {
             "task": str(assignment.task),
+            "scenario": "" if assignment.scenario is None else str(assignment.scenario),
             "instruction": levels["default"],
             "instruction_vague": levels["vague"],
             "instruction_exact": levels["exact"],
@@ -88,6 +91,7 @@ class EpisodeSampler:
     ):
         self.finder, self.seeded = finder, False
         self._stage, self._domain, self._scene, self._layout = stage, domain, finder.scene, layout
+        self._scenarios = Scenarios(domain)
         self._captioner = captioner_of(domain, language, seed=0)
         self._cached: OrderedDict[tuple[int, ...], tuple[tuple[object, ...], Any]] = OrderedDict()
         alone = origin.task is not None or witness is not None
@@ -109,7 +113,9 @@ class EpisodeSampler:
             NotFound: `PATIENCE` samples in a row are not feasible.
         """
         task, witness, rank, stage = (options.get(name) for name in ("task", "witness", "rank", "stage"))
-        if task is not None or witness is not None:
+        if options.get("scenario") is not None:
+            assignment = self._of_scenario(options["scenario"])
+        elif task is not None or witness is not None:
             assignment = self._assign(task, witness)
         else:
             assignment = self._source.draw() if rank is None else self._source.ranked(rank)
@@ -162,6 +168,19 @@ class EpisodeSampler:
         if witness is None:
             return Assignment(task, self.finder.required(task))
         return self._once(lambda: assign_witness(task, witness, self._scene), task, witness)
+
+    def _of_scenario(self, scenario: object) -> Assignment:
+        """Return the task of a scenario, given as a value or as its id, with its witness.
+
+        Raises:
+            QueryError: it is no scenario of the domain, or has no initial state.
+        """
+        parsed = scenario if isinstance(scenario, Scenario) else Scenario.parse(str(scenario))
+        if parsed.start is None:
+            raise QueryError(f"scenario {parsed}: it has no initial state; give one that physics found feasible")
+        record = searched(self._scenarios.task(parsed), parsed.start, self.finder.validator)
+        witness = Witness.from_json(record.witness or {})
+        return Assignment(record.task, witness, parsed.rank, scenario=parsed)
 
     def _once(self, make: Callable[[], Made], *whose: object) -> Made:
         """Return the result of `make`, cached by the identity of the values that it depends on."""
