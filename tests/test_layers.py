@@ -87,7 +87,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "tables": ("toml_text", "report", "json_fields"),
     "scene": (
         "predicate_names", "boxes", "cameras", "colours", "forms", "shape_kinds", "scene", "geometry",
-        "footprint", "furniture", "solids", "mass", "variation", "robots", "read", "surfaces",
+        "footprint", "furniture", "solids", "mass", "variation", "robots", "read", "surfaces", "extent",
         "scene_loader",
     ),
     "logic": ("ground", "step", "diagram", "symmetry", "domain_logic", "formula"),

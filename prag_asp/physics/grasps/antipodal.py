@@ -74,6 +74,9 @@ STEEP = -0.3
 LONG_LEVER, TILT_COST = 0.05, 0.3
 """The lever arm of the centre of mass in metres that lowers a score by 1, and the cost of a radian of tilt."""
 
+UNBEARABLE = 1e6
+"""The `sag` of a grasp whose contacts have no extent."""
+
 ENOUGH_SLACK, WIDE_CONTACT = 0.01, 0.005
 """The room at a finger, and the radius of a contact, above which the score no longer rises, in metres."""
 
@@ -90,7 +93,8 @@ class Grasp(NamedTuple):
     `tool` is the pose of the tool in the frame of the body; `width` the distance in metres between the pads in contact
     and `approach` that between the pads on the approach; `tilt` the angle between the tool's direction and straight
     down in radians; `lever` the horizontal distance in metres of the centre of mass from the line between the pads;
-    `radius` the lever arm of friction about that line, in metres; `score` is higher for better grasps.
+    `radius` the lever arm of friction about that line, in metres; `sag` the torque of the weight across that line, see
+    `sag_of`; `score` is higher for better grasps.
     """
 
     tool: Pose
@@ -99,6 +103,7 @@ class Grasp(NamedTuple):
     tilt: float
     lever: float
     radius: float
+    sag: float
     score: float
 
 
@@ -338,7 +343,33 @@ def _judged(
     slack = min((gripper.opening - contact.width) / 2, ENOUGH_SLACK) / ENOUGH_SLACK
     flat = min(radius, WIDE_CONTACT) / WIDE_CONTACT
     score = flat + 0.5 * slack - arm / LONG_LEVER - TILT_COST * tilt + 0.2 * (approach == gripper.opening)
-    return Grasp(tool, contact.width, approach, tilt, arm, radius, score)
+    return Grasp(tool, contact.width, approach, tilt, arm, radius, sag_of(problem.centre, tool, contact), score)
+
+
+def sag_of(centre: tuple[float, float, float], tool: Pose, contact: PadContact) -> float:
+    """Return the force of each finger that keeps a body from sagging, as a multiple of the body's weight.
+
+    Gravity also turns a body that is gripped aside of its centre of mass about axes across the line between the pads:
+    a bowl that is held at its rim. The pads do not turn about these axes. Their pressure moves to opposite edges of
+    both contacts, which bears at most the force of a finger times the sum of half the extents of the contacts. `tool`
+    is the pose of the tool in the frame of the upright body.
+    """
+    offset, rows = _offset(centre, tool, contact), matrix(tool)[:3, :3]
+    # The torque of a weight of 1 N at the centre of mass, in the frame of the tool.
+    x, _, z = rows.T @ np.cross(-offset, (0.0, 0.0, -1.0))
+    torque = math.hypot(x, z)
+    if torque == 0.0:
+        return 0.0
+    # Forces along y with arms along d turn about y x d.
+    reach = sum(patch.half_extent(z / torque, -x / torque) for patch in contact.patches)
+    return torque / reach if reach > 0.0 else UNBEARABLE
+
+
+def _offset(centre: tuple[float, float, float], tool: Pose, contact: PadContact) -> Floats:
+    """Return the vector from a centre of mass to the middle of the contacts of two pads, in the frame of the body."""
+    x, z = ((a + b) / 2 for a, b in zip(contact.patches[0].centre, contact.patches[1].centre, strict=True))
+    offset: Floats = np.array(compose(tool, Pose((x, 0.0, z))).position) - centre
+    return offset
 
 
 def lever_of(centre: tuple[float, float, float], tool: Pose, contact: PadContact) -> float:
@@ -346,8 +377,7 @@ def lever_of(centre: tuple[float, float, float], tool: Pose, contact: PadContact
 
     `tool` is the pose of the tool in the frame of the upright body; the distance is perpendicular to the line.
     """
-    x, z = ((a + b) / 2 for a, b in zip(contact.patches[0].centre, contact.patches[1].centre, strict=True))
-    offset = np.array(compose(tool, Pose((x, 0.0, z))).position) - centre
+    offset = _offset(centre, tool, contact)
     axis = matrix(tool)[:3, 1]
     offset -= (offset @ axis) * axis
     return math.hypot(offset[0], offset[1])

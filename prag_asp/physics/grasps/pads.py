@@ -6,6 +6,7 @@ which they open.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -48,13 +49,20 @@ class PadContact(NamedTuple):
 class PadPatch(NamedTuple):
     """The patch of one pad: the area in m², the centroid (x, z) in m, the radius of gyration in m, the mean normal.
 
-    `slope` is the cosine of the angle between the mean outward normal and the direction in which the pad lies.
+    `spread` are the second moments of the area about its centroid, xx, xz and zz, divided by the area, in m². `slope`
+    is the cosine of the angle between the mean outward normal and the direction in which the pad lies.
     """
 
     area: float
     centre: tuple[float, float]
     gyration: float
     slope: float
+    spread: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    def half_extent(self, x: float, z: float) -> float:
+        """Return half the extent of the patch along a unit vector in metres, exact for a rectangle along its sides."""
+        xx, xz, zz = self.spread
+        return math.sqrt(max(0.0, 3 * (x * x * xx + 2 * x * z * xz + z * z * zz)))
 
 
 class ParallelGripper(NamedTuple):
@@ -158,5 +166,9 @@ class Polygons(NamedTuple):
         centre = share @ centroids
         # The mean of |p|² over a triangle with the corners v and the centroid c is (Σ|v|² + 9|c|²) / 12.
         square = float(share @ ((fans**2).sum((1, 2)) + 9 * (centroids**2).sum(1))) / 12
+        corners_squared = np.einsum("i,ijk,ijl->kl", share, fans, fans)
+        moments = (corners_squared + 9 * np.einsum("i,ik,il->kl", share, centroids, centroids)) / 12
+        moments -= np.outer(centre, centre)
+        spread = (float(moments[0, 0]), float(moments[0, 1]), float(moments[1, 1]))
         gyration = max(square - float(centre @ centre), 0.0) ** 0.5
-        return PadPatch(total, (float(centre[0]), float(centre[1])), gyration, float(share @ slopes))
+        return PadPatch(total, (float(centre[0]), float(centre[1])), gyration, float(share @ slopes), spread)

@@ -157,7 +157,7 @@ class _Walls(NamedTuple):
             if side == 0.0:
                 own = (i, j)
         missing = points[:, 2] > beside + LEVEL
-        raised = heights.copy()
+        raised: Floats = heights.copy()
         np.maximum.at(raised, (own[0][missing], own[1][missing]), points[missing, 2])
         return raised
 
