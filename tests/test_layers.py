@@ -87,7 +87,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "tables": ("toml_text", "report", "json_fields"),
     "scene": (
         "predicate_names", "boxes", "cameras", "colours", "forms", "shape_kinds", "scene", "geometry",
-        "footprint", "furniture", "solids", "mass", "variation", "robots", "read", "surfaces", "extent",
+        "footprint", "furniture", "solids", "mass", "variation", "robots", "read", "surfaces",
         "scene_loader",
     ),
     "logic": ("ground", "step", "diagram", "symmetry", "domain_logic", "formula"),
@@ -97,7 +97,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "task_space", "without_replacement", "emptiness",
     ),
     "physics": (
-        "bullet", "required", "temporary_files", "robot", "grasps", "witness", "situation", "predicates",
+        "bullet", "required", "temporary_files", "robot", "grasps", "witness", "extent", "situation", "predicates",
         "symbolic_facts", "world", "proofs", "search", "motion", "checks", "demonstration", "filming",
         "pictures", "verdict", "witness_search", "tiers", "validator", "validation",
     ),

@@ -8,10 +8,10 @@ from functools import cached_property
 from typing import NamedTuple
 
 from prag_asp.errors import SceneError
+from prag_asp.physics.extent import extent
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.witness import Arm
 from prag_asp.scene.boxes import Box, Vector, box_of, corners_of
-from prag_asp.scene.extent import extent
 from prag_asp.scene.furniture import bounds, cavity_pose, part_pose
 from prag_asp.scene.geometry import Pose, compose, finite, raised, yaw_quaternion
 from prag_asp.scene.robots import Robot, robot_of

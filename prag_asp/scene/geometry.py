@@ -122,7 +122,7 @@ def finite(pose: Pose) -> bool:
 def extents(shape: Shape, quaternion: Quaternion) -> Vector:
     """Return the half-extents of the axis-aligned bounding box of a rotated shape, in metres.
 
-    A shape with a model counts as the box of its file; `prag_asp.scene.extent` measures its solids.
+    A shape with a model counts as the box of its file; `prag_asp.physics.extent` measures its solids.
     """
     half, reach = shape.half, shape.traits.form.reach
     x, y, z, w = quaternion

@@ -11,10 +11,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from prag_asp.physics.extent import extent, side_yaw
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Volume, Yaws, opposite
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.extent import extent, side_yaw
 from prag_asp.scene.geometry import Quaternion, wrap, yaw_of
 
 TURN, TURN_MARGIN = math.radians(5), math.radians(0.5)

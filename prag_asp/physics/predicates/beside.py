@@ -11,12 +11,12 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
+from prag_asp.physics.extent import extent
 from prag_asp.physics.predicates.gaps import Demand, Gap, centre, thinnest
 from prag_asp.physics.predicates.predicate import Arguments, Direction, Predicate, states
 from prag_asp.physics.predicates.volume import Side, Volume, opposite
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.extent import extent
 from prag_asp.scene.geometry import Quaternion
 from prag_asp.scene.scene import Scene
 

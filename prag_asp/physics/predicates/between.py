@@ -10,11 +10,11 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from prag_asp.physics.extent import extent_along
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Volume, over_rectangle
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.extent import extent_along
 from prag_asp.scene.geometry import Quaternion
 
 GAP = 0.005

@@ -11,11 +11,11 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
+from prag_asp.physics.extent import ORIGIN, Extent, extent
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Side, Volume, opposite
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.extent import ORIGIN, Extent, extent
 from prag_asp.scene.geometry import Quaternion, heading, multiply, rotate, to_local
 from prag_asp.scene.scene import BoxBounds, Own
 

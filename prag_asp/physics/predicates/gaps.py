@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from prag_asp.scene.extent import extent, least_reach
+from prag_asp.physics.extent import extent, least_reach
 from prag_asp.scene.geometry import extents, yaw_quaternion
 from prag_asp.scene.scene import Scene, Shape
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from prag_asp.physics.extent import silhouette
 from prag_asp.physics.grasps.opposite_faces import is_never_spanned
 from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates.gaps import ROUNDING, Demand, Gap, Z, along, between, bottom, centre, top
@@ -23,7 +24,6 @@ from prag_asp.physics.predicates.grip_geometry import (
 from prag_asp.physics.predicates.predicate import Arguments, Gripper, Predicate, states, words
 from prag_asp.physics.predicates.volume import Ring, Volume, over_polygon, over_rectangle
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.extent import silhouette
 from prag_asp.scene.geometry import Quaternion, compose, heading, inside_by, invert, to_local, turn_between
 from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene

@@ -13,12 +13,12 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
+from prag_asp.physics.extent import Extent, extent, least_reach, silhouette
 from prag_asp.physics.predicates.gaps import Demand, Z, above, along, between, bottom
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states, words
 from prag_asp.physics.predicates.volume import Volume, opposite, over_rectangle
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.extent import Extent, extent, least_reach, silhouette
 from prag_asp.scene.forms import Outline, rectangle
 from prag_asp.scene.furniture import cavity
 from prag_asp.scene.geometry import (

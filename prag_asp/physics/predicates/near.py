@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 
+from prag_asp.physics.extent import extent
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Ring, Volume
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.extent import extent
 from prag_asp.scene.geometry import Quaternion
 
 NEAR, FAR = 0.10, 0.25

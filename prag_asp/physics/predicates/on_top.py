@@ -8,11 +8,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from prag_asp.physics.extent import extent
 from prag_asp.physics.predicates.gaps import ORIGIN, Demand, Z, above, along, between, bottom, centre, top
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states, words
 from prag_asp.physics.predicates.volume import Ring, Volume, over_polygon, over_rectangle
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.extent import extent
 from prag_asp.scene.geometry import Quaternion, crown, extents, heading, inside_by, to_local, yaw_quaternion
 from prag_asp.scene.scene import Scene
 

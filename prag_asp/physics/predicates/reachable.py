@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from prag_asp.physics.extent import least_reach
 from prag_asp.physics.predicates.gaps import ORIGIN, ROUNDING, Demand, Gap, Z, along, between, bottom, centre
 from prag_asp.physics.predicates.predicate import Arguments, Gripper, Predicate, states
 from prag_asp.physics.predicates.volume import Ring, Volume
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.extent import least_reach
 from prag_asp.scene.forms import Point
 from prag_asp.scene.geometry import Quaternion
 from prag_asp.scene.robots import robot_of

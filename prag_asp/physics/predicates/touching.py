@@ -13,12 +13,12 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from prag_asp.physics.extent import extent, silhouette
 from prag_asp.physics.predicates.gaps import Demand, Gap, Z, along, between, bottom, centre, top
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, words
 from prag_asp.physics.predicates.volume import Ring, Side, Volume, turned_box
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.extent import extent, silhouette
 from prag_asp.scene.forms import Outline, Point, rectangle
 from prag_asp.scene.geometry import Pose, Quaternion, hull, inside_by, turn_between, wrap, yaw_of, yaw_quaternion
 from prag_asp.scene.scene import Scene, Shape

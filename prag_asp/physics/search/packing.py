@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.physics.extent import ORIGIN, extent, side_yaw
 from prag_asp.physics.search.allowed_region import shapes_volume, yaw_ranges
 from prag_asp.physics.search.attempt import OBJECTS_COLLIDE, Failure, Search
 from prag_asp.physics.search.placement import (
@@ -34,7 +35,6 @@ from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.physics.world.simulator import COLLISION
 from prag_asp.physics.world.support import TABLE
 from prag_asp.scene.boxes import Vector, box_of
-from prag_asp.scene.extent import ORIGIN, extent, side_yaw
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, compose, multiply, rotate, yaw_of, yaw_quaternion
 

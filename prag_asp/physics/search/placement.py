@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from prag_asp.physics.extent import Extent, extent, side_yaw
 from prag_asp.physics.predicates import Gripper, Ring, Volume
 from prag_asp.physics.predicates.inside import INSIDE
 from prag_asp.physics.predicates.on_top import ON_TOP
@@ -31,7 +32,6 @@ from prag_asp.physics.world.collisions import box
 from prag_asp.physics.world.simulator import COLLISION
 from prag_asp.physics.world.support import TABLE
 from prag_asp.scene.boxes import Vector, box_of
-from prag_asp.scene.extent import Extent, extent, side_yaw
 from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, yaw_of, yaw_quaternion
 from prag_asp.scene.scene import Shape

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
+from prag_asp.physics.extent import extent
 from prag_asp.physics.predicates import Direction, Volume
 from prag_asp.physics.predicates.beside import GAP, MARGIN, SIDES, wedge
 from prag_asp.physics.predicates.volume import opposite
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact
-from prag_asp.scene.extent import extent
 from prag_asp.scene.geometry import Quaternion
 
 

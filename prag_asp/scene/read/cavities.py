@@ -3,8 +3,8 @@
 The heights of the surface are measured on a grid from above. Water runs off at the border and through holes, and fills
 any other point up to the lowest rim over which it can run off: the minimum, over all paths to the border, of the
 greatest height on the path (Barnes, Lehman and Mulla, "Priority-flood", 2014). Gaps and holes too narrow for objects to
-fall through are closed first: a basket is a container, and cracks between the triangles of a mesh do not matter. Walls
-that are thinner than a cell of the grid are added to it. Parts over a cavity that do not close it, such as the handle
+fall through are closed first: a basket is a container, and cracks between the triangles of a mesh do not matter. If
+there is no cavity, walls that are thinner than a cell of the grid are added to it. Parts over a cavity that do not close it, such as the handle
 of a basket, are ignored: the surface is also measured from several heights, without the parts above.
 """
 
@@ -60,15 +60,19 @@ def find_cavity(triangles: Floats) -> Cavity | None:
     heights, solid = np.full(shape, -np.inf), np.zeros(shape, dtype=int)
     for triangle in triangles:
         _raise(heights, solid, cuts, triangle, xs, ys)
-    walls = _Walls.of(triangles, cell / 2)
-    found: list[tuple[float, Cavity]] = []
-    for cut, seen, within in zip(cuts, heights, solid, strict=True):
-        # Without an overhang over a surface, the view of the whole body shows the same.
-        if cut == np.inf or ((heights[-1] > cut) & (within <= 0) & (seen > -np.inf)).any():
-            surface = np.where((within > 0) & (cut < np.inf), cut, seen)
-            surface = _closed(walls.added(surface, cut, (xs, ys)), round(GAP / 2 / cell))
-            found += _cavities(surface, heights[-1], float(low[2]), (xs, ys))
-    return max(found, key=lambda row: row[0])[1] if found else None
+    # Thin walls are added only if there is no cavity without them: they take whole cells.
+    for thin in (False, True):
+        walls = _Walls.of(triangles, cell / 2) if thin else None
+        found: list[tuple[float, Cavity]] = []
+        for cut, seen, within in zip(cuts, heights, solid, strict=True):
+            # Without an overhang over a surface, the view of the whole body shows the same.
+            if cut == np.inf or ((heights[-1] > cut) & (within <= 0) & (seen > -np.inf)).any():
+                surface = np.where((within > 0) & (cut < np.inf), cut, seen)
+                surface = surface if walls is None else walls.added(surface, cut, (xs, ys))
+                found += _cavities(_closed(surface, round(GAP / 2 / cell)), heights[-1], float(low[2]), (xs, ys))
+        if found:
+            return max(found, key=lambda row: row[0])[1]
+    return None
 
 
 def _cavities(surface: Floats, top: Floats, low: float, grid: tuple[Floats, Floats]) -> Iterator[tuple[float, Cavity]]:

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from prag_asp.physics import PREDICATES, Budget, check_witness, validate_task
+from prag_asp.physics.extent import extent, least_reach, side_yaw
 from prag_asp.physics.predicates.gaps import thinnest
 from prag_asp.physics.predicates.volume import Volume
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.extent import extent, least_reach, side_yaw
 from prag_asp.scene.geometry import IDENTITY, Pose, Quaternion, matrix, yaw_quaternion
 from prag_asp.scene.read.body import body_shape, solid_mass
 from prag_asp.scene.scene import Scene, Shape, Solid

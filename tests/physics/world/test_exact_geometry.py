@@ -16,8 +16,8 @@ import numpy as np
 import pybullet
 import pytest
 
+from prag_asp.physics.extent import extent
 from prag_asp.physics.world.simulator import Simulator, open_simulator
-from prag_asp.scene.extent import extent
 from prag_asp.scene.furniture import bounds, cavity, mechanism
 from prag_asp.scene.geometry import Pose, yaw_quaternion
 from prag_asp.scene.scene import Scene, Solid
