@@ -4,8 +4,9 @@ The heights of the surface are measured on a grid from above. Water runs off at 
 any other point up to the lowest rim over which it can run off: the minimum, over all paths to the border, of the
 greatest height on the path (Barnes, Lehman and Mulla, "Priority-flood", 2014). Gaps and holes too narrow for objects to
 fall through are closed first: a basket is a container, and cracks between the triangles of a mesh do not matter. If
-there is no cavity, walls that are thinner than a cell of the grid are added to it. Parts over a cavity that do not close it, such as the handle
-of a basket, are ignored: the surface is also measured from several heights, without the parts above.
+there is no cavity, walls that are thinner than a cell of the grid are added to it. Parts over a cavity that do not
+close it, such as the handle of a basket, are ignored: the surface is also measured from several heights, without the
+parts above.
 """
 
 from __future__ import annotations
@@ -68,7 +69,11 @@ def find_cavity(triangles: Floats) -> Cavity | None:
             # Without an overhang over a surface, the view of the whole body shows the same.
             if cut == np.inf or ((heights[-1] > cut) & (within <= 0) & (seen > -np.inf)).any():
                 surface = np.where((within > 0) & (cut < np.inf), cut, seen)
-                surface = surface if walls is None else walls.added(surface, cut, (xs, ys))
+                if walls is not None:
+                    raised = walls.added(surface, cut, (xs, ys))
+                    if raised is surface:
+                        continue
+                    surface = raised
                 found += _cavities(_closed(surface, round(GAP / 2 / cell)), heights[-1], float(low[2]), (xs, ys))
         if found:
             return max(found, key=lambda row: row[0])[1]
@@ -145,6 +150,8 @@ class _Walls(NamedTuple):
     def added(self, heights: Floats, cut: float, grid: tuple[Floats, Floats]) -> Floats:
         """Return the heights of a surface on a grid with the parts of walls below a cut that fall between its points.
 
+        They are the same array if no part is missing.
+
         A wall is missing at a point if the surface is lower there, and a cell away on either side of the wall.
         """
         cell = float(grid[0][1] - grid[0][0])
@@ -161,6 +168,8 @@ class _Walls(NamedTuple):
             if side == 0.0:
                 own = (i, j)
         missing = points[:, 2] > beside + LEVEL
+        if not missing.any():
+            return heights
         raised: Floats = heights.copy()
         np.maximum.at(raised, (own[0][missing], own[1][missing]), points[missing, 2])
         return raised
