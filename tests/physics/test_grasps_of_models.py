@@ -253,9 +253,8 @@ def test_every_grasp_of_a_body_holds_it_wherever_it_stands_and_nothing_refutes_t
         assert all(a - beyond <= at <= b + beyond for a, at, b in zip(low, tool.position, high, strict=True))
         here = replace(made, fixed={**made.fixed, "thing_1": (*pose.position[:2], yaw_of(pose.quaternion))})
         assert Prover(here).refutation([held]) is None
-        # Search and check judge its load alike: Coulomb's law, and the torques about both pads' line and across it.
+        # Search and check judge its load alike: Coulomb's law, with the torque about the line between both pads.
         share = body.mass * 9.81 / (2 * 1.4 * made.material("thing_1").friction * 12.0)
-        load = grip_load(made, "thing_1", "panda", grasp.lever, grasp.radius, grasp.sag)
-        sagging = body.mass * 9.81 * grasp.sag / 12.0
-        assert load == pytest.approx(math.hypot(share, share * grasp.lever / grasp.radius, sagging))
+        load = grip_load(made, "thing_1", "panda", grasp.lever, grasp.radius)
+        assert load == pytest.approx(share * math.hypot(1.0, grasp.lever / grasp.radius))
         assert held_load(situation, "thing_1", "panda") == pytest.approx(load, abs=1e-6)

@@ -19,7 +19,6 @@ from prag_asp.physics.grasps.antipodal import (
     hand_is_free,
     lever_of,
     open_width,
-    sag_of,
     sampled_grasps,
 )
 from prag_asp.physics.grasps.pads import PadContact, ParallelGripper
@@ -27,7 +26,7 @@ from prag_asp.scene.geometry import Pose, matrix
 from prag_asp.scene.scene import Shape
 from prag_asp.scene.surfaces import in_frame, mesh_states, part_surfaces, surface
 
-FORM = 5
+FORM = 4
 """The version of the search and of its files: cached grasps of other versions are not read."""
 
 LARGEST_FILE = 1_000_000
@@ -48,7 +47,7 @@ def body_grasps(shape: Shape, gripper: ParallelGripper, friction: float) -> tupl
 class GraspTable(NamedTuple):
     """The grasps of a body as arrays: poses of the tool as matrices (n, 4, 4) and quaternions (4, n), and scores (n,).
 
-    `loads` (n,) are the factors by which their levers and sags raise their loads, see `grip_load`.
+    `loads` (n,) are the factors by which their levers raise their loads, see `grip_load`.
     """
 
     frames: NDArray[np.float64]
@@ -128,7 +127,7 @@ def _table(shape: Shape, gripper: ParallelGripper, friction: float, files: tuple
         np.array([matrix(grasp.tool) for grasp in grasps]).reshape(-1, 4, 4),
         np.array([grasp.tool.quaternion for grasp in grasps]).reshape(-1, 4).T,
         np.array([grasp.score for grasp in grasps]),
-        np.hypot(np.hypot(1.0, levers), 2 * friction * np.array([grasp.sag for grasp in grasps])),
+        np.hypot(1.0, levers),
     )
 
 
@@ -149,14 +148,6 @@ def lever(shape: Shape, tool: Pose, contact: PadContact) -> float:
     `tool` is the pose of the tool in the frame of the body, which is upright.
     """
     return lever_of(_centre(shape), tool, contact)
-
-
-def sag(shape: Shape, tool: Pose, contact: PadContact) -> float:
-    """Return the torque of the weight of a body across the line between the pads, see `sag_of`.
-
-    `tool` is the pose of the tool in the frame of the body, which is upright.
-    """
-    return sag_of(_centre(shape), tool, contact)
 
 
 def _centre(shape: Shape) -> tuple[float, float, float]:

@@ -6,7 +6,6 @@ which they open.
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -49,20 +48,13 @@ class PadContact(NamedTuple):
 class PadPatch(NamedTuple):
     """The patch of one pad: the area in m², the centroid (x, z) in m, the radius of gyration in m, the mean normal.
 
-    `spread` are the second moments of the area about its centroid, xx, xz and zz, divided by the area, in m². `slope`
-    is the cosine of the angle between the mean outward normal and the direction in which the pad lies.
+    `slope` is the cosine of the angle between the mean outward normal and the direction in which the pad lies.
     """
 
     area: float
     centre: tuple[float, float]
     gyration: float
     slope: float
-    spread: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-    def half_extent(self, x: float, z: float) -> float:
-        """Return half the extent of the patch along a unit vector in metres, exact for a rectangle along its sides."""
-        xx, xz, zz = self.spread
-        return math.sqrt(max(0.0, 3 * (x * x * xx + 2 * x * z * xz + z * z * zz)))
 
 
 class ParallelGripper(NamedTuple):
@@ -107,6 +99,14 @@ class ParallelGripper(NamedTuple):
         `triangles`, shape (n, 3, 3), are the surface of the body in the frame of the tool, in metres. The interval is
         exact for this surface: its triangles are clipped to the prism that the pads sweep.
         """
+        polygons = self.between(triangles)
+        if not len(polygons.corners):
+            return None
+        ends = float(polygons.corners[:, :, 1].min()), float(polygons.corners[:, :, 1].max())
+        return PadContact(*ends, (polygons.patch(ends[0], -1.0), polygons.patch(ends[1], 1.0)))
+
+    def between(self, triangles: Floats) -> Polygons:
+        """Return the parts of triangles (n, 3, 3) in the prism that the pads sweep, in the frame of the tool."""
         low = np.array([-self.half_x, -self.opening / 2, self.low_z])
         high = np.array([self.half_x, self.opening / 2, self.high_z])
         triangles = triangles[((triangles.min(1) <= high) & (triangles.max(1) >= low)).all(1)]
@@ -114,10 +114,7 @@ class ParallelGripper(NamedTuple):
         polygons = Polygons(triangles, normals / np.maximum(np.linalg.norm(normals, axis=1), TINY)[:, None])
         for axis in range(3):
             polygons = polygons.cut(axis, 1.0, high[axis]).cut(axis, -1.0, -low[axis])
-        if not len(polygons.corners):
-            return None
-        ends = float(polygons.corners[:, :, 1].min()), float(polygons.corners[:, :, 1].max())
-        return PadContact(*ends, (polygons.patch(ends[0], -1.0), polygons.patch(ends[1], 1.0)))
+        return polygons
 
 
 class Polygons(NamedTuple):
@@ -148,9 +145,8 @@ class Polygons(NamedTuple):
 
     def patch(self, end: float, side: float) -> PadPatch:
         """Return the patch of a pad on one side: the surface that faces it, within `TOUCH` of the outermost point."""
-        corners, normals = self.cut(1, -side, TOUCH - side * end)
-        facing = side * normals[:, 1]
-        flat, facing = corners[facing > 0.0][:, :, [0, 2]], facing[facing > 0.0]
+        corners, normals = self.touched(end, side)
+        flat, facing = corners[:, :, [0, 2]], side * normals[:, 1]
         if flat.shape[1] < 3:
             return PadPatch(0.0, (0.0, 0.0), 0.0, 0.0)
         first = np.broadcast_to(flat[:, :1], flat[:, 1:-1].shape)
@@ -166,9 +162,11 @@ class Polygons(NamedTuple):
         centre = share @ centroids
         # The mean of |p|² over a triangle with the corners v and the centroid c is (Σ|v|² + 9|c|²) / 12.
         square = float(share @ ((fans**2).sum((1, 2)) + 9 * (centroids**2).sum(1))) / 12
-        corners_squared = np.einsum("i,ijk,ijl->kl", share, fans, fans)
-        moments = (corners_squared + 9 * np.einsum("i,ik,il->kl", share, centroids, centroids)) / 12
-        moments -= np.outer(centre, centre)
-        spread = (float(moments[0, 0]), float(moments[0, 1]), float(moments[1, 1]))
         gyration = max(square - float(centre @ centre), 0.0) ** 0.5
-        return PadPatch(total, (float(centre[0]), float(centre[1])), gyration, float(share @ slopes), spread)
+        return PadPatch(total, (float(centre[0]), float(centre[1])), gyration, float(share @ slopes))
+
+    def touched(self, end: float, side: float) -> Polygons:
+        """Return the surface that faces a pad on one side, within `TOUCH` of the outermost point."""
+        corners, normals = self.cut(1, -side, TOUCH - side * end)
+        facing = side * normals[:, 1] > 0.0
+        return Polygons(corners[facing], normals[facing])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from prag_asp.physics.grasps.antipodal import Grasp
-from prag_asp.physics.grasps.body_grasps import body_grasps, lever, sag
+from prag_asp.physics.grasps.body_grasps import body_grasps, lever
 from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates.grip_geometry import contact_at
 from prag_asp.physics.predicates.predicate import words
@@ -81,21 +81,17 @@ def gripper_words(scene: Scene, robot: str) -> str:
     return f"the {words(robot)} gripper" if len(scene.robots) > 1 else "the gripper"
 
 
-def grip_load(scene: Scene, entity: str, robot: str, lever_arm: float, radius: float, sagging: float = 0.0) -> float:
+def grip_load(scene: Scene, entity: str, robot: str, lever_arm: float, radius: float) -> float:
     """Return the load of a grip as a share of the load that friction bears; above 1 the body slips or turns.
 
     Gravity pulls at the centre of mass, `lever_arm` metres from the axis through both pads, and turns the body about
     that axis. With uniform pressure each pad bears the force mu F, or the torque mu F r with the mean distance r of its
     points from its centre, `radius` in metres. Both together follow an ellipse (Howe and Cutkosky, "Practical
-    force-motion models for sliding manipulation", 1996). Its torque across the axis needs `sagging` times the weight
-    as the force of a finger, see `sag_of`.
+    force-motion models for sliding manipulation", 1996).
     """
     most = 2 * pad_friction(scene, entity) * robot_of(scene, robot).grip_force
     force = GRAVITY * weight(scene, entity)
-    if radius <= 0.0:
-        return math.inf
-    pressing = robot_of(scene, robot).grip_force
-    return math.hypot(force / most, force * lever_arm / (most * radius), force * sagging / pressing)
+    return math.hypot(force / most, force * lever_arm / (most * radius)) if radius > 0.0 else math.inf
 
 
 def held_load(situation: Situation, entity: str, robot: str) -> float:
@@ -109,9 +105,8 @@ def held_load(situation: Situation, entity: str, robot: str) -> float:
         contact = contact_at(situation, entity, robot)
         if contact is None:
             return 0.0
-        place = compose(invert(situation.pose(entity)), tool)
-        aside, across = lever(shape, place, contact), sag(shape, place, contact)
-        return grip_load(situation.scene, entity, robot, aside, contact.radius, across)
+        aside = lever(shape, compose(invert(situation.pose(entity)), tool), contact)
+        return grip_load(situation.scene, entity, robot, aside, contact.radius)
     along_x, _, along_z = situation.robot(robot).finger_boxes[0].size
     centre = centre_of_mass(shape, situation.pose(entity))
     x, y, _ = (a - b for a, b in zip(centre, tool.position, strict=True))
