@@ -145,6 +145,6 @@ def test_what_fits_a_crate_however_it_lies_in_its_file_is_found_in_it(thing, siz
     crate = Shape("container", size, 0.006)
     scene = Scene({"panda": Shape("robot"), "table": Shape("table"), "crate": crate, "thing": thing})
     stays = task(state("inside(thing,crate)"), ("wait", {}))
-    verdict = validate_task(stays, scene, Budget(restarts=4), seed=3)
+    verdict = validate_task(stays, scene, seed=3, budget=Budget(restarts=4))
     assert verdict.feasible == fits
     assert not fits or check_witness(stays, verdict.witness, scene) == []
