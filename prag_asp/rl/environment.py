@@ -19,9 +19,10 @@ from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Witness, require_physics
-from prag_asp.rl.arena import PERIOD, Arena
+from prag_asp.physics.control.control import Control
+from prag_asp.physics.control.names import USUAL_RATE, ControlName
+from prag_asp.rl.arena import Arena
 from prag_asp.rl.camera_views import Image, Viewer
-from prag_asp.rl.control import SIZES, Control
 from prag_asp.rl.environment_options import Until, check_episodes, check_figures, moves_of, options_of
 from prag_asp.rl.goal_env import GoalEnv, Observation
 from prag_asp.rl.goals import PLACES, subgoals_of
@@ -60,9 +61,8 @@ class TaskEnv(GoalEnv):
 
     An observation has the agent's `observation` (`layout.names` names its numbers), and, by the convention of goal
     environments, `achieved_goal` and `desired_goal` of the shape (2 * `PLACES`,): for now, and for one step before;
-    `prag_asp.rl.rewards` explains the vectors. The action has, for each robot in turn, a displacement of the tool along
-    x, y, z, a turn about the vertical and a motion of the fingers (`control` "tool"), or motions of seven joints and
-    the fingers ("joints"), each between -1 and 1; it lasts 1/20 s.
+    `prag_asp.rl.rewards` explains the vectors. `control` is the meaning of actions by its name; the attribute
+    `control` has the names, units and scales of their numbers. There are `rate` actions a second, a divisor of 120.
 
     `stage` is the initial subgoal, from 0 (-1 is the last, "any" is random); the episode begins in the witness's state
     at its start. It lasts `until` that "subgoal" or the whole "task" is reached, and at most `steps` for each subgoal.
@@ -87,7 +87,7 @@ class TaskEnv(GoalEnv):
         PhysicsMissingError: PyBullet or frankik is not installed.
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": round(1 / PERIOD)}
+    metadata = {"render_modes": ["rgb_array"], "render_fps": USUAL_RATE}
 
     def __init__(
         self,
@@ -111,7 +111,8 @@ class TaskEnv(GoalEnv):
         reward: Reward = "dense",
         fade: int | Literal["success"] = "success",
         discount: float = 1.0,
-        control: Control = "tool",
+        control: ControlName = "ee_delta_upright",
+        rate: int = USUAL_RATE,
         everything: bool = False,
         steps: int = STEPS,
         budget: Budget | None = None,
@@ -125,7 +126,7 @@ class TaskEnv(GoalEnv):
             space=space, part=part, dataset=dataset, task=task, domain=domain, length=length, where=where,
             split=SplitOptions(split, shares, skeletons, hold_out, split_seed), curriculum=curriculum,
         )  # fmt: skip
-        check_episodes(until=until, reward=reward, control=control, stage=stage, steps=steps)
+        check_episodes(until=until, reward=reward, stage=stage, steps=steps)
         modes = self.metadata["render_modes"]
         check_figures(discount=discount, budget=budget, render_mode=render_mode, modes=modes)
         require_physics()
@@ -137,7 +138,9 @@ class TaskEnv(GoalEnv):
         weakref.finalize(self, self._resources.close)
         self._viewer = Viewer(self.scene, cameras, size, self._resources)
         self.layout = Layout.of(self.scene, map(atom_of, self.domain.facts.actions), everything=everything)
-        self.control, self._until, self._steps, self.discount = control, until, int(steps), float(discount)
+        self.control = Control.of(control, self.scene, rate)
+        self.metadata = self.metadata | {"render_fps": rate}
+        self._until, self._steps, self.discount = until, int(steps), float(discount)
         annealing = RewardAnnealing(fade)
         self.share, self._annealing = float(reward != "sparse"), annealing if reward == "faded" else None
         self._spec = f"{origin.title}, {fade if reward == 'faded' else 'no fading'}"
@@ -147,7 +150,7 @@ class TaskEnv(GoalEnv):
         )
         self._arena: Arena | None = None
         self._over = True
-        self.action_space = spaces.Box(-1.0, 1.0, (SIZES[control] * len(self.layout.robots),), np.float32)
+        self.action_space = spaces.Box(*(side.astype(np.float32) for side in (self.control.low, self.control.high)))
         goals = spaces.Box(-np.inf, np.inf, (2 * PLACES,), np.float32)
         seen = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
         self.observation_space = spaces.Dict(
@@ -189,7 +192,7 @@ class TaskEnv(GoalEnv):
         return self._latest
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Apply an action for 1/20 s; its numbers are clipped to -1 and 1.
+        """Apply an action until the next one is due; its numbers are clipped to the bounds of the action space.
 
         Raises:
             QueryError: the action is malformed or not finite, no episode has begun, or it has ended.
@@ -197,8 +200,8 @@ class TaskEnv(GoalEnv):
         arena = self._begun_arena
         if self._over:
             raise QueryError("the episode has ended; reset the environment")
-        moves = moves_of(action, SIZES[self.control] * len(self.layout.robots))
-        self.situation = situation = arena.act(moves, self.control)
+        moves = moves_of(action, self.control)
+        self.situation = situation = arena.act(moves)
         self._moves.append(moves)
         measured, here = self._goal(situation)
         if here[1:].max() <= 0.0 and self.stage < self._last:
@@ -353,10 +356,10 @@ class TaskEnv(GoalEnv):
     def _perform(self) -> None:
         """Start the episode in the simulator, and replay its actions so far."""
         if self._arena is None:
-            self._arena = Arena(self.scene, self._resources)
+            self._arena = Arena(self.scene, self.control, self._resources)
         self.situation = self._arena.start(self.witness, self._start.stage)
         for moves in self._moves:
-            self.situation = self._arena.act(moves, self.control)
+            self.situation = self._arena.act(moves)
 
     def _goal(self, situation: Situation) -> tuple[list[float], NDArray[np.float32]]:
         """Return the signed distances of a moment and its goal vector."""

@@ -24,7 +24,7 @@ from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv, VecEnv
 
 
 @pytest.mark.parametrize("name", DOMAINS)
-@pytest.mark.parametrize("asked", [{"cameras": ("front",), "size": 40}, {"control": "joints", "everything": True}])
+@pytest.mark.parametrize("asked", [{"cameras": ("front",), "size": 40}, {"control": "joint_delta", "everything": True}])
 def test_stable_baselines3_finds_nothing_wrong(
     name: str, asked: dict[str, Any], given: Mapping[str, list[Given]]
 ) -> None:

@@ -17,13 +17,13 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
+from prag_asp.rl.control import STRIDE
 
 import prag_asp.rl
 from prag_asp import Dataset, Task, TaskSpace, load_domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Validator, Witness
 from prag_asp.rl import AdaptiveCurriculum, TaskEnv, oracle
-from prag_asp.rl.control import STRIDE
 from prag_asp.rl.goals import PLACES
 from prag_asp.rl.tasks import episode_sampler
 from prag_asp.rl.tasks.task_sources import assign_witness
@@ -47,10 +47,12 @@ def env(space: TaskSpace) -> Iterator[TaskEnv]:
 
 
 @pytest.mark.filterwarnings("ignore:.*infinity.*", "ignore:.*not within the observation space.*")
-@pytest.mark.parametrize(("name", "control"), [*zip(DOMAINS, ("tool", "joints") * 2, strict=True)])
+@pytest.mark.parametrize(
+    ("name", "control"), [*zip(DOMAINS, ("ee_delta_upright", "joint_position", "joint_delta", "ee_delta"), strict=True)]
+)
 def test_gymnasium_finds_nothing_wrong(name: str, control: Any, given: Mapping[str, list[Given]]) -> None:
     task, witness = given[name][0]
-    env = TaskEnv(task=task, witness=witness, control=control, everything=control == "joints")
+    env = TaskEnv(task=task, witness=witness, control=control, everything=control == "joint_delta")
     check_env(env, skip_render_check=True)
     env.close()
 
