@@ -150,7 +150,8 @@ class TaskEnv(GoalEnv):
         )
         self._arena: Arena | None = None
         self._over = True
-        self.action_space = spaces.Box(*(side.astype(np.float32) for side in (self.control.low, self.control.high)))
+        bounds = self.control.low.astype(np.float32), self.control.high.astype(np.float32)
+        self.action_space = spaces.Box(bounds[0], bounds[1], dtype=np.float32)
         goals = spaces.Box(-np.inf, np.inf, (2 * PLACES,), np.float32)
         seen = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
         self.observation_space = spaces.Dict(

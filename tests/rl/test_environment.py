@@ -17,7 +17,6 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 from numpy.typing import NDArray
-from prag_asp.rl.control import STRIDE
 
 import prag_asp.rl
 from prag_asp import Dataset, Task, TaskSpace, load_domain
@@ -240,7 +239,7 @@ def moved_to(env: TaskEnv, place: Sequence[float]) -> tuple[float, NDArray[np.fl
     total = 0.0
     for _ in range(40):
         off = np.subtract(place, env.situation.tool("panda").position)
-        observation, gain, ended, *_ = env.step(np.array([*(off / STRIDE), 0.0, -1.0]))
+        observation, gain, ended, *_ = env.step(np.array([*(off / env.control.upper[0]), 0.0, -1.0]))
         total += gain
         assert not ended
         if np.abs(off).max() < 0.006:

@@ -17,7 +17,7 @@ from prag_asp.domain.load import load_scene
 from prag_asp.errors import QueryError
 from prag_asp.physics.control.control import Control
 from prag_asp.physics.control.names import ControlName
-from prag_asp.physics.control.recorded_actions import actions_of, state_names, states_of
+from prag_asp.physics.control.recorded_actions import recorded_actions, recorded_states, state_names
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration
 from prag_asp.physics.demonstration.footage import NOTHING, CameraVideo
 from prag_asp.physics.robot.kinematics import tool_pose
@@ -83,7 +83,8 @@ class ExportEpisode:
     @property
     def commands(self) -> Floats:
         """The motor commands of each robot at each step and at the end of the recording, shape (N + 1, R, 8)."""
-        return self.demonstration.commands[np.append(self.frames, len(self.demonstration.times) - 1)]
+        result: Floats = self.demonstration.commands[np.append(self.frames, len(self.demonstration.times) - 1)]
+        return result
 
     @property
     def subgoal(self) -> NDArray[np.int64]:
@@ -224,7 +225,7 @@ class EpisodeSource:
             QueryError: the convention cannot express the recording.
         """
         try:
-            return actions_of(self.control, self.scene, episode.commands).astype(np.float32)
+            return recorded_actions(self.control, self.scene, episode.commands).astype(np.float32)
         except QueryError as error:
             where = f"{self.data.folder}: the recording of task {episode.entry.number} of {episode.entry.part}"
             raise QueryError(f"{where}: {error}") from None
@@ -274,9 +275,11 @@ class EpisodeSource:
         """
         columns: dict[str, NDArray[Any]] = {}
         for name in names:
-            values = states_of(name, self.scene, episode.arms)
+            values = recorded_states(name, self.scene, episode.arms)
             columns = dict(zip(state_names([name], self.scene), values.T, strict=True)) | columns
-        return np.array([columns[name] for name in state_names(names, self.scene)], dtype=np.float32).T.copy()
+        rows = [columns[name] for name in state_names(names, self.scene)]
+        result: Floats = np.column_stack(rows).astype(np.float32)
+        return result
 
     def segmentation_of(self, episode: ExportEpisode, camera: str) -> NDArray[np.unsignedinteger]:
         """Return the entity at each pixel as its position in `legend`, shape (N, H, W)."""

@@ -57,8 +57,8 @@ class ArmMotors:
         self._limit_goal(joints)
         change = float(values[-1])
         if self._control.name != "ee_delta_upright":
-            most = FINGERS / self._control.rate
-            change = min(max(change - self.command.opening, -most), most)
+            farthest = FINGERS / self._control.rate
+            change = min(max(change - self.command.opening, -farthest), farthest)
         opening = min(max(self.command.opening + change, 0.0), self._robot.opening)
         self.command = ArmCommand(tuple(joints.tolist()), opening)
         return self.command

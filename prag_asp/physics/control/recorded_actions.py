@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from prag_asp.errors import QueryError
 from prag_asp.physics.control.control import CONVENTIONS, Control, Floats
@@ -15,11 +17,13 @@ from prag_asp.scene.geometry import matrix
 from prag_asp.scene.robots import Robot, robot_of
 from prag_asp.scene.scene import Scene
 
+Numbers = NDArray[np.floating[Any]]
+
 EXCESS = 1e-6
 """The share by which an action may exceed its range because of rounding."""
 
 
-def actions_of(control: Control, scene: Scene, commands: Floats) -> Floats:
+def recorded_actions(control: Control, scene: Scene, commands: Numbers) -> Floats:
     """Return the actions of a control that lead from each of some motor commands to the next; shape (N, size).
 
     `commands` (N + 1, R, 8) have the joint angles and the opening of each robot; the first is that before the actions.
@@ -39,7 +43,7 @@ def actions_of(control: Control, scene: Scene, commands: Floats) -> Floats:
     return result
 
 
-def states_of(name: ControlName, scene: Scene, arms: Floats) -> Floats:
+def recorded_states(name: ControlName, scene: Scene, arms: Numbers) -> Floats:
     """Return the states of the robots in an absolute convention; shape (N, size).
 
     `arms` (N, R, 8) have the joint angles and the opening of each robot.

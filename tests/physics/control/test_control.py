@@ -15,7 +15,7 @@ from prag_asp.errors import QueryError
 from prag_asp.physics.control.arm_motors import ArmMotors
 from prag_asp.physics.control.control import FARTHEST, Control
 from prag_asp.physics.control.names import CONTROLS, RECORDED, ControlName
-from prag_asp.physics.control.recorded_actions import actions_of, state_names, states_of
+from prag_asp.physics.control.recorded_actions import recorded_actions, recorded_states, state_names
 from prag_asp.physics.control.tool_poses import rotation, rotation_vector
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.witness import Arm
@@ -47,7 +47,7 @@ def test_motors_that_follow_the_actions_of_commands_end_where_the_commands_do(
 ) -> None:
     scene = scenes[name]
     convention, commands = Control.of(control, scene, rate), commands_of(scene, chance, 12)
-    actions = actions_of(convention, scene, commands)
+    actions = recorded_actions(convention, scene, commands)
     assert actions.shape == (11, len(convention.names))
     assert (actions >= convention.low).all() and (actions <= convention.high).all()
     for i, each in enumerate(scene.robots):
@@ -68,9 +68,9 @@ def test_motors_that_follow_the_actions_of_commands_end_where_the_commands_do(
 def test_poses_and_motions_are_what_pybullet_says(chance: Chance, scenes: Mapping[str, Scene]) -> None:
     scene = scenes["two_arms"]
     commands = commands_of(scene, chance, 6)
-    poses = actions_of(Control.of("ee_position", scene), scene, commands).reshape(5, 2, 7)
+    poses = recorded_actions(Control.of("ee_position", scene), scene, commands).reshape(5, 2, 7)
     control = Control.of("ee_delta", scene)
-    motions = control.values(actions_of(control, scene, commands)).reshape(5, 2, 7)
+    motions = control.values(recorded_actions(control, scene, commands)).reshape(5, 2, 7)
     down = pybullet.getQuaternionFromEuler([math.pi, 0.0, 0.0])
     for i, name in enumerate(scene.robots):
         tools = [tool_pose(robot_of(scene, name), tuple(row[i, :7].tolist())) for row in commands]
@@ -125,7 +125,7 @@ def test_states_have_the_numbers_of_their_names_once(chance: Chance, scenes: Map
     arms = commands_of(scene, chance, 3)
     names = state_names(["joint_position", "ee_position"], scene)
     assert len(names) == len({*names}) == 2 * (8 + 6) and names[7] == f"{next(iter(scene.robots))}/gripper"
-    assert np.array_equal(states_of("joint_position", scene, arms), arms.reshape(3, 16))
+    assert np.array_equal(recorded_states("joint_position", scene, arms), arms.reshape(3, 16))
 
 
 def test_wrong_names_rates_and_motions_are_refused(chance: Chance, scenes: Mapping[str, Scene]) -> None:
@@ -137,7 +137,7 @@ def test_wrong_names_rates_and_motions_are_refused(chance: Chance, scenes: Mappi
             Control.of("ee_delta", scene, rate)  # type: ignore[arg-type]
     commands = commands_of(scene, chance, 3)
     with pytest.raises(QueryError, match="ee_delta_upright cannot express recordings, in which tools tilt"):
-        actions_of(Control.of("ee_delta_upright", scene), scene, commands)
+        recorded_actions(Control.of("ee_delta_upright", scene), scene, commands)
     commands[1, 0, 0] += 0.5
     with pytest.raises(QueryError, match="a motion is faster than joint_delta allows"):
-        actions_of(Control.of("joint_delta", scene), scene, commands)
+        recorded_actions(Control.of("joint_delta", scene), scene, commands)
