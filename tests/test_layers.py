@@ -98,13 +98,13 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     ),
     "physics": (
         "bullet", "required", "temporary_files", "robot", "grasps", "witness", "situation", "predicates",
-        "symbolic_facts", "world", "proofs", "search", "motion", "checks", "demonstration", "filming",
+        "symbolic_facts", "world", "control", "proofs", "search", "motion", "checks", "demonstration", "filming",
         "pictures", "verdict", "witness_search", "tiers", "validator", "validation",
     ),
     "rl": (
-        "registration", "control", "arena", "goals", "rewards", "environment_options", "goal_env", "reward_annealing",
+        "registration", "arena", "goals", "rewards", "environment_options", "goal_env", "reward_annealing",
         "state_checksum", "observations", "camera_views", "curriculum", "tasks", "environment", "scripted_agent",
-        "skill_chains",
+        "skill_chains", "episode_replay",
     ),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""
