@@ -102,9 +102,9 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "pictures", "verdict", "witness_search", "tiers", "validator", "validation",
     ),
     "rl": (
-        "registration", "arena", "goals", "rewards", "environment_options", "goal_env", "reward_annealing",
-        "state_checksum", "observations", "camera_views", "curriculum", "tasks", "environment", "scripted_agent",
-        "skill_chains", "episode_replay",
+        "registration", "arena", "goals", "observations", "rewards", "environment_options", "goal_env",
+        "reward_annealing", "state_checksum", "camera_views", "curriculum", "tasks", "environment", "wrappers",
+        "scripted_agent", "skill_chains", "episode_replay",
     ),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""

@@ -52,7 +52,8 @@ class DomainOptions:
         from prag_asp.dataset.task_origin import named_domain
 
         recorded = record if record.task.constants else None
-        return replace(self, names=self.names or (named_domain(record, folder),), recorded=recorded)
+        names = self.names or (named_domain(record.task.domain, record.place, folder),)
+        return replace(self, names=names, recorded=recorded)
 
     def domain(self, *, tell: bool = True) -> Domain:
         """Load the domain; with `tell`, print the number of warnings about it.

@@ -34,6 +34,7 @@ COMMANDS = {
     "new": "domains",
     "render": "render",
     "sample": "sample",
+    "scenario": "scenario",
     "split": "split",
     "stats": "stats",
     "suite": "suite",
@@ -45,7 +46,7 @@ COMMANDS = {
 
 GROUPS = {
     "Domains": ("domains", "new", "check", "explain", "learn", "import"),
-    "Task spaces": ("count", "task", "sample", "enumerate", "split", "stats", "validate", "render"),
+    "Task spaces": ("count", "task", "sample", "enumerate", "scenario", "split", "stats", "validate", "render"),
     "Datasets": ("generate", "merge", "verify", "suite", "export"),
     "Other": ("models", "completion"),
 }

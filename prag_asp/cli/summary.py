@@ -1,9 +1,10 @@
-"""The summary of validated tasks on stderr: a line, and a table of causes."""
+"""Tasks in words: the states of one, and the summary of validated ones on stderr, a line and a table of causes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import islice
 from typing import TYPE_CHECKING
 
 from prag_asp.cli import exit_control
@@ -14,6 +15,11 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from prag_asp.dataset.pass_rates import Tally
+    from prag_asp.space.task_space import TaskSpace
+    from prag_asp.task import State, Task
+
+READINGS = 5
+"""The maximum number of readings of a plan that are printed."""
 
 KINDS = {"not_found": "not found", "infeasible": "proved infeasible", "witness_fails": "witness fails"}
 """The names of failures in the table, by status."""
@@ -67,3 +73,28 @@ def _table(tally: Tally) -> Table:
         if status != "not_found" or reason not in tasks:
             table.add_row(escape(one_line(f"{KINDS.get(status, status)}: {reason}")), str(number), "")
     return table
+
+
+def described(found: Task, space: TaskSpace) -> list[str]:
+    """Return lines with the rank of a task, its initial state, the effects of its actions, its goal, its readings."""
+    fluents = len(space.domain.facts.fluents)
+    lines = [f"task {space.index(found)} of {space.count()}", f"start  {_state(found.initial, fluents)}"]
+    width = max((len(str(action)) for action in found.actions), default=0)
+    for number, (action, subgoal) in enumerate(zip(found.actions, found.subgoals, strict=True), 1):
+        lines.append(f"{number:>5}  {action!s:<{width}}  {_facts_text(subgoal)}".rstrip())
+    lines.append(f"goal   {_state(found.goal, fluents)}")
+    readings = space.readings(found) if space.domain.facts.composites else None
+    if readings is not None:
+        lines += [f"read   {' '.join(map(str, reading))}" for reading in islice(readings, READINGS)]
+        if readings.count() > READINGS:
+            lines.append(f"       and {plural(readings.count() - READINGS, 'more reading')}")
+    return lines
+
+
+def _state(state: State, fluents: int) -> str:
+    """Return the known facts of a state as text; if all facts are known, only the true ones."""
+    return _facts_text({fluent: value for fluent, value in state.items() if value or len(state) < fluents})
+
+
+def _facts_text(state: State) -> str:
+    return ", ".join(f"{'' if value else 'not '}{fluent}" for fluent, value in state.items())

@@ -18,7 +18,7 @@ from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
-    from prag_asp.domain.load import Domain
+    from prag_asp.physics import Staging
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.task import Task
 
@@ -159,8 +159,8 @@ def _task(space: TaskSpace, plan: tuple[str, ...], place: str) -> Task:
     return next(space.tasks_of_plans([plan]))
 
 
-FORMS = ("text", "sentences", "instructions", "jsonl")
-INSTRUCTIONS = "instructions"
+FORMS = ("text", "sentences", "instructions", "jsonl", "scenario")
+INSTRUCTIONS, SCENARIO = "instructions", "scenario"
 ENGLISH, USUAL = "en", "default"
 LEVELS = ("vague", USUAL, "exact")
 
@@ -173,8 +173,10 @@ class TaskFormat:
     language: str | None
     level: str | None
 
-    def line(self, domain: Domain, seed: int = 0) -> Callable[[Record], str]:
-        """Return a function that formats a record as one line; the seed selects the phrasing of instructions.
+    def line(self, space: TaskSpace, seed: int = 0, staging: Staging | None = None) -> Callable[[Record], str]:
+        """Return a function that formats a record of a task of a space as one line.
+
+        The seed selects the phrasing of instructions; `staging` is that of the demonstration of a record.
 
         Raises:
             QueryError: the domain has no such language, or the options contradict each other.
@@ -183,6 +185,12 @@ class TaskFormat:
         from prag_asp.dataset.language import instruction, instruction_writer_of
 
         self.check()
+        domain = space.domain
+        if self.form == SCENARIO:
+            from prag_asp.dataset.scenarios import Scenarios, start_of
+
+            scenarios = Scenarios(domain, space)
+            return lambda record: str(scenarios.of(space, record.task, start_of(record, staging)))
         if self.form == INSTRUCTIONS:
             writer, level = instruction_writer_of(domain, self.language or ENGLISH), self.level or USUAL
             return lambda record: str(getattr(writer.instructions(record.task, seed), level))
@@ -193,12 +201,14 @@ class TaskFormat:
         }
         return forms[self.form]
 
-    def check(self) -> None:
-        """Check that options of instructions are given only with the format instructions.
+    def check(self, by: str = "task") -> None:
+        """Check that options of instructions are given only with the format instructions, and that tasks have ids.
 
         Raises:
-            QueryError: such an option is given with another format.
+            QueryError: such an option is given with another format, or ids of plans are requested.
         """
+        if self.form == SCENARIO and by != "task":
+            raise QueryError(f"a scenario id is that of a task, not of a {by}; leave --by {by} out")
         for option, value in {"--language": self.language, "--level": self.level}.items():
             if value is not None and self.form != INSTRUCTIONS:
                 raise QueryError(f"{option} {value} goes with --format instructions; got --format {self.form}")
@@ -225,6 +235,6 @@ def format_options(form: Decorator) -> Decorator:
 
 LINE_FORMAT = click.option(
     "--format", "form", type=click.Choice(FORMS), default="text", show_default=True,
-    help="Actions; sentences by the domain's [language]; instructions for a person who sees the scene; or all that is "
-    "known of a task.",
+    help="Actions; sentences by the domain's [language]; instructions for a person who sees the scene; all that is "
+    "known of a task; or its scenario id, of which prag-asp scenario makes the task again.",
 )  # fmt: skip

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from prag_asp.dataset.pass_rates import Tally
     from prag_asp.dataset.physics_filter import feasible
     from prag_asp.dataset.revalidation import Outcome, recheck
+    from prag_asp.dataset.scenario import Scenario, SearchStart
+    from prag_asp.dataset.scenarios import Scenarios, exclude, read_scenarios
     from prag_asp.dataset.store.entry import DatasetEntry
     from prag_asp.dataset.suites.counting import count_suite
     from prag_asp.dataset.suites.suite_builder import generate_suite
@@ -44,9 +46,13 @@ __all__ = [
     "Outcome",
     "Reading",
     "Record",
+    "Scenario",
+    "Scenarios",
+    "SearchStart",
     "Suite",
     "Tally",
     "count_suite",
+    "exclude",
     "export",
     "feasible",
     "generate",
@@ -58,6 +64,7 @@ __all__ = [
     "merge",
     "read_instruction",
     "read_lines",
+    "read_scenarios",
     "read_tasks",
     "recheck",
     "verify",
@@ -76,6 +83,8 @@ _HOMES = {
     "prag_asp.dataset.learned_rules": ("Learned", "learn"),
     "prag_asp.dataset.merging": ("merge",),
     "prag_asp.dataset.revalidation": ("Outcome", "recheck"),
+    "prag_asp.dataset.scenario": ("Scenario", "SearchStart"),
+    "prag_asp.dataset.scenarios": ("Scenarios", "exclude", "read_scenarios"),
     "prag_asp.dataset.store.entry": ("DatasetEntry",),
     "prag_asp.dataset.suites.counting": ("count_suite",),
     "prag_asp.dataset.suites.suite_builder": ("generate_suite",),

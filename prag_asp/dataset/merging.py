@@ -79,12 +79,14 @@ def _in_order(parts: Sequence[Dataset]) -> list[Dataset]:
     for part in parts:
         deal = part.manifest.spec.deal
         if deal == ALL:
-            raise QueryError(f"{part.folder}: is no part of a dataset, but a whole one; leave it out")
+            raise QueryError(f"{part.folder}: is a whole dataset, not a part of one; leave it out")
         difference = _difference(part.manifest, first.manifest)
         if difference:
-            raise QueryError(f"{part.folder}: is a part of another dataset than {first.folder}: one {difference}")
+            raise QueryError(f"{part.folder}: does not belong to the same dataset as {first.folder}: one {difference}")
         if deal.number in by_number:
-            raise QueryError(f"{part.folder}: is part {deal}, as {by_number[deal.number].folder}; name each part once")
+            raise QueryError(
+                f"{part.folder}: is part {deal}, and so is {by_number[deal.number].folder}; name each part once"
+            )
         by_number[deal.number] = part
     of = first.manifest.spec.deal.of
     missing = [number for number in range(1, of + 1) if number not in by_number]

@@ -32,6 +32,7 @@ def feasible(
     demonstrate: str | Path | None = None,
     staging: Staging | None = None,
     draws: int | None = None,
+    keep: Callable[[Task], bool] | None = None,
     tally: Tally | None = None,
     progress: Callable[[], None] = lambda: None,
     **drawing: Any,
@@ -41,6 +42,7 @@ def feasible(
     `scene` is by default the scene of the domain, and `drawing` has options of `TaskSpace.stream`; with
     ``distinct=True`` (without `over`), no task is sampled twice, and the iterator ends with the last task. It also
     ends after a number of `draws`, feasible or not; `tally` counts all of them, and `progress` is called after each.
+    Tasks that do not satisfy `keep`, such as `exclude` returns it, are no draws.
     With `demonstrate`, the robot performs each task, and recordings are written into that folder, which is created if
     it is missing; `staging` has the cameras that record the tasks and the properties that vary. The results depend on
     the seed alone, not on the number of `workers`.
@@ -56,7 +58,8 @@ def feasible(
         require_demonstrated(staging, demonstrate)
         staging.cameras_of(scene)
     budget, tally = budget_of(budget, demonstrate), Tally() if tally is None else tally
-    tasks, again = tee(islice(space.stream(seed=seed, **drawing), draws))
+    stream = space.stream(seed=seed, **drawing)
+    tasks, again = tee(islice(stream if keep is None else filter(keep, stream), draws))
     verdicts = validate_numbered(enumerate(tasks), scene, seed=seed, workers=workers, budget=budget, staging=staging)
     folder = None if demonstrate is None else make_folder(demonstrate)
     return _records(again, verdicts, folder, tally, progress)

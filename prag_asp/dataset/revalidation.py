@@ -87,7 +87,7 @@ def recheck(
         require_demonstrated(staging, demonstrate)
     number, episodes = 0, None if demonstrate is None else make_folder(demonstrate)
     options = {"seed": seed, "workers": workers, "budget": budget_of(budget, demonstrate), "staging": staging}
-    load = load or (lambda record, folder: load_domain(named_domain(record, folder), constants=record.task.constants))
+    load = load or _load
     for _, several in groupby(records, key=lambda record: (record.task.domain, record.task.constants)):
         group = iter(several)
         first = next(group)
@@ -100,6 +100,12 @@ def recheck(
             number += 1
             write_episode(episodes, number, outcome.demonstration)
             yield outcome
+
+
+def _load(record: Record, folder: Path) -> Domain:
+    """Return the domain that a record names."""
+    task = record.task
+    return load_domain(named_domain(task.domain, record.place, folder), constants=task.constants)
 
 
 def _with_faults(records: Iterable[Record], space: TaskSpace) -> Iterator[CheckedRecord]:

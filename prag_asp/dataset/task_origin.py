@@ -23,17 +23,17 @@ INDEX_BYTES = 6
 MEND = "draw the task anew, or set its witness to null"
 
 
-def named_domain(record: Record, folder: Path) -> str:
-    """Return the shipped domain that a record names, or the folder of another, in the current folder or in `folder`.
+def named_domain(own: str, place: str, folder: Path) -> str:
+    """Return the shipped domain of a name, or the folder of another, in the current folder or in `folder`.
 
-    A name that leads outside these folders, even by a link, is refused: a file must not make us read other folders.
+    `place` is where the name stands, for errors. A name that leads outside these folders, even by a link, is refused: a
+    file must not make us read other folders.
 
     Raises:
         QueryError: there is no such domain.
     """
     from prag_asp.program.paths import domain_folder, shipped_domains
 
-    own = record.task.domain
     if own in shipped_domains():
         return own
     for base in (Path(), folder):
@@ -42,9 +42,7 @@ def named_domain(record: Record, folder: Path) -> str:
             if own and is_inside(name, base):
                 domain_folder(name)
                 return name
-    raise QueryError(
-        f"{record.place}: a task of {own!r}; no such domain is shipped or lies here; say where with --domain"
-    )
+    raise QueryError(f"{place}: a task of {own!r}; no such domain is shipped or lies here; say where with --domain")
 
 
 def foreign(record: Record, domain: Domain) -> str:

@@ -22,7 +22,7 @@ BRACES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
         "digits": ("number",),
         "start": (),
     },
-    "joints": {"sentences": (), "facts": (), "steps": ()},
+    "joints": {"sentences": (), "facts": (), "many": (), "steps": ()},
 }
 """The names in braces in the texts of a language; the second exact frame also has the facts."""
 
@@ -78,7 +78,9 @@ def _check_texts(words: TableEntry, table: Mapping[str, Any]) -> None:
     for part, keys in BRACES.items():
         for key, names in keys.items():
             entry, value, like = words.at(part).at(key), table[part].get(key), shipped_table("en")[part][key]
-            if not _is_like(value, like) or (key == "exact" and len(value) != 2):
+            if key == "many" and value is None:
+                continue
+            if not _is_like(value, like) or (key in {"exact", "many"} and len(value) != 2):
                 entry.add("has to be of the same kind as in the table of English; fix it")
                 continue
             for number, text in enumerate(value if isinstance(value, list) else [value]):

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
-    from prag_asp.grammar.reader import Signature
     from prag_asp.grammar.template import Template
+    from prag_asp.grammar.ways import Signature
 
 Way = TypeVar("Way")
 

@@ -8,8 +8,9 @@ from itertools import combinations
 
 from prag_asp.errors import QueryError
 from prag_asp.grammar.completeness import check_forms, check_kinds
-from prag_asp.grammar.reader import FIRST, PARTS, GrammarReader, Signature, languages, tables
-from prag_asp.grammar.template import agrees, parse_template
+from prag_asp.grammar.reader import FIRST, PARTS, GrammarReader, languages, tables
+from prag_asp.grammar.template import BRACKETED, agrees, parse_template
+from prag_asp.grammar.ways import Signature
 from prag_asp.grammar.word_table import shipped_languages
 from prag_asp.program.facts import Facts
 from prag_asp.program.settings import Settings
@@ -128,6 +129,8 @@ def _check_sentences(entry: TableEntry, reader: GrammarReader, arity: int) -> No
         entry.needs("a sentence in quotes, or several in a list")
         return
     for text in texts:
+        if set(BRACKETED.sub("", text)) & set("[]"):
+            entry.add("has brackets that do not match; write text for actions that restore a state as [ back]")
         try:
             parse_template(text, reader.words.cases, arity, {"is": "is"})
         except QueryError as error:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -10,13 +9,11 @@ from itertools import islice
 from typing import Any, NamedTuple
 
 from prag_asp.errors import QueryError
-from prag_asp.grammar.template import Template, agrees, parse_template
+from prag_asp.grammar.template import Template, agrees, parse_template, restoring_forms
+from prag_asp.grammar.ways import Signature, Way, common_ways, ways_of_actions
 from prag_asp.grammar.word_table import Words, words_of
 from prag_asp.program.facts import Facts
 from prag_asp.program.settings import Settings
-
-Signature = tuple[str, int]
-"""The name and the arity of an action or a fluent."""
 
 FIRST = "en"
 """The language of the sentences directly under ``[language]``."""
@@ -56,32 +53,34 @@ class FactForms:
     silent: bool = False
 
 
+class PlainSentence(NamedTuple):
+    """A default sentence, and the actions that it is for; an empty set means all of the signature."""
+
+    template: Template
+    actions: frozenset[str]
+
+
 @dataclass(frozen=True)
 class Grammar:
     """All sentences of a domain in one language, and its nouns by the names of classes and entities.
 
     `values` are the words for other arguments. `plain` are the default sentences of actions, `spare` those of fluents,
-    which every domain has.
+    which every domain has. `sources` has, for each action that moves an object away from a place, the position of the
+    place in its arguments and the way.
     """
 
     words: Words
     actions: Mapping[Signature, tuple[Template, ...]]
-    plain: Mapping[Signature, Template]
+    plain: Mapping[Signature, tuple[PlainSentence, ...]]
     facts: Mapping[Signature, FactForms]
     spare: Mapping[Signature, FactForms]
     nouns: Mapping[str, Noun]
     values: Mapping[str, str] = field(default_factory=dict)
+    sources: Mapping[Signature, Mapping[str, tuple[int, Way]]] = field(default_factory=dict)
 
 
 AGENTS = frozenset(["agent", "arm", "gripper", "hand", "robot"])
 """Classes whose members act, if no scene defines which entities are robots."""
-
-
-class _Way(NamedTuple):
-    """A source (``from``) or destination (``to``) of an action, and the index of the moved argument, -1 for a robot."""
-
-    word: str
-    moved: int
 
 
 class GrammarReader:
@@ -100,8 +99,18 @@ class GrammarReader:
 
     def grammar(self) -> Grammar:
         """Return the grammar."""
+        sources = {
+            signature: {
+                action: source
+                for action, ways in ways_of.items()
+                for source in islice(
+                    (item for item in ways.items() if item[1].word == "from" and item[1].moved >= 0), 1
+                )
+            }
+            for signature, ways_of in self.ways.items()
+        }
         return Grammar(
-            self.words, self.actions(), self.plain(), self.facts(), self.spare(), self.nouns(), self.values()
+            self.words, self.actions(), self.plain(), self.facts(), self.spare(), self.nouns(), self.values(), sources
         )
 
     def actions(self) -> dict[Signature, tuple[Template, ...]]:
@@ -116,68 +125,47 @@ class GrammarReader:
             sentences[name, arity] = tuple(self.templates(texts, arity))
         return sentences
 
-    def plain(self) -> dict[Signature, Template]:
+    def plain(self) -> dict[Signature, tuple[PlainSentence, ...]]:
         """Return default sentences of actions from their name and arguments, without constant arguments.
 
         The object that an action moves is named even if it is constant: "pick the cup from the table", not "pick the
-        table". If all arguments are constant, the first that is not a robot is named.
+        table". If all arguments are constant, the first that is not a robot is named. The preposition before a place
+        depends on the predicate that relates the object to it, so actions of one name may have several sentences.
         """
         defaults = self.words.table.get("defaults", {})
         if "action" not in defaults:
             return {}
-        sentences, ways = {}, self._ways() if "from" in defaults and "to" in defaults else {}
+        directed = "from" in defaults and "to" in defaults
+        sentences = {}
         for (name, arity), places in self.states.action_arguments.items():
             varying = {index for index, arguments in enumerate(places) if len(arguments) > 1}
-            way_of = ways.get((name, arity), {})
-            moved = {each.moved for index, each in way_of.items() if index in varying and each.moved >= 0}
+            ways_of = self.ways.get((name, arity), {}) if directed else {}
+            common = common_ways(ways_of.values())
+            moved = {way.moved for index, way in common.items() if index in varying and way.moved >= 0}
             things = (i for i, arguments in enumerate(places) if self._robots.isdisjoint(map(str, arguments)))
             named = sorted(varying | moved or {*islice(things, 1)})
-            led = {index: each.word for index, each in way_of.items() if index in varying}
+            led = sorted(index for index in common if index in varying)
             every = _joined([f"{{{index}}}" for index in named if index not in led], defaults["all"])
             text = str(defaults["action"]).format(name=plain(name), all=every).strip()
-            text += "".join(str(defaults[way]).replace("{0}", f"{{{index}}}") for index, way in sorted(led.items()))
-            sentences[name, arity] = parse_template(text, self.words.cases, arity)
+            actions_of: dict[str, set[str]] = {text: set()} if not led else {}
+            for action, ways in ways_of.items() if led else ():
+                whole = text
+                for index in led:
+                    by_predicate = defaults[ways[index].word]
+                    phrase = by_predicate.get(ways[index].predicate, by_predicate["any"])
+                    whole += str(phrase).replace("{0}", f"{{{index}}}")
+                actions_of.setdefault(whole, set()).add(action)
+            sentences[name, arity] = tuple(
+                PlainSentence(template, frozenset(actions))
+                for whole, actions in actions_of.items()
+                for template in self.templates([whole], arity)
+            )
         return sentences
 
-    def _ways(self) -> Mapping[Signature, Mapping[int, _Way]]:
-        """Return the arguments of actions that are a source (``from``) or a destination (``to``).
-
-        Each action with the signature makes a binary fluent false, or true, whose second argument is this one and whose
-        first argument is an earlier argument of the action. The first argument is not a robot, and the fluent's
-        predicate is not about a robot, unless the action makes the fluent false for one place and true for another:
-        then the robot moves itself.
-        """
-        from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
-
-        predicates = _below(self.settings.scene, "predicates")
-        directions: dict[Signature, dict[int, _Way]] = {}
-        for action in self.states.declared_actions:
-            signature = action.name, len(action.arguments)
-            arguments = list(map(str, action.arguments))
-            here: dict[int, _Way] = {}
-            effects = [
-                (fluent.name, list(map(str, fluent.arguments)), value)
-                for fluent, value in self.states.postconditions.get(action, ())
-            ]
-            changes = Counter((name, tuple(pair[:1]), value) for name, pair, value in effects if len(pair) == 2)
-            for name, pair, value in effects:
-                roles = PREDICATE_ROLES.get(str(predicates.get(name, name)), ())
-                if len(pair) != 2 or value == "unknown" or not set(pair) <= set(arguments):
-                    continue
-                itself = roles[:1] == ("robot",) or pair[0] in self._robots
-                if itself and not all(changes[name, (pair[0],), each] == 1 for each in ("true", "false")):
-                    continue
-                where = len(arguments) - 1 - arguments[::-1].index(pair[1])
-                moved = arguments.index(pair[0])
-                if moved < where and (value == "true" or where not in here):
-                    here[where] = _Way("to" if value == "true" else "from", -1 if itself else moved)
-            both = directions.setdefault(signature, here)
-            directions[signature] = {
-                index: _Way(way.word, max(way.moved, here[index].moved))
-                for index, way in both.items()
-                if index in here and here[index].word == way.word
-            }
-        return directions
+    @cached_property
+    def ways(self) -> Mapping[Signature, Mapping[str, Mapping[int, Way]]]:
+        """The sources and destinations of each action, by the action's signature and the action."""
+        return ways_of_actions(self.states, _below(self.settings.scene, "predicates"), self._robots)
 
     @cached_property
     def _robots(self) -> frozenset[str]:
@@ -243,17 +231,18 @@ class GrammarReader:
         )
 
     def templates(self, texts: Sequence[str] | Iterator[str], arity: int, verb: str = "is") -> Iterator[Template]:
-        """Yield the templates of texts; a text with an agreeing word yields one template for each form."""
-        for phrasing, text in enumerate(map(self.words.expanded, texts)):
-            forms: dict[str, set[str]] = {}
-            for gender in self.words.genders if agrees(text) else ():
-                forms.setdefault(self.words.agreeing(verb, gender), set()).add(gender)
-            for form, genders in forms.items() or [("", set[str]())]:
-                try:
-                    template = parse_template(text, self.words.cases, arity, {"is": form}, frozenset(genders))
-                except QueryError:
-                    continue
-                yield replace(template, phrasing=phrasing)
+        """Yield the templates of texts: one for each form of an agreeing word, with and without text in brackets."""
+        for phrasing, whole in enumerate(map(self.words.expanded, texts)):
+            for text, restores in restoring_forms(whole):
+                forms: dict[str, set[str]] = {}
+                for gender in self.words.genders if agrees(text) else ():
+                    forms.setdefault(self.words.agreeing(verb, gender), set()).add(gender)
+                for form, genders in forms.items() or [("", set[str]())]:
+                    try:
+                        template = parse_template(text, self.words.cases, arity, {"is": form}, frozenset(genders))
+                    except QueryError:
+                        continue
+                    yield replace(template, phrasing=phrasing, restores=restores)
 
     def nouns(self) -> dict[str, Noun]:
         """Return the noun of each class, and of each entity with a separate noun."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -12,6 +13,10 @@ from prag_asp.errors import QueryError
 
 VERBS = ("is",)
 """Words in braces that agree with the first argument of a sentence, and have a negated form."""
+
+
+BRACKETED = re.compile(r"\[([^\[\]]*)\]")
+"""Text that a sentence has only for an action that brings about again what held before."""
 
 
 class Slot(NamedTuple):
@@ -26,13 +31,15 @@ class Template:
     """A sentence of alternating texts and slots, which begins and ends with a text.
 
     If a word agrees with the first argument, `genders` are the genders of arguments for which this sentence is used.
-    `phrasing` is its index, from 0, among the paraphrases.
+    `phrasing` is its index, from 0, among the paraphrases. With `restores` true, it is only for actions that bring
+    about again what held before, and false, only for others.
     """
 
     texts: tuple[str, ...]
     slots: tuple[Slot, ...]
     genders: frozenset[str] = frozenset()
     phrasing: int = field(default=0, compare=False)
+    restores: bool | None = field(default=None, compare=False)
 
     def fill(self, words: Sequence[str]) -> str:
         """Return the sentence with words in its slots, in order."""
@@ -109,6 +116,20 @@ def parse_template(
     if not slots and not texts[0].strip():
         raise QueryError("is empty; write a sentence")
     return Template(tuple(texts), tuple(slots), genders)
+
+
+def restoring_forms(text: str) -> Iterator[tuple[str, bool | None]]:
+    """Yield a sentence without and with its text in brackets, ``put {1}[ back] into {2}``, and whether it has it.
+
+    The text in brackets is for actions that bring about again what held before. A sentence without brackets is yielded
+    once, for all actions.
+    """
+    whole = BRACKETED.sub(r"\1", text)
+    if whole == text:
+        yield text, None
+    else:
+        yield BRACKETED.sub("", text), False
+        yield whole, True
 
 
 def agrees(text: str) -> bool:

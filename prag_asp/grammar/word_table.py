@@ -74,6 +74,17 @@ class Words:
         """Return the texts between two sentences of a kind."""
         return tuple(self.table["joints"][kind])
 
+    def verb_phrase(self, fact: str) -> int:
+        """Return where a sentence of a fact goes on after its subject and its verb, or 0 if the verb comes last."""
+        verbs = {self.agreeing("is", gender) for gender in self.genders}
+        ends = [at + len(verb) + 2 for verb in verbs if (at := fact.find(f" {verb} ")) > 0]
+        return min(ends, default=0)
+
+    @cached_property
+    def many(self) -> tuple[str, ...]:
+        """The texts between three or more facts: between two of them, and before the last; empty if there are none."""
+        return tuple(self.table["joints"].get("many", ()))
+
     @cached_property
     def _contractions(self) -> Mapping[str, str]:
         """The contractions of word sequences, also capitalized for the beginning of a sentence."""
@@ -143,7 +154,7 @@ def words_of(code: str, own: Mapping[str, Any]) -> Words:
     missing = [key for key in shipped_table("en") if key not in base and key not in OPTIONAL]
     if missing:
         has = ", ".join(shipped_languages())
-        raise QueryError(f"the language {code} has no words for {', '.join(missing)}; write them, or take {has}")
+        raise QueryError(f"the language {code} has no words for {', '.join(missing)}; write them, or use {has}")
     words = Words(code, base)
     return Words(code, _expanded(base, words)) if "contractions" in base else words
 

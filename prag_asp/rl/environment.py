@@ -20,13 +20,20 @@ from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Witness, require_physics
 from prag_asp.physics.control.control import Control
-from prag_asp.physics.control.names import USUAL_RATE, ControlName
+from prag_asp.physics.control.names import UPRIGHT, USUAL_RATE, ControlName
 from prag_asp.rl.arena import Arena
 from prag_asp.rl.camera_views import Image, Viewer
-from prag_asp.rl.environment_options import Until, check_episodes, check_figures, moves_of, options_of
+from prag_asp.rl.environment_options import (
+    Until,
+    check_episodes,
+    check_figures,
+    conditions_of,
+    moves_of,
+    options_of,
+)
 from prag_asp.rl.goal_env import GoalEnv, Observation
 from prag_asp.rl.goals import PLACES, subgoals_of
-from prag_asp.rl.observations import Layout, observe
+from prag_asp.rl.observations import Layout, ObservationKind, observe
 from prag_asp.rl.reward_annealing import RewardAnnealing
 from prag_asp.rl.rewards import Reward
 from prag_asp.rl.state_checksum import verify_checksum, with_checksum
@@ -63,6 +70,7 @@ class TaskEnv(GoalEnv):
     environments, `achieved_goal` and `desired_goal` of the shape (2 * `PLACES`,): for now, and for one step before;
     `prag_asp.rl.rewards` explains the vectors. `control` is the meaning of actions by its name; the attribute
     `control` has the names, units and scales of their numbers. There are `rate` actions a second, a divisor of 120.
+    `action_scale` is a factor of changes, except those of the fingers, for skills that need small motions.
 
     `stage` is the initial subgoal, from 0 (-1 is the last, "any" is random); the episode begins in the witness's state
     at its start. It lasts `until` that "subgoal" or the whole "task" is reached, and at most `steps` for each subgoal.
@@ -106,14 +114,17 @@ class TaskEnv(GoalEnv):
         task: Task | None = None,
         witness: Witness | None = None,
         curriculum: Curricula = None,
-        stage: int | Literal["any"] = 0,
+        stage: int | str = 0,
         until: Until = "task",
         reward: Reward = "dense",
         fade: int | Literal["success"] = "success",
-        discount: float = 1.0,
-        control: ControlName = "ee_delta_upright",
+        discount: float = 0.99,
+        control: ControlName = UPRIGHT,
         rate: int = USUAL_RATE,
+        action_scale: float = 1.0,
+        observation: ObservationKind = "relative",
         everything: bool = False,
+        goals: bool = False,
         steps: int = STEPS,
         budget: Budget | None = None,
         language: str = "en",
@@ -123,12 +134,13 @@ class TaskEnv(GoalEnv):
     ) -> None:
         self._arguments = {name: value for name, value in locals().items() if name != "self"}
         origin = named_origin(
-            space=space, part=part, dataset=dataset, task=task, domain=domain, length=length, where=where,
-            split=SplitOptions(split, shares, skeletons, hold_out, split_seed), curriculum=curriculum,
+            space=space, part=part, dataset=dataset, task=task, domain=domain, length=length,
+            where=where if task is not None else conditions_of(where, stage), curriculum=curriculum,
+            split=SplitOptions(split, shares, skeletons, hold_out, split_seed),
         )  # fmt: skip
-        check_episodes(until=until, reward=reward, stage=stage, steps=steps)
+        check_episodes(until=until, reward=reward, observation=observation, stage=stage, steps=steps)
         modes = self.metadata["render_modes"]
-        check_figures(discount=discount, budget=budget, render_mode=render_mode, modes=modes)
+        check_figures(discount=discount, action_scale=action_scale, budget=budget, render_mode=render_mode, modes=modes)
         require_physics()
         self.render_mode = render_mode
         self.domain = origin.domain(domain if length is None else None)
@@ -137,8 +149,9 @@ class TaskEnv(GoalEnv):
         # Releases the simulators even if the environment is not closed.
         weakref.finalize(self, self._resources.close)
         self._viewer = Viewer(self.scene, cameras, size, self._resources)
-        self.layout = Layout.of(self.scene, map(atom_of, self.domain.facts.actions), everything=everything)
-        self.control = Control.of(control, self.scene, rate)
+        self.control = Control.of(control, self.scene, rate, scale=action_scale)
+        actions, joints = map(atom_of, self.domain.facts.actions), control.startswith("joint")
+        self.layout = Layout.of(self.scene, actions, everything=everything, kind=observation, joints=joints)
         self.metadata = self.metadata | {"render_fps": rate}
         self._until, self._steps, self.discount = until, int(steps), float(discount)
         annealing = RewardAnnealing(fade)
@@ -152,20 +165,22 @@ class TaskEnv(GoalEnv):
         self._over = True
         bounds = self.control.low.astype(np.float32), self.control.high.astype(np.float32)
         self.action_space = spaces.Box(bounds[0], bounds[1], dtype=np.float32)
-        goals = spaces.Box(-np.inf, np.inf, (2 * PLACES,), np.float32)
-        seen = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
-        self.observation_space = spaces.Dict(
-            {"observation": seen, "achieved_goal": goals, "desired_goal": goals, **self._viewer.spaces}
-        )
+        self._has_goals = bool(goals)
+        seen: spaces.Space[Any] = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
+        if goals or cameras:
+            goal = spaces.Box(-np.inf, np.inf, (2 * PLACES,), np.float32)
+            both = {"achieved_goal": goal, "desired_goal": goal} if goals else {}
+            seen = spaces.Dict({"observation": seen, **both, **self._viewer.spaces})
+        self.observation_space = seen
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode.
 
-        `options` may have the `task` (and its `witness`) or the `rank` of a task (in a dataset, its number), the
-        initial `stage`, and the `steps` of each subgoal; the rest is sampled. With a `seed`, all later samples depend
-        only on the seed; without any seed, they are random.
+        `options` may have the `task` (and its `witness`), the `rank` of a task (in a dataset, its number) or a
+        `scenario`, the initial `stage`, and the `steps` of each subgoal; the rest is sampled. With a `seed`, all later
+        samples depend only on the seed; without any seed, they are random.
 
         Raises:
             QueryError: the options are invalid, or the task has no witness.
@@ -209,7 +224,7 @@ class TaskEnv(GoalEnv):
             self.stage += 1
             measured, here = self._goal(situation)
         seen = self._observation(situation, here)
-        reward, ended = self.rewards(seen["achieved_goal"], seen["desired_goal"])
+        reward, ended = self.rewards(*self._goals(here))
         self._before = here
         self._left -= 1
         done, late = bool(ended), self._left <= 0
@@ -368,18 +383,22 @@ class TaskEnv(GoalEnv):
         measured = subgoal.measured(situation)
         return measured, np.array([self.stage, *subgoal.placed(measured)], dtype=np.float32)
 
+    def _goals(self, here: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Return the achieved and the desired goal of a moment."""
+        desired = np.zeros(2 * PLACES, dtype=np.float32)
+        desired[::PLACES] = self._last
+        return np.concatenate([here, self._before]), desired
+
     def _observation(self, situation: Situation, here: NDArray[np.float32]) -> Observation:
         """Return the observation of a moment."""
         assert self._arena is not None
-        desired = np.zeros(2 * PLACES, dtype=np.float32)
-        desired[::PLACES] = self._last
-        seen = observe(self.layout, situation, self.action, self._arena.speeds, self._arena.commanded_openings)
-        observation = {
-            "observation": seen,
-            "achieved_goal": np.concatenate([here, self._before]),
-            "desired_goal": desired,
-        }
-        return observation | self._viewer.images(situation)
+        seen = observe(
+            self.layout, situation, self.action, self._arena.speeds, self._arena.commanded_openings, here[1:]
+        )
+        if isinstance(self.observation_space, spaces.Box):
+            return seen
+        goals = dict(zip(("achieved_goal", "desired_goal"), self._goals(here), strict=True)) if self._has_goals else {}
+        return {"observation": seen, **goals, **self._viewer.images(situation)}
 
     def _info(self, measured: list[float], *, success: bool) -> dict[str, Any]:
         """Return the info of an observation."""

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import QueryError
-from prag_asp.physics.control.names import ControlName
+from prag_asp.physics.control.names import UPRIGHT
 from prag_asp.physics.demonstration.acting import SQUEEZE
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.situation import Situation
@@ -24,9 +24,6 @@ from prag_asp.scene.geometry import compose, wrap, yaw_of
 if TYPE_CHECKING:
     from prag_asp.rl.environment import TaskEnv
     from prag_asp.rl.goal_env import Observation
-
-UPRIGHT: ControlName = "ee_delta_upright"
-"""The control that the oracle needs."""
 
 CLOSE, CLOSE_TURN = 0.004, 0.03
 """The distance and the angle within which a waypoint counts as reached, in metres and radians."""

@@ -157,6 +157,11 @@ class TaskSpace:
         """
         return self._restricted([condition], self)
 
+    @property
+    def whole(self) -> TaskSpace:
+        """The space of which this one is a part, with the same tasks and others; itself if it is no part."""
+        return self if self._part_of is None else self._part_of.whole
+
     def same_tasks(self, other: object) -> bool:
         """Return whether another space has the same domain, lengths and conditions, and so the same ranks."""
         if not isinstance(other, TaskSpace):

@@ -38,7 +38,7 @@ def enumerate(
     Each task is printed once; of several lengths, the shortest tasks come first.
     """
     form = task_format.form
-    task_format.check()
+    task_format.check(by)
     if form != "text" and by == "skeleton":
         raise QueryError(f"skeletons cannot be printed as {form}; use --format text, or --by task")
     from prag_asp.dataset.jsonl import Record
@@ -53,6 +53,6 @@ def enumerate(
                 for word in words:
                     out.write(" ".join(word))
             else:
-                line = task_format.line(space.domain)
+                line = task_format.line(space)
                 for task in space.tasks_of_plans(words):
                     out.write(line(Record(task)))

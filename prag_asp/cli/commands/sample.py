@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from prag_asp.cli import options
+from prag_asp.cli import options, shell_completion
 from prag_asp.cli.domain_options import SPACES, DomainOptions, domain_options
 from prag_asp.cli.line_output import recordings_folder, require_writable, writer
 from prag_asp.cli.options import WeightOptions, whole
@@ -43,6 +43,10 @@ DRAWS_PER_TASK = 1000
 )
 @click.option("--distinct", is_flag=True, help="Sample without replacement: no task occurs twice.")
 @click.option(
+    "--except", "excluded", metavar="FILE", shell_complete=shell_completion.files,
+    help="With --distinct: leave out the tasks of a file of scenario ids, which --format scenario prints.",
+)  # fmt: skip
+@click.option(
     "--physics/--no-physics", default=None, help="Keep only feasible tasks.  [default: if the domain has a scene]"
 )
 @physics_options
@@ -61,6 +65,7 @@ def sample(
     over: Any,
     by: Any,
     distinct: bool,
+    excluded: str | None,
     physics: bool | None,
     validation: PhysicsOptions,
     filming: CameraOptions,
@@ -74,8 +79,10 @@ def sample(
     the tasks of all lengths are sampled together.
     """
     from prag_asp.dataset.jsonl import Record
+    from prag_asp.dataset.scenarios import exclude, read_scenarios
+    from prag_asp.dataset.scenes import scene_of
 
-    task_format.check()
+    task_format.check(by)
     require_writable(output)
     validation.parse_budget()
     filming.check(validation.demonstrate)
@@ -87,27 +94,30 @@ def sample(
             from prag_asp.physics import require_physics
 
             require_physics(f"the scene of {space.domain.name} needs physics (--no-physics samples without it)")
-        line = task_format.line(space.domain, seed)
+        staging = filming.staging(scene_of(space.domain)) if filming.any else None
+        line = task_format.line(space, seed, staging)
         if distinct and (over is not None or by != "task"):
             given = f"--over {over}" if over is not None else f"--by {by}"
             raise QueryError(f"--distinct samples tasks without replacement; leave {given} out")
+        if excluded is not None and not distinct:
+            raise QueryError(f"--except {excluded} leaves tasks out of a sample without replacement; add --distinct")
+        keep = None if excluded is None else exclude(space, read_scenarios(excluded))
         drawing: dict[str, Any] = {"distinct": True} if distinct else {"by": by, "over": over}
         drawing.update(weighting.arguments(space.domain))
         if not physics:
             validation.refuse_without_physics({"--max-draws": max_draws is not None})
             drawn = space.stream(seed=seed, **drawing) if requested_count else iter(())
+            drawn = drawn if keep is None else filter(keep, drawn)
             found = 0
             with writer(output) as out:
                 for task in islice(drawn, requested_count):
                     out.write(line(Record(task)))
                     found += 1
             if found < requested_count:
-                others = "others of positive weight" if space.count() > found else "others"
+                others = "others of positive weight" if keep is None and space.count() > found else "others"
                 raise NotFound(f"only {found} of {plural(requested_count, 'task')}: there are no {others}")
             return
-        from prag_asp.dataset.scenes import scene_of
-
-        drawing |= {"seed": seed, "staging": filming.staging(scene_of(space.domain))}
+        drawing |= {"seed": seed, "staging": staging, "keep": keep}
         drawing["draws"] = max_draws or DRAWS_PER_TASK * requested_count
         _write_feasible(space, drawing, requested_count, validation, output, line, tell)
 

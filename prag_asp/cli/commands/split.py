@@ -72,7 +72,7 @@ def split(
             say(f"{name:<{width}}  {part.count()}")
         if requested_count is None or output is None:
             return
-        line, folder = task_format.line(space.domain, seed), make_folder(output)
+        line, folder = task_format.line(space, seed), make_folder(output)
         with ExitStack() as files:
             for name, part in parts.items():
                 file = file_in(folder, f"{name}.{'jsonl' if task_format.form == 'jsonl' else 'txt'}")

@@ -7,6 +7,7 @@ fits no thing, or may fit two, is refused, and so is a sentence that could mean 
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice, product
@@ -63,14 +64,21 @@ class InstructionReader:
         self._vague = tuple(map(_frame, frames["vague"]))
         self._default = tuple(map(_frame, (*frames["default"], frames["subgoal"])))
         self._exact = tuple(map(_frame, frames["exact"]))
-        texts = [text for clause in (*self._actions, *self._facts) for text in clause.template.texts]
-        texts += lexicon.phrases.vocabulary()
-        self._joints, self._reach = dict[str, re.Pattern[str]](), dict[str, int]()
+        sentences = [each.template for each in (*self._actions, *self._facts)]
+        vocabulary = lexicon.phrases.vocabulary()
+        self._joints, self._reach = dict[str, Sequence[re.Pattern[str]]](), dict[str, int]()
         for kind in ("sentences", "facts"):
-            joints = sorted(lexicon.words.joints(kind), key=len, reverse=True)
-            self._joints[kind] = joint = re.compile("|".join(map(re.escape, joints)))
-            # The number of joints tried as the end of a sentence: more than two if sentences contain joints.
-            self._reach[kind] = 6 if any(joint.search(f" {text} ") for text in texts) else 2
+            texts_between = {*lexicon.words.joints(kind), *(lexicon.words.many if kind == "facts" else ())}
+            # Each occurrence of each joint: the look-ahead also finds those that overlap.
+            joints = [re.compile(f"(?=({re.escape(joint)}))") for joint in sorted(texts_between)]
+            self._joints[kind] = joints
+            # The number of joints tried as the end of a sentence: those of one place, and those that it may contain.
+            in_phrase = 3 * max((_occurrences(joints, text) for text in vocabulary), default=0)
+            inside = (
+                sum(_occurrences(joints, text) for text in each.texts) + in_phrase * len(each.slots)
+                for each in sentences
+            )
+            self._reach[kind] = 1 + len(joints) + max(inside, default=0)
         self._parsed: dict[tuple[object, str, str | None, bool], frozenset[ParsedSentence]] = {}
 
     def read(self, start: InstructionContext, text: str) -> Reading:
@@ -151,20 +159,24 @@ class InstructionReader:
         In a list of facts, "it" has the same meaning in every sentence.
         """
         begun: dict[int, list[_Path]] = {0: [_Path(None, topic, None)]}
-        breaks = [
-            found.span() for found in self._joints[kind].finditer(text) if found.start() > 0 and found.end() < len(text)
-        ]
-        for place in range(len(breaks) + 1):
-            begin = breaks[place - 1][1] if place else 0
-            paths = begun.pop(begin, [])
+        breaks = sorted(
+            (found.start(), found.end(1))
+            for joint in self._joints[kind]
+            for found in joint.finditer(text)
+            if found.start() > 0 and found.end(1) < len(text)
+        )
+        for begin in sorted({0, *(end for _, end in breaks)}):
+            paths, place = begun.pop(begin, []), bisect_right(breaks, (begin, len(text)))
             for end, after in (*breaks[place : place + self._reach[kind] - 1], (len(text), len(text))) if paths else ():
                 if end - begin > LONGEST_SENTENCE or end <= begin:
                     continue
                 for path in paths:
-                    for parsed in self.sentence(view, text[begin:end], path.topic, of_actions=kind == "sentences"):
-                        found = begun.setdefault(after, [])
-                        if len(found) <= MOST:
-                            found.append(_Path(parsed, parsed.topic if kind == "sentences" else topic, path))
+                    for part in dict.fromkeys((text[begin:end], path.subject + text[begin:end])):
+                        for parsed in self.sentence(view, part, path.topic, of_actions=kind == "sentences"):
+                            found = begun.setdefault(after, [])
+                            subject = part[: self.lexicon.words.verb_phrase(part)] if kind == "facts" else ""
+                            if len(found) <= MOST:
+                                found.append(_Path(parsed, topic if kind == "facts" else parsed.topic, path, subject))
         yield from (path.sentences() for path in begun.get(len(text), ()))
 
     def sentence(self, view: View, text: str, topic: str | None, *, of_actions: bool) -> frozenset[ParsedSentence]:
@@ -191,7 +203,12 @@ class InstructionReader:
             for spelled in (text, text[:1].lower() + text[1:]) if text[:1].isupper() else (text,):
                 for words in sentence.template.find(spelled, fits):
                     for arguments in product(*(self.phrase(view, word, topic)[0] for word in words)):
-                        for atom in sentence.meant(tuple(arguments)):
+                        if sentence.sources:
+                            relations = self.lexicon.phrases.stated(view, words[sentence.moved])
+                            meant = sentence.meant_from(arguments, relations.get(arguments[sentence.moved], set()))
+                        else:
+                            meant = sentence.meant(arguments)
+                        for atom in meant:
                             found.add(ParsedSentence(atom, sentence.value, self.topic(arguments)))
         known = frozenset(found)
         if not of_state:
@@ -221,8 +238,8 @@ class InstructionReader:
         first = self.lexicon.words.number(1)
         for frame in (*(self._exact if text.casefold().startswith(first.casefold()) else ()), *frames):
             for inner in frame.find(text):
-                clauses = self._joints["sentences"].split(inner[1] if frame in self._exact else inner[0])
-                for clause in (each for text in clauses for each in self._joints["facts"].split(text)):
+                clauses = self._parts(inner[1] if frame in self._exact else inner[0], "sentences")
+                for clause in (each for text in clauses for each in self._parts(text, "facts")):
                     part = clause[:LONGEST_SENTENCE]
                     problem = self._unclear(view, part)
                     if problem:
@@ -230,6 +247,12 @@ class InstructionReader:
                     if not any(self.sentence(view, part, None, of_actions=each) for each in (True, False)):
                         return f"{shortened(part)!r} is no sentence {known}; write one as sample does"
         return f"{shortened(text)!r} is no instruction {known}; write one as sample does"
+
+    def _parts(self, text: str, kind: str) -> list[str]:
+        """Return the parts of a text between joints, the longest joint at each place."""
+        words = self.lexicon.words
+        joints = sorted((*words.joints(kind), *(words.many if kind == "facts" else ())), key=len, reverse=True)
+        return re.split("|".join(map(re.escape, joints)), text)
 
     def _unclear(self, view: View, part: str) -> str | None:
         """Return which phrase of a sentence fits nothing or is ambiguous, or None if all are clear."""
@@ -245,11 +268,15 @@ class InstructionReader:
 
 
 class _Path(NamedTuple):
-    """A sentence of a list, what "it" means after it, and the sentences before."""
+    """A sentence of a list, what "it" means after it, and the sentences before.
+
+    The next fact may have the same `subject` and verb, and then omits them: "it is on the table and behind the can".
+    """
 
     parsed: ParsedSentence | None
     topic: str | None
     before: _Path | None
+    subject: str = ""
 
     def sentences(self) -> tuple[ParsedSentence, ...]:
         """Return the sentences from the first one to this one."""
@@ -296,6 +323,11 @@ def _frame(text: str) -> Template:
     for index, (_, name) in enumerate(places):
         text = text.replace(name, f"{{{index}}}")
     return parse_template(text, (), 4)
+
+
+def _occurrences(joints: Sequence[re.Pattern[str]], text: str) -> int:
+    """Return how often joints occur in a text between other texts."""
+    return sum(len(joint.findall(f" {text} ")) for joint in joints)
 
 
 def _key(facts: Mapping[Atom, bool]) -> object:

@@ -92,9 +92,10 @@ class InstructionWriter:
         named: dict[str, None] = {}
         written, frames = self.lexicon.words.contracted, self.lexicon.words.frames
         subgoals = []
+        again = restoring_actions(task)
         for number, action in enumerate(task.actions):
             here = self.lexicon.view(initial.at(task.states[number - 1]) if number else initial)
-            clause, _ = self._sentences.write(here, action, None, each)
+            clause, _ = self._sentences.write(here, action, None, each, restores=again[number])
             subgoals.append(written(capital(str(frames["subgoal"]).format(action=clause))))
             self._note(here, [action], named)
         goal, aims = self.goal(task), []
@@ -107,13 +108,13 @@ class InstructionWriter:
             aims.append(self._aims[frozen])
         self._note(view, [*task.actions, *goal, *(fluent for aim in aims for fluent in aim)], named)
         clauses, topic = [], None
-        for action in task.actions:  # "it" is the topic of the sentence before
-            clause, topic = self._sentences.write(view, action, topic, default)
+        for action, restores in zip(task.actions, again, strict=True):  # "it" is the topic of the sentence before
+            clause, topic = self._sentences.write(view, action, topic, default, restores=restores)
             clauses.append(clause)
         return Instructions(
             written(self._framed("vague", "facts", self._sentences.facts(view, goal, None, vague), vague)),
             written(self._framed("default", "sentences", clauses, default)),
-            written(self._exact(view, task.actions, aims, exact)),
+            written(self._exact(view, task.actions, aims, again, exact)),
             tuple(subgoals),
             tuple(sorted(named)),
         )
@@ -188,12 +189,14 @@ class InstructionWriter:
         text = self._joined(clauses, kind, rng)
         return capital(frame.format(facts=text, actions=text))
 
-    def _exact(self, view: View, actions: Sequence[Atom], aims: Sequence[State], rng: PhraseRng) -> str:
+    def _exact(
+        self, view: View, actions: Sequence[Atom], aims: Sequence[State], again: Sequence[bool], rng: PhraseRng
+    ) -> str:
         """Return the exact instruction: the actions and the aim of each."""
         words, steps = self.lexicon.words, []
         alone, aimed = words.frames["exact"]
-        for number, (action, aim) in enumerate(zip(actions, aims, strict=True), 1):
-            clause, topic = self._sentences.write(view, action, None, rng)
+        for number, (action, aim, restores) in enumerate(zip(actions, aims, again, strict=True), 1):
+            clause, topic = self._sentences.write(view, action, None, rng, restores=restores)
             facts = self._sentences.facts(view, aim, topic, rng)
             frame = aimed if facts else alone
             step = frame.format(
@@ -204,11 +207,31 @@ class InstructionWriter:
 
     def _joined(self, clauses: Sequence[str], kind: str, rng: PhraseRng) -> str:
         """Return sentences joined into one text."""
-        text, joints, joint = clauses[0], self.phrasings.of(self.lexicon.words.joints(kind)), ""
-        for clause in clauses[1:]:
-            joint = rng.pick([each for each in joints if each != joint] or joints)
-            text += joint + clause
+        words = self.lexicon.words
+        joints, latest = self.phrasings.of(words.joints(kind)), -1
+        if kind == "facts":
+            merged = self._merged(clauses, joints[0])
+            if words.many and (len(merged) > 2 or len(merged) < len(clauses)):
+                return words.many[1].join(part for part in (words.many[0].join(merged[:-1]), merged[-1]) if part)
+            return joints[0].join(merged)
+        text = clauses[0]
+        for clause in clauses[1:]:  # within a sentence, joints stand in the order of their list
+            allowed = [place for place, each in enumerate(joints) if place > latest or begins_sentence(each)]
+            fresh = [place for place in allowed if place != latest]
+            latest = rng.pick(fresh or allowed or range(len(joints)))
+            text += joints[latest] + clause
         return text
+
+    def _merged(self, facts: Sequence[str], joint: str) -> list[str]:
+        """Return sentences of facts; those with the same subject and verb are merged: "it is red and clean"."""
+        groups: dict[str, list[str]] = {}
+        for fact in facts:
+            end = self.lexicon.words.verb_phrase(fact)
+            groups.setdefault(fact[:end] or fact, []).append(fact[end:])
+        return [
+            subject + joint.join(rest) if self.lexicon.words.verb_phrase(subject) else subject
+            for subject, rest in groups.items()
+        ]
 
 
 def instruction_writer_of(
@@ -228,6 +251,21 @@ def instruction_writer_of(
         if entity not in domain.facts.entity_names or not COLOR.fullmatch(color):
             raise QueryError(f"{entity} = {color!r} is no colour of an entity; write one of {domain.name} and #rrggbb")
     return InstructionWriter(domain, language, colors, phrasings)
+
+
+def begins_sentence(joint: str) -> bool:
+    """Return whether a text between two sentences ends the first one."""
+    return joint.lstrip().startswith(".")
+
+
+def restoring_actions(task: Task) -> list[bool]:
+    """Return whether each action brings about again what held in an earlier state, but not in the state before it."""
+    states, found = [task.initial, *task.states], []
+    for number, subgoal in enumerate(task.subgoals):
+        changed = {fluent: value for fluent, value in subgoal.items() if states[number].get(fluent) != value}
+        made = {fluent: value for fluent, value in changed.items() if value} or changed
+        found.append(bool(made) and any(made.items() <= state.items() for state in states[:number]))
+    return found
 
 
 def notable_facts(facts: State, lexicon: Lexicon) -> Mapping[Atom, bool]:

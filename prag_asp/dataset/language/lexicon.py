@@ -91,7 +91,7 @@ def _reader(domain: Domain, language: str) -> GrammarReader:
             raise QueryError(f"{domain.name} has no sentences in {language!r}; it has those in {listed(known)}")
         raise QueryError(
             f"{domain.name} has no sentences in {language!r}; write its sentences under [language.{language}.actions], "
-            f"or take {listed(known)}"
+            f"or use {listed(known)}"
         )
     reader = GrammarReader(domain.settings, domain.facts, language)
     for table, name in reader.missing():

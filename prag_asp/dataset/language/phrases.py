@@ -147,16 +147,23 @@ class NounPhrases:
         context = view.context
         known = context.read.get(text) or view.read.get(text)
         if known is None:
-            found, related = self._plainly(context, text), False
-            for whats, where in self._modifications(text):
-                for relation in self._relations(context, where):
-                    related = True
-                    entities = (view.meant(what._replace(relation=relation)) for what in whats if not what.name)
-                    found |= {entity for entity in entities if entity is not None}
+            related = any(True for _, where in self._modifications(text) for _ in self._relations(context, where))
+            found = self._plainly(context, text) | self.stated(view, text).keys()
             if len(context.read) > CACHED:
                 context.read.clear()
             known = (view.read if related else context.read)[text] = frozenset(found), related
         return known
+
+    def stated(self, view: View, text: str) -> dict[str, set[Relation]]:
+        """Return the relations that a phrase can state, by the entity that it then means."""
+        found: dict[str, set[Relation]] = {}
+        for whats, where in self._modifications(text):
+            for relation in self._relations(view.context, where):
+                entities = (view.meant(what._replace(relation=relation)) for what in whats if not what.name)
+                for entity in entities:
+                    if entity is not None:
+                        found.setdefault(entity, set()).add(relation)
+        return found
 
     def _modifications(self, text: str) -> Iterator[tuple[tuple[Description, ...], str]]:
         """Yield the descriptions that a text can begin with, and the modifier that follows."""

@@ -5,17 +5,21 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from prag_asp.atom import Atom
+from prag_asp.grammar.template import BRACKETED
 from prag_asp.task import Task
 
 
 def sentence(atom: Atom, templates: Mapping[str, str]) -> str:
     """Return an action or a fluent in words.
 
-    Its template has ``{0}`` for the first argument; without a template, its name and arguments are joined by blanks.
+    Its template has ``{0}`` for the first argument, and text in brackets, which is left out; without a template, its
+    name and arguments are joined by blanks.
     """
     arguments = [_plain(argument) for argument in atom.arguments]
     template = templates.get(atom.name)
-    return " ".join([_plain(atom.name), *arguments]) if template is None else template.format(*arguments)
+    if template is None:
+        return " ".join([_plain(atom.name), *arguments])
+    return BRACKETED.sub("", template).format(*arguments)
 
 
 def instruction(task: Task, templates: Mapping[str, str]) -> str:

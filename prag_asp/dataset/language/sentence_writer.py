@@ -54,12 +54,14 @@ class PhraseRng:
 class _Paraphrases:
     """The sentences for an action or a fluent: those `given`, and `spare` ones in case all of these are ambiguous.
 
-    `things` are the entities in it, `known` is true if the domain has it at all, and `clear` caches the unambiguous
-    sentence for each way in which the things are described.
+    `shorter` ones omit the place that an object is moved from, for phrases that name it. `things` are the entities in
+    it, `known` is true if the domain has it at all, and `clear` caches the unambiguous sentence for each way in which
+    the things are described.
     """
 
     given: tuple[Sentence, ...]
     spare: tuple[Sentence, ...]
+    shorter: tuple[Sentence, ...]
     things: tuple[str, ...]
     known: bool
     clear: dict[object, ClearSentence | None] = field(default_factory=dict)
@@ -70,7 +72,7 @@ class SentenceWriter:
 
     def __init__(self, reader: InstructionReader, phrasings: Phrasings) -> None:
         self._reader, self._lexicon, self._phrasings = reader, reader.lexicon, phrasings
-        self._paraphrases: dict[tuple[Atom, bool, bool], _Paraphrases] = {}
+        self._paraphrases: dict[tuple[Atom, bool, bool, bool], _Paraphrases] = {}
         self._cached = 0
 
     def write(
@@ -82,13 +84,16 @@ class SentenceWriter:
         *,
         value: bool = True,
         fact: bool = False,
+        restores: bool = False,
     ) -> ClearSentence:
         """Return an unambiguous sentence of an action, or of a `fact` with its value, and its topic.
+
+        If the action `restores` what held before, its sentence may say so: "put it back into the tray".
 
         Raises:
             QueryError: every sentence of the atom could mean something else.
         """
-        key = (atom, value, fact)
+        key = (atom, value, fact, restores)
         sentences = self._paraphrases.get(key)
         if sentences is None:
             sentences = self._paraphrases[key] = self._find_paraphrases(*key)
@@ -98,7 +103,8 @@ class SentenceWriter:
             found = sentences.clear[way]
         except KeyError:
             ordered = (*sentences.given[first:], *sentences.given[:first], *sentences.spare)
-            found, of_state = self._search(view, ordered, key, topic)
+            shorter = sentences.shorter if self._names_source(view, sentences.shorter, atom, topic) else ()
+            found, of_state = self._search(view, (*shorter, *ordered), key[:3], topic)
             if not of_state:
                 if self._cached > CACHED:
                     for each in self._paraphrases.values():
@@ -115,6 +121,14 @@ class SentenceWriter:
             f"no sentence for {atom} that means nothing else; write one that names all that it refers to "
             f"under [language.{language}.{'facts' if fact else 'actions'}]"
         )
+
+    def _names_source(self, view: View, shorter: Sequence[Sentence], atom: Atom, topic: str | None) -> bool:
+        """Return whether the phrase for the object of an action names the place that the action moves it from."""
+        for sentence in shorter:
+            thing = sentence.arguments(atom)[sentence.moved]
+            relation = view.describe(thing).relation if thing in self._lexicon.appearance.nouns else None
+            return thing != topic and relation is not None and relation.about(thing) == sentence.sources.get(atom)
+        return False
 
     def facts(
         self, view: View, facts: Mapping[Atom, bool], topic: str | None = None, rng: PhraseRng | None = None
@@ -154,14 +168,19 @@ class SentenceWriter:
                         return (text, parsed.topic), of_state
         return None, of_state
 
-    def _find_paraphrases(self, atom: Atom, value: bool, fact: bool) -> _Paraphrases:
+    def _find_paraphrases(self, atom: Atom, value: bool, fact: bool, restores: bool) -> _Paraphrases:
         """Return the sentences; if only some phrasings are written, an action has no other sentences."""
         lexicon = self._lexicon
         table = lexicon.sentences.facts if fact else lexicon.sentences.actions
         known = [each for each in table.get((atom.name, len(atom.arguments)), ()) if each.value == value]
-        usable = []
+        usable, shorter = [], []
         for each in known:
             template = each.template
+            if template.restores not in {None, restores}:
+                continue
+            if each.sources:
+                shorter.append(each)
+                continue
             first = lexicon.phrases.gender(atom.arguments[template.arguments[0]]) if template.slots else ""
             if not template.genders or first in template.genders:
                 usable.append(each)
@@ -174,4 +193,6 @@ class SentenceWriter:
             given = chosen
         spare = [each for each in usable if each.spare and (fact or self._phrasings.all <= 1)]
         things = tuple(each for each in atom.arguments if each in lexicon.appearance.nouns)
-        return _Paraphrases(tuple(given), tuple(spare), things, any(atom in clause.atoms for clause in known))
+        shorter = [each for each in shorter if each.spare or self._phrasings.has(each.template.phrasing)]
+        named = any(atom in clause.atoms for clause in known)
+        return _Paraphrases(tuple(given), tuple(spare), tuple(shorter), things, named)

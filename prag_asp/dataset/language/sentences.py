@@ -3,22 +3,39 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Set
+from dataclasses import replace
 from functools import cached_property
 
 from prag_asp.atom import Atom, atom_of
 from prag_asp.dataset.language.descriptions import Relation
-from prag_asp.grammar.reader import FactForms, Grammar, Signature, Where
+from prag_asp.grammar.reader import FactForms, Grammar, Where
 from prag_asp.grammar.template import Template
+from prag_asp.grammar.ways import Signature, Way
 from prag_asp.program.facts import Facts
 
 Words = tuple[str, ...]
 
 
 class Sentence:
-    """A sentence for all actions, or all fluents, of a name; `value` is false if it states that a fluent is false."""
+    """A sentence for all actions, or all fluents, of a name; `value` is false if it states that a fluent is false.
 
-    def __init__(self, template: Template, atoms: tuple[Atom, ...], value: bool = True, *, spare: bool = False) -> None:
+    A sentence with a source omits the place that an object is moved from, because the phrase for the object names it:
+    "take the cup in the rack". `moved` is then the slot of the object, and `sources` has the relation of each action
+    that the phrase has to state.
+    """
+
+    def __init__(
+        self,
+        template: Template,
+        atoms: tuple[Atom, ...],
+        value: bool = True,
+        *,
+        spare: bool = False,
+        moved: int = -1,
+        sources: Mapping[Atom, Atom] | None = None,
+    ) -> None:
         self.template, self.atoms, self.value, self.spare = template, atoms, value, spare
+        self.moved, self.sources = moved, sources or {}
 
     @cached_property
     def _meant(self) -> Mapping[Words, tuple[Atom, ...]]:
@@ -34,6 +51,11 @@ class Sentence:
     def meant(self, arguments: Words) -> tuple[Atom, ...]:
         """Return the actions or fluents that the sentence means with these arguments in its slots."""
         return self._meant.get(arguments, ())
+
+    def meant_from(self, arguments: Words, relations: Set[Relation]) -> tuple[Atom, ...]:
+        """Return the actions that a sentence with a source means if the phrase for the object states a relation."""
+        stated = {relation.about(arguments[self.moved]) for relation in relations}
+        return tuple(atom for atom in self.meant(arguments) if self.sources.get(atom) in stated)
 
     def identifies(self, atom: Atom, robots: frozenset[str]) -> bool:
         """Return whether the sentence means only this action or fluent.
@@ -82,8 +104,14 @@ class SentenceTable:
         self.actions: dict[Signature, tuple[Sentence, ...]] = {}
         for signature, atoms in actions.items():
             given = [Sentence(template, atoms) for template in grammar.actions.get(signature, ())]
-            plain = grammar.plain.get(signature)
-            self.actions[signature] = (*given, *([Sentence(plain, atoms, spare=True)] if plain else []))
+            plain = [
+                Sentence(template, tuple(atom for atom in atoms if not own or str(atom) in own), spare=True)
+                for template, own in grammar.plain.get(signature, ())
+            ]
+            sources = grammar.sources.get(signature, {})
+            shorter = [each for sentence in (*given, *plain) for each in _from_phrase(sentence, sources)]
+            shorter.sort(key=lambda each: len(each.template.texts[each.moved + 1]))
+            self.actions[signature] = (*given, *plain, *shorter)
         self.facts: dict[Signature, tuple[Sentence, ...]] = {}
         self.modifiers: dict[Signature, tuple[Modifier, ...]] = {}
         for signature, atoms in fluents.items():
@@ -92,6 +120,21 @@ class SentenceTable:
             spare = grammar.spare.get(signature, FactForms())
             self.facts[signature] += tuple(_of_fluents(spare, atoms, {*forms.true, *forms.false}))
             self.modifiers[signature] = tuple(Modifier(where, atoms) for where in forms.where)
+
+
+def _from_phrase(sentence: Sentence, sources: Mapping[str, tuple[int, Way]]) -> Iterator[Sentence]:
+    """Yield a sentence without the place that an object is moved from, if it names the place right after the object."""
+    template = sentence.template
+    for place, moved in {(place, way.moved) for place, way in sources.values()}:
+        slot = template.arguments.index(moved) if moved in template.arguments else -1
+        if slot < 0 or template.arguments[slot + 1 : slot + 2] != (place,) or template.arguments.count(place) > 1:
+            continue
+        particle = template.texts[slot + 1].rsplit(maxsplit=1)[0] if len(template.texts[slot + 1].split()) > 1 else ""
+        texts = (*template.texts[: slot + 1], particle + template.texts[slot + 2], *template.texts[slot + 3 :])
+        slots = (*template.slots[: slot + 1], *template.slots[slot + 2 :])
+        fluents = {atom: sources[str(atom)][1].fluent for atom in sentence.atoms if str(atom) in sources}
+        shorter = replace(template, texts=texts, slots=slots)
+        yield Sentence(shorter, sentence.atoms, spare=sentence.spare, moved=slot, sources=fluents)
 
 
 def _of_fluents(forms: FactForms, atoms: tuple[Atom, ...], given: Set[Template] | None = None) -> Iterator[Sentence]:

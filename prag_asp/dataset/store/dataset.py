@@ -20,6 +20,8 @@ from prag_asp.tables.json_fields import decoded
 from prag_asp.wording import unknown
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.scenario import Scenario
+    from prag_asp.dataset.scenarios import Scenarios
     from prag_asp.dataset.store.tables import TableReader
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Demonstration, Witness
@@ -155,6 +157,22 @@ class Dataset:
         for entry, row in self._starts("witnesses"):
             yield entry, row["start"], _witness(row["witness"])
 
+    def scenario(self, number: int, start: int = 0) -> Scenario:
+        """Return the scenario of a task and of one of its initial states; without physics, that of the task.
+
+        Raises:
+            IndexError: there is no such task.
+            QueryError: there is no such initial state.
+        """
+        from prag_asp.dataset.scenario import SearchStart
+
+        spec, (_, row) = self.manifest.spec, self._row(number)
+        search = None
+        if spec.budget is not None:
+            index = self._start("witnesses", number, start)["index"]
+            search = SearchStart.of(spec.seed, index, spec.budget, spec.staging)
+        return self._scenarios.ranked(self.manifest.where, row["length"], number_of(row["rank"]), search)
+
     def demonstration(self, number: int, start: int = 0) -> Demonstration:
         """Return the recording of a task from one of its initial states.
 
@@ -168,6 +186,12 @@ class Dataset:
         """Yield each task, the number of an initial state, and the recording from it, in order."""
         for entry, row in self._starts("recordings"):
             yield entry, row["start"], self._recording(row["file"])
+
+    @cached_property
+    def _scenarios(self) -> Scenarios:
+        from prag_asp.dataset.scenarios import Scenarios
+
+        return Scenarios(self.domain)
 
     @cached_property
     def _notes(self) -> list[PartManifest]:

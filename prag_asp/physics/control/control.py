@@ -81,11 +81,11 @@ class Control:
     upper: Floats
 
     @classmethod
-    def of(cls, name: str, scene: Scene, rate: int = USUAL_RATE) -> Control:
-        """Return a convention by its name.
+    def of(cls, name: str, scene: Scene, rate: int = USUAL_RATE, *, scale: float = 1.0) -> Control:
+        """Return a convention by its name; `scale` is a factor of its changes, except those of the fingers.
 
         Raises:
-            QueryError: there is no such convention or rate.
+            QueryError: there is no such convention or rate, or absolute values are scaled.
         """
         if name not in CONTROLS:
             raise QueryError(unknown(name, CONTROLS, "control"))
@@ -93,6 +93,12 @@ class Control:
             raise QueryError(f"rate {rate!r:.80}: give a number of actions a second that divides {STEPS_A_SECOND}")
         bounds = [_bounds(name, robot_of(scene, robot), rate) for robot in scene.robots]
         lower, upper = (np.concatenate(side) for side in zip(*bounds, strict=True))
+        if scale != 1.0:
+            if CONVENTIONS[name].absolute:
+                raise QueryError(f"{name} has absolute values, which have no scale; choose a control of changes")
+            count = len(CONVENTIONS[name].numbers)
+            scales = np.tile([*[scale] * (count - 1), 1.0], len(scene.robots))
+            lower, upper = lower * scales, upper * scales
         return cls(name, tuple(scene.robots), int(rate), lower, upper)
 
     @property

@@ -10,6 +10,9 @@ StateName = Literal["joint_position", "ee_position"]
 ControlName = Literal["joint_position", "joint_delta", "ee_position", "ee_delta", "ee_delta_upright"]
 CONTROLS: tuple[ControlName, ...] = get_args(ControlName)
 
+UPRIGHT: ControlName = "ee_delta_upright"
+"""The convention of agents that move an upright tool, with the fewest numbers."""
+
 RECORDED = CONTROLS[:4]
 """The conventions that can express recordings, in which tools tilt."""
 

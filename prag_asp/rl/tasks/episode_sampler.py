@@ -6,17 +6,19 @@ from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.dataset.scenario import Scenario
+from prag_asp.dataset.scenarios import Scenarios, searched
 from prag_asp.dataset.store.instructions import LEVELS, PLAIN, TaskTexts, captioner_of
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Witness
 from prag_asp.rl.curriculum.task_sampler import Attempt, EpisodeResult
-from prag_asp.rl.environment_options import is_whole
+from prag_asp.rl.environment_options import ANY, is_whole
 from prag_asp.rl.goals import Subgoal, subgoals_of
 from prag_asp.rl.observations import Layout, skill
 from prag_asp.rl.tasks.task_origin import TaskOrigin
@@ -56,6 +58,7 @@ class EpisodeStart:
         levels = {level: written.get(level, written.get(PLAIN, "")) for level in LEVELS}
         return {
             "task": str(assignment.task),
+            "scenario": "" if assignment.scenario is None else str(assignment.scenario),
             "instruction": levels["default"],
             "instruction_vague": levels["vague"],
             "instruction_exact": levels["exact"],
@@ -79,7 +82,7 @@ class EpisodeSampler:
         self,
         origin: TaskOrigin,
         witness: Witness | None,
-        stage: int | Literal["any"],
+        stage: int | str,
         finder: WitnessFinder,
         *,
         domain: Domain,
@@ -88,6 +91,7 @@ class EpisodeSampler:
     ):
         self.finder, self.seeded = finder, False
         self._stage, self._domain, self._scene, self._layout = stage, domain, finder.scene, layout
+        self._scenarios = Scenarios(domain)
         self._captioner = captioner_of(domain, language, seed=0)
         self._cached: OrderedDict[tuple[int, ...], tuple[tuple[object, ...], Any]] = OrderedDict()
         alone = origin.task is not None or witness is not None
@@ -109,13 +113,15 @@ class EpisodeSampler:
             NotFound: `PATIENCE` samples in a row are not feasible.
         """
         task, witness, rank, stage = (options.get(name) for name in ("task", "witness", "rank", "stage"))
-        if task is not None or witness is not None:
+        if options.get("scenario") is not None:
+            assignment = self._of_scenario(options["scenario"])
+        elif task is not None or witness is not None:
             assignment = self._assign(task, witness)
         else:
             assignment = self._source.draw() if rank is None else self._source.ranked(rank)
         subgoals = self._once(lambda: subgoals_of(assignment.task, self._scene), assignment.task)
         texts = assignment.texts or self._once(lambda: self._captioner(assignment.task, {}), "texts", assignment.task)
-        initial = self._initial_stage(stage, len(subgoals), rng)
+        initial = self._initial_stage(stage, assignment.task, rng)
         return EpisodeStart(assignment, subgoals, texts, *initial, stage is not None)
 
     def update(self, start: EpisodeStart, stage: int, *, success: bool) -> None:
@@ -163,6 +169,19 @@ class EpisodeSampler:
             return Assignment(task, self.finder.required(task))
         return self._once(lambda: assign_witness(task, witness, self._scene), task, witness)
 
+    def _of_scenario(self, scenario: object) -> Assignment:
+        """Return the task of a scenario, given as a value or as its id, with its witness.
+
+        Raises:
+            QueryError: it is no scenario of the domain, or has no initial state.
+        """
+        parsed = scenario if isinstance(scenario, Scenario) else Scenario.parse(str(scenario))
+        if parsed.start is None:
+            raise QueryError(f"scenario {parsed}: it has no initial state; give one that physics found feasible")
+        record = searched(self._scenarios.task(parsed), parsed.start, self.finder.validator)
+        witness = Witness.from_json(record.witness or {})
+        return Assignment(record.task, witness, parsed.rank, scenario=parsed)
+
     def _once(self, make: Callable[[], Made], *whose: object) -> Made:
         """Return the result of `make`, cached by the identity of the values that it depends on."""
         key = tuple(map(id, whose))
@@ -175,16 +194,20 @@ class EpisodeSampler:
         return cached
 
     def _initial_stage(
-        self, requested: int | str | None, count: int, rng: np.random.Generator
+        self, requested: int | str | None, task: Task, rng: np.random.Generator
     ) -> tuple[int, Fraction | None]:
-        """Return the initial subgoal of `count` subgoals, and its probability if it is sampled."""
+        """Return the initial subgoal of a task, and its probability if it is sampled."""
+        count = len(task.actions)
         if count == 0:
             raise QueryError("a task without actions has no subgoal; give another one")
         if requested is None and self._subgoals is not None:
             return self._subgoals.stage(count)
         stage = self._stage if requested is None else requested
-        if stage == "any":
-            return int(rng.integers(count)), Fraction(1, count)
+        if isinstance(stage, str):
+            stages = [i for i, action in enumerate(task.actions) if stage in (ANY, action.name)]
+            if stages:
+                return stages[int(rng.integers(len(stages)))], Fraction(1, len(stages))
         if not is_whole(stage) or not -count <= int(stage) < count:
-            raise QueryError(f"stage {stage!r}: the task has the stages 0 to {count - 1}; any draws one")
+            told = f"stage {stage!r}: the task has the stages 0 to {count - 1}"
+            raise QueryError(f"{told}; {ANY} samples one, the name of an action one with that action")
         return int(stage) % count, None

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
+from prag_asp.dataset.scenario import Scenario, SearchStart
+from prag_asp.dataset.scenarios import Scenarios
 from prag_asp.dataset.store.instructions import TaskTexts
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.physics import Budget, Situation, Validator, Witness, open_validator, physical_task
@@ -30,7 +32,8 @@ class Assignment(NamedTuple):
     """A task for the agent with a witness, and its rank among all tasks of its length, if known.
 
     `probability` is the exact probability of the sample, or None if the task was not sampled; `rejected` counts the
-    samples since the last assignment that are infeasible or not in the part. `texts` are those of a dataset.
+    samples since the last assignment that are infeasible or not in the part. `texts` are those of a dataset. `scenario`
+    identifies the task and its initial state, if the space or the dataset is known.
     """
 
     task: Task
@@ -39,6 +42,7 @@ class Assignment(NamedTuple):
     probability: Fraction | None = None
     rejected: int = 0
     texts: TaskTexts | None = None
+    scenario: Scenario | None = None
 
 
 class TaskSource(Protocol):
@@ -78,7 +82,7 @@ class WitnessFinder:
     """Finds witnesses of tasks by a validator, which is opened lazily."""
 
     def __init__(self, scene: Scene, resources: ExitStack, budget: Budget | None):
-        self.scene, self._resources, self._budget = scene, resources, budget
+        self.scene, self.budget, self._resources = scene, budget, resources
         self._validator: Validator | None = None
 
     def witness(self, task: Task, *, seed: int = 0, index: int = 0) -> Witness | None:
@@ -87,9 +91,14 @@ class WitnessFinder:
         Raises:
             SceneError: the task refers to an entity without a shape in the scene.
         """
+        return self.validator.validate(task, seed=seed, index=index, budget=self.budget).witness
+
+    @property
+    def validator(self) -> Validator:
+        """The validator, which is opened when it is needed."""
         if self._validator is None:
             self._validator = self._resources.enter_context(open_validator(self.scene))
-        return self._validator.validate(task, seed=seed, index=index, budget=self._budget).witness
+        return self._validator
 
     def forget(self) -> None:
         """Forget the validator, which is already closed."""
@@ -103,7 +112,7 @@ class WitnessFinder:
         """
         witness = self.witness(task)
         if witness is None:
-            raise QueryError(f"no witness is found for the task {task}; take another, or give a larger budget")
+            raise QueryError(f"no witness is found for the task {task}; choose another, or give a larger budget")
         return witness
 
 
@@ -180,6 +189,7 @@ class SpaceSource:
 
     def __init__(self, pool: TaskPool, sampler: TaskSampler, finder: WitnessFinder):
         self._pool, self._sampler, self._finder = pool, sampler, finder
+        self._scenarios = Scenarios(pool.space.domain, pool.space)
         self._seed, self._number = 0, 0
 
     def seed(self, seed: int) -> None:
@@ -202,9 +212,14 @@ class SpaceSource:
             self._number = index + 1
             rejected += proposal.passed
             if witness is not None:
-                return Assignment(task, witness, probability=proposal.probability, rejected=rejected)
+                return Assignment(
+                    task, witness, probability=proposal.probability, rejected=rejected,
+                    scenario=self._scenario(task, self._seed, index),
+                )  # fmt: skip
             rejected += 1
-        raise NotFound(f"none of {PATIENCE} sampled tasks in a row is feasible; take another space, or a larger budget")
+        raise NotFound(
+            f"none of {PATIENCE} sampled tasks in a row is feasible; choose another space, or give a larger budget"
+        )
 
     def ranked(self, rank: int) -> Assignment:
         """Return the task with a rank, with a witness.
@@ -219,7 +234,11 @@ class SpaceSource:
         task = space[require_rank(rank, space.count())]
         if not self._pool.has(tuple(map(str, task.actions))):
             raise QueryError(f"rank {rank} is not in the part; give a rank of the part")
-        return Assignment(task, self._finder.required(task), rank)
+        return Assignment(task, self._finder.required(task), rank, scenario=self._scenario(task, 0, 0))
+
+    def _scenario(self, task: Task, seed: int, index: int) -> Scenario:
+        """Return the scenario of a task and of the search for its witness."""
+        return self._scenarios.of(self._pool.space, task, SearchStart.of(seed, index, self._finder.budget))
 
     def update(self, result: EpisodeResult) -> None:
         """Update the curriculum with the result of an episode."""
@@ -262,7 +281,7 @@ class DatasetSource:
             assignment = self._assignment(int(self._rng.integers(self._count)))
             if assignment.task.actions:
                 return assignment._replace(probability=Fraction(1, self._count), rejected=rejected)
-        raise NotFound(f"{self._dataset.folder}: {PATIENCE} tasks in a row have no action; take another dataset")
+        raise NotFound(f"{self._dataset.folder}: {PATIENCE} tasks in a row have no action; choose another dataset")
 
     def ranked(self, rank: int) -> Assignment:
         """Return the task of the dataset with a number.
@@ -293,4 +312,5 @@ class DatasetSource:
             raise QueryError(f"{self._dataset.folder}: its tasks have no witnesses; generate it with physics")
         start = int(self._rng.integers(entry.starts))
         texts = TaskTexts(tuple(entry.instruction.items()), entry.subgoals, entry.named)
-        return Assignment(entry.task, self._dataset.witness(number, start), entry.rank, texts=texts)
+        scenario = self._dataset.scenario(number, start)
+        return Assignment(entry.task, self._dataset.witness(number, start), entry.rank, texts=texts, scenario=scenario)

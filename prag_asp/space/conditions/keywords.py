@@ -73,9 +73,7 @@ def _after(rest: str) -> Clause:
 def _part(rest: str) -> Clause:
     match = PART.match(rest)
     if match and int(match["modulus"]) > MOST_CLASSES:
-        raise QueryError(
-            f"condition 'part {rest}': there are at most {MOST_CLASSES:,} classes of skeletons; take fewer"
-        )
+        raise QueryError(f"condition 'part {rest}': there are at most {MOST_CLASSES:,} classes of skeletons; use fewer")
     bounds = [tuple(map(int, interval.split("-"))) for interval in match["ranges"].split(",")] if match else []
     modulus = int(match["modulus"]) if match else 0
     residues = sorted({number for low, high in bounds for number in range(low, min(high, modulus) + 1)})

@@ -75,7 +75,7 @@ def divide_skeletons(
             total = sum(map(count, parts.values()))
             actual = ", ".join(f"{name} has {float(100 * count(part) / total):.1f} %" for name, part in parts.items())
             requested = ", ".join(f"{float(100 * share):.4g} %" for share in shares.values())
-            why = "no choice of whole skeletons comes nearer; take other shares or lengths"
+            why = "no choice of whole skeletons comes nearer; choose other shares or lengths"
             warnings.warn(f"{actual} of the tasks, not {requested}: {why}", SharesWarning, stacklevel=3)
     return parts
 
@@ -93,7 +93,7 @@ def _number_of_classes(shares: Mapping[str, Fraction]) -> int:
     fewest = ceil(1 / shares[name])
     if fewest > MOST_CLASSES:
         least = f"parts of whole skeletons have shares of at least 1/{MOST_CLASSES}"
-        raise QueryError(f"share of {name!r}: {least}; take a larger share, or split without whole skeletons")
+        raise QueryError(f"share of {name!r}: {least}; choose a larger share, or split without whole skeletons")
 
     def distance(classes: int) -> Fraction:
         return farthest([len(residues) for residues in divided(classes, shares).values()], list(shares.values()))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import doctest
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
 
 import pytest
@@ -11,7 +12,8 @@ import pytest
 import prag_asp.dataset.language
 from prag_asp import QueryError, Task, TaskSpace, load_domain, parse_atom, shipped_domains
 from prag_asp.dataset.language import Instructions, InstructionWriter, context_of, instruction_writer_of
-from prag_asp.grammar.reader import GrammarReader
+from prag_asp.grammar.reader import GrammarReader, PlainSentence
+from prag_asp.task import FrozenDict
 from tests.chance import Chance
 from tests.dataset.language.twins import shipped, space_of, task_of, twins, writer
 
@@ -53,13 +55,44 @@ STACKED = ("pick(panda,can_1,table_1)", "insert(panda,can_1,bin_1)", "pick(panda
 def test_the_levels_say_what_they_are_for() -> None:
     words = writer("tabletop").instructions(task_of("tabletop", *STACKED), seed=0)
     assert words == Instructions(
-        vague="See to it that the gripper holds the red cube and that the can is in the bin.",
+        vague="See to it that the gripper holds the red cube and the can is in the bin.",
         default="Take the can from the table. After that, put it into the bin. Then grab the red cube from the table.",
         exact="First, pick the can up from the table, so that the gripper holds it. "
-        "Second, insert the can into the bin, so that it is in the bin. "
+        "Second, place the can in the bin, so that it is in the bin. "
         "Third, pick the red cube up from the table, so that the gripper holds it.",
         subgoals=("Pick the can up from the table.", "Put the can into the bin.", "Take the red cube from the table."),
     )
+
+
+def test_an_action_that_restores_a_state_is_described_so() -> None:
+    task = task_of("tabletop", "pick(panda,can_1,table_1)", "insert(panda,can_1,bin_1)", "pick(panda,can_1,bin_1)")
+    put = task_of("tabletop", *map(str, task.actions), "insert(panda,can_1,bin_1)")
+    words = [writer("tabletop").instructions(put, seed=seed) for seed in range(6)]
+    assert all(each.default.count("back") == 1 and "back in" in each.subgoals[3] for each in words)
+    again = task_of("kitchen", *["open(panda,drawer_1)", "close(panda,drawer_1)"] * 2)
+    text = writer("kitchen").instructions(again).default
+    assert text.count("again") == 3 and not text.casefold().startswith("open the drawer again")
+    assert writer("kitchen").read(again, text).actions == again.actions
+    assert writer("tabletop").read(put, words[0].default).actions == put.actions
+
+
+def test_facts_of_one_thing_are_merged_and_several_are_listed() -> None:
+    task = task_of("tabletop", "pick(panda,can_1,table_1)", "place(panda,can_1,left_of,bin_1)", *STACKED[2:])
+    words = writer("tabletop").instructions(task)
+    assert "so that it is to the left of the bin and on the table" in words.exact
+    assert_read_back(writer("tabletop"), task, words)
+    three = task_of("tabletop", *STACKED[:2], "pick(panda,brick_1,table_1)", "stack(panda,brick_1,brick_2)", STACKED[2])
+    assert ", and " in writer("tabletop").instructions(three).vague
+
+
+def test_a_phrase_that_names_the_source_of_an_action_replaces_it() -> None:
+    space = TaskSpace(load_domain("examples/dishes"), 2)
+    task = space[space.index(["pick(panda,cup_1,sink_1)", "put(panda,cup_1,table_1)"])]
+    state = {**task.initial, parse_atom("inside(cup_2,sink_1)"): False, parse_atom("on_top(cup_2,table_1)"): True}
+    known = replace(task, initial=FrozenDict(state))
+    words = instruction_writer_of(space.domain).instructions(known)
+    assert words.subgoals[0] == "Pick the cup in the sink." and "from" not in words.default
+    assert instruction_writer_of(space.domain).read(known, words.default).actions == task.actions
 
 
 def test_german_has_its_genders_and_cases() -> None:
@@ -100,7 +133,7 @@ def test_a_task_without_actions_is_told_in_no_words() -> None:
     ("name", "language", "words"),
     [
         ("tabletop", "fr", "tabletop has no sentences in 'fr'; it has those in de, en"),
-        ("hanoi", "de", "hanoi has no sentences in 'de'; write its sentences under .language.de.actions., or take en"),
+        ("hanoi", "de", "hanoi has no sentences in 'de'; write its sentences under .language.de.actions., or use en"),
     ],
 )
 def test_a_language_that_a_domain_has_no_sentences_in_is_refused(name: str, language: str, words: str) -> None:
@@ -126,17 +159,23 @@ def test_any_domain_has_english_sentences_by_the_names_that_it_has() -> None:
     task = space[space.index(["switch_on(attic)", "wire(attic,hall)", "wait"])]
     words = writer.instructions(task)
     assert words.subgoals == ("Switch on lamp attic.", "Wire lamp attic.", "Wait.")
-    assert "that wired holds of lamp attic and lamp hall" in words.vague and words.named == ("attic", "hall")
+    assert "wired holds of lamp attic and lamp hall" in words.vague and words.named == ("attic", "hall")
+
+
+def spelled(sentences: Sequence[PlainSentence]) -> str:
+    """Return the first of some default sentences with the numbers of its arguments."""
+    template = sentences[0].template
+    return template.fill([f"<{slot.argument}>" for slot in template.slots])
 
 
 def test_what_an_action_brings_about_leads_from_and_to_in_the_sentences_that_any_domain_has() -> None:
     said = {}
     for name in ("hanoi", "blocks", "tabletop", "two_arms"):
         domain = shipped(name)
-        for (action, _), template in GrammarReader(domain.settings, domain.facts, "en").plain().items():
-            said[name, action] = template.fill([f"<{slot.argument}>" for slot in template.slots])
+        for (action, _), sentences in GrammarReader(domain.settings, domain.facts, "en").plain().items():
+            said[name, action] = spelled(sentences)
     assert said["hanoi", "move"] == "move <0> from <1> to <2>" and said["blocks", "unstack"] == "unstack <0> from <1>"
-    assert said["tabletop", "pick"] == "pick <1> from <2>" and said["tabletop", "insert"] == "insert <1> to <2>"
+    assert said["tabletop", "pick"] == "pick <1> out of <2>" and said["tabletop", "insert"] == "insert <1> into <2>"
     assert said["two_arms", "give"] == "give <0>, <1> and <2>"
 
 
@@ -152,7 +191,7 @@ def test_what_is_moved_is_named_even_if_it_is_the_only_one_of_its_kind() -> None
     """
     domain = load_domain(text=text)
     plain = GrammarReader(domain.settings, domain.facts, "en").plain()
-    said = {name: each.fill([f"<{slot.argument}>" for slot in each.slots]) for (name, _), each in plain.items()}
+    said = {name: spelled(each) for (name, _), each in plain.items()}
     assert said == {"pick": "pick <1> from <2>", "put": "put <1> to <2>"}
     writer = instruction_writer_of(domain)
     for task in TaskSpace(domain, 2):
@@ -170,7 +209,7 @@ def test_a_robot_that_moves_itself_goes_from_a_place_to_another() -> None:
     """
     domain = load_domain(text=text)
     plain = GrammarReader(domain.settings, domain.facts, "en").plain()
-    said = {name: each.fill([f"<{slot.argument}>" for slot in each.slots]) for (name, _), each in plain.items()}
+    said = {name: spelled(each) for (name, _), each in plain.items()}
     assert said == {"go": "go from <1> to <2>", "light": "light <1>"}
     writer = instruction_writer_of(domain)
     for task in TaskSpace(domain, 2):

@@ -1,0 +1,78 @@
+"""Find which arguments of an action are the source and the destination of something that it moves, by its effects."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Set
+from functools import reduce
+from typing import Any, NamedTuple
+
+from prag_asp.atom import Atom, atom_of
+from prag_asp.program.facts import Facts
+
+Signature = tuple[str, int]
+"""The name and the arity of an action or a fluent."""
+
+
+class Way(NamedTuple):
+    """A source (``from``) or destination (``to``) of an action.
+
+    `moved` is the position of the moved argument, -1 for a robot. The action makes `fluent` false at a source, or true
+    at a destination; `predicate` is the fluent's spatial predicate, or its name.
+    """
+
+    word: str
+    moved: int
+    fluent: Atom
+    predicate: str
+
+
+def ways_of_actions(
+    facts: Facts, predicates: Mapping[str, Any], robots: Set[str]
+) -> dict[Signature, dict[str, dict[int, Way]]]:
+    """Return the sources and destinations of each action by their position, for the actions of each signature.
+
+    `predicates` maps fluents to spatial predicates, where the names differ.
+
+    An action makes a binary fluent false, or true, whose second argument is the place and whose first argument is an
+    earlier argument of the action. The first argument is not a robot, and the fluent's predicate is not about a robot,
+    unless the action makes the fluent false for one place and true for another: then the robot moves itself.
+    """
+    from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
+
+    found: dict[Signature, dict[str, dict[int, Way]]] = {}
+    for action in facts.declared_actions:
+        arguments = list(map(str, action.arguments))
+        here = found.setdefault((action.name, len(arguments)), {}).setdefault(str(action), {})
+        effects = [
+            (fluent, list(map(str, fluent.arguments)), value) for fluent, value in facts.postconditions.get(action, ())
+        ]
+        changes = Counter((fluent.name, tuple(pair[:1]), value) for fluent, pair, value in effects if len(pair) == 2)
+        for fluent, pair, value in effects:
+            predicate = str(predicates.get(fluent.name, fluent.name))
+            if len(pair) != 2 or value == "unknown" or not set(pair) <= set(arguments):
+                continue
+            itself = PREDICATE_ROLES.get(predicate, ())[:1] == ("robot",) or pair[0] in robots
+            if itself and not all(changes[fluent.name, (pair[0],), each] == 1 for each in ("true", "false")):
+                continue
+            place = len(arguments) - 1 - arguments[::-1].index(pair[1])
+            moved = arguments.index(pair[0])
+            if moved < place and (value == "true" or place not in here):
+                here[place] = Way(
+                    "to" if value == "true" else "from", -1 if itself else moved, atom_of(fluent), predicate
+                )
+    return found
+
+
+def common_ways(ways_of: Iterable[Mapping[int, Way]]) -> dict[int, Way]:
+    """Return the ways that all actions of a signature share: the same word at the same position."""
+
+    def shared(both: Mapping[int, Way], here: Mapping[int, Way]) -> dict[int, Way]:
+        return {
+            place: way._replace(moved=max(way.moved, here[place].moved))
+            for place, way in both.items()
+            if place in here and here[place].word == way.word
+        }
+
+    each = [dict(ways) for ways in ways_of]
+    return reduce(shared, each) if each else {}
