@@ -64,7 +64,8 @@ class TaskEnv(GoalEnv):
     Instead of a space, give a `domain` and a `length`; instead of a dataset, its folder. With `split`, only the part of
     that name is used: a part of a dataset, or of a space divided by `shares` (80 % ``train`` and 20 % ``test`` by
     default), by whole `skeletons`, or by a held-out name (`hold_out`), as `generate` divides it with the same seed. The
-    conditions `where` restrict a space or a dataset. So plain values define an environment.
+    conditions `where` restrict a space or a dataset. Unless `trivial`, tasks of a space are left out whose final state
+    is the initial state. So plain values define an environment.
 
     An observation has the agent's `observation` (`layout.names` names its numbers), and, by the convention of goal
     environments, `achieved_goal` and `desired_goal` of the shape (2 * `PLACES`,): for now, and for one step before;
@@ -109,6 +110,7 @@ class TaskEnv(GoalEnv):
         skeletons: bool = False,
         hold_out: str | None = None,
         split_seed: int = 0,
+        trivial: bool = False,
         part: RankedTasks | None = None,
         dataset: Dataset | str | Path | None = None,
         task: Task | None = None,
@@ -136,7 +138,7 @@ class TaskEnv(GoalEnv):
         origin = named_origin(
             space=space, part=part, dataset=dataset, task=task, domain=domain, length=length,
             where=where if task is not None else conditions_of(where, stage), curriculum=curriculum,
-            split=SplitOptions(split, shares, skeletons, hold_out, split_seed),
+            split=SplitOptions(split, shares, skeletons, hold_out, split_seed), trivial=trivial,
         )  # fmt: skip
         check_episodes(until=until, reward=reward, observation=observation, stage=stage, steps=steps)
         modes = self.metadata["render_modes"]
