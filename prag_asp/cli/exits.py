@@ -23,7 +23,7 @@ class Exit(IntEnum):
 
 MEANINGS = {
     Exit.DONE: "done",
-    Exit.NOT_FOUND: "incomplete result: validate found invalid tasks, sample, generate or suite found too few, "
+    Exit.NOT_FOUND: "incomplete result: validate found invalid tasks, sample, generate, suite or evaluate found too few, "
     "explain or verify found a problem",
     Exit.BAD_INPUT: "invalid input: the domain, a file, or the request",
     Exit.LIMIT: "a limit on time or memory was reached",
