@@ -99,6 +99,14 @@ class ParallelGripper(NamedTuple):
         `triangles`, shape (n, 3, 3), are the surface of the body in the frame of the tool, in metres. The interval is
         exact for this surface: its triangles are clipped to the prism that the pads sweep.
         """
+        polygons = self.between(triangles)
+        if not len(polygons.corners):
+            return None
+        ends = float(polygons.corners[:, :, 1].min()), float(polygons.corners[:, :, 1].max())
+        return PadContact(*ends, (polygons.patch(ends[0], -1.0), polygons.patch(ends[1], 1.0)))
+
+    def between(self, triangles: Floats) -> Polygons:
+        """Return the parts of triangles (n, 3, 3) in the prism that the pads sweep, in the frame of the tool."""
         low = np.array([-self.half_x, -self.opening / 2, self.low_z])
         high = np.array([self.half_x, self.opening / 2, self.high_z])
         triangles = triangles[((triangles.min(1) <= high) & (triangles.max(1) >= low)).all(1)]
@@ -106,10 +114,7 @@ class ParallelGripper(NamedTuple):
         polygons = Polygons(triangles, normals / np.maximum(np.linalg.norm(normals, axis=1), TINY)[:, None])
         for axis in range(3):
             polygons = polygons.cut(axis, 1.0, high[axis]).cut(axis, -1.0, -low[axis])
-        if not len(polygons.corners):
-            return None
-        ends = float(polygons.corners[:, :, 1].min()), float(polygons.corners[:, :, 1].max())
-        return PadContact(*ends, (polygons.patch(ends[0], -1.0), polygons.patch(ends[1], 1.0)))
+        return polygons
 
 
 class Polygons(NamedTuple):
@@ -140,9 +145,8 @@ class Polygons(NamedTuple):
 
     def patch(self, end: float, side: float) -> PadPatch:
         """Return the patch of a pad on one side: the surface that faces it, within `TOUCH` of the outermost point."""
-        corners, normals = self.cut(1, -side, TOUCH - side * end)
-        facing = side * normals[:, 1]
-        flat, facing = corners[facing > 0.0][:, :, [0, 2]], facing[facing > 0.0]
+        corners, normals = self.touched(end, side)
+        flat, facing = corners[:, :, [0, 2]], side * normals[:, 1]
         if flat.shape[1] < 3:
             return PadPatch(0.0, (0.0, 0.0), 0.0, 0.0)
         first = np.broadcast_to(flat[:, :1], flat[:, 1:-1].shape)
@@ -160,3 +164,9 @@ class Polygons(NamedTuple):
         square = float(share @ ((fans**2).sum((1, 2)) + 9 * (centroids**2).sum(1))) / 12
         gyration = max(square - float(centre @ centre), 0.0) ** 0.5
         return PadPatch(total, (float(centre[0]), float(centre[1])), gyration, float(share @ slopes))
+
+    def touched(self, end: float, side: float) -> Polygons:
+        """Return the surface that faces a pad on one side, within `TOUCH` of the outermost point."""
+        corners, normals = self.cut(1, -side, TOUCH - side * end)
+        facing = side * normals[:, 1] > 0.0
+        return Polygons(corners[facing], normals[facing])

@@ -11,8 +11,16 @@ import numpy as np
 
 from prag_asp.physics.grasps.body_grasps import grasp_table
 from prag_asp.physics.grasps.pads import ParallelGripper
+from prag_asp.physics.grasps.tilting import tilting_loads
 from prag_asp.physics.predicates.gaps import ROUNDING
-from prag_asp.physics.predicates.grip_friction import SLIPS, grasps_in_body, grip_load, pad_friction
+from prag_asp.physics.predicates.grip_friction import (
+    GRAVITY,
+    SLIPS,
+    finger_force,
+    grasps_in_body,
+    grip_load,
+    pad_friction,
+)
 from prag_asp.physics.predicates.grip_geometry import CLEARANCE, is_flat, lowest_body, lowest_grip
 from prag_asp.physics.robot.kinematics import adjust_joints, inverse
 from prag_asp.physics.search.attempt import (
@@ -29,6 +37,7 @@ from prag_asp.physics.world.collisions import ArmCollision, arm_collision
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import Pose, compose, matrix, multiply, raised, rotate, width_along, yaw_of, yaw_quaternion
 from prag_asp.scene.robots import Joints
+from prag_asp.scene.solids import weight
 
 LIFT = 0.10
 """The height above an object at which the gripper begins its approach, in metres."""
@@ -48,6 +57,9 @@ LARGEST_STEP = 1.2
 DOWN = (1.0, 0.0, 0.0, 0.0)
 EASE = 0.3
 """The bonus in a grasp's score if the arm approaches from its own side."""
+
+STEADY = 1.0
+"""The decrease of a grasp's score if the weight of the body is just about to tilt it out of the pads."""
 
 SECTOR, SIDEWAYS = math.pi / 4, 0.7
 """Grasps are of the same kind if their axes are in the same sector, in radians, and both or neither come from the side,
@@ -101,15 +113,18 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     # The palm's x axis points away from the base, and so does a slanted tool, so the wrist is on the arm's side.
     forward, slope = ((frames[:, :2, axis] * outward).sum(1) for axis in (0, 2))
     ease = np.abs(forward) + 2 * np.minimum(0.0, slope)
-    order = np.argsort(-(EASE * ease + table.scores), kind="stable")
+    press = finger_force(search.scene, entity, acting)
+    tilting = tilting_loads(situation.shape(entity), gripper, friction) * GRAVITY * weight(search.scene, entity) / press
+    order = np.argsort(STEADY * tilting - EASE * ease - table.scores, kind="stable")
     sectors = np.round(np.arctan2(frames[:, 1, 1], frames[:, 0, 1]) / SECTOR) % round(math.pi / SECTOR)
     kinds = list(zip(sectors.tolist(), (frames[:, 2, 2] > -SIDEWAYS).tolist(), strict=True))
     bearing = (grip_load(search.scene, entity, acting, 0.0, 1.0) * table.loads <= SLIPS).tolist()
-    # The best grasps of each kind come first, then the second best: where one kind fails, another may succeed.
-    counts, ranked = Counter[tuple[float, bool]](), list[tuple[int, int]]()
+    # The best grasps of each kind come first, then the second best: where one kind fails, another may succeed. Grasps
+    # out of which the body tilts come last.
+    counts, ranked = Counter[tuple[float, bool]](), list[tuple[bool, int, int]]()
     for i in order.tolist():
         if bearing[i]:
-            ranked.append((counts[kinds[i]], i))
+            ranked.append((bool(tilting[i] > 1.0), counts[kinds[i]], i))
             counts[kinds[i]] += 1
     if not ranked:
         raise Failure(TWISTS, entity)
@@ -120,7 +135,7 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     places, quaternions = frames[:, :3, 3].tolist(), turned.T.tolist()
     options = [
         GraspOption(Pose(tuple(places[i]), tuple(quaternions[i])), found[i].approach)
-        for _, i in sorted(ranked, key=lambda row: row[0])
+        for *_, i in sorted(ranked, key=lambda row: row[:2])
     ]
     first = search.passed_over % len(options)
     return options[first:] + options[:first]

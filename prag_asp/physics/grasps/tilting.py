@@ -1,0 +1,75 @@
+"""The load with which the weight of a body tilts it out of the pads that hold it, such as a plate at its rim.
+
+Friction bears the torque about the line through both pads; pressure bears the rest. A pad presses with a force F
+somewhere on its patch. If one presses at the upper end of its patch and the other one at the lower end of its own, both
+form a couple of F times the difference in height: no grip bears more about the horizontal axis along the pads. Likewise
+about the direction of the fingers, with the ends of the patches along the pads. So a rim that leans is held best by
+fingers that lean with it: upright pads touch it at the bottom inside and at the top outside, which helps to tilt it.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.physics.grasps.body_grasps import body_grasps
+from prag_asp.physics.grasps.pads import ParallelGripper
+from prag_asp.scene.geometry import Pose, matrix
+from prag_asp.scene.scene import Shape
+from prag_asp.scene.surfaces import in_frame, mesh_states, surface
+
+SHORTEST = 1e-4
+"""The least difference in height of a couple in metres: pads are not more exact."""
+
+
+def tilting_loads(shape: Shape, gripper: ParallelGripper, friction: float) -> NDArray[np.float64]:
+    """Return how strongly a body tilts out of each of its grasps, in the order of `body_grasps`, shape (n,).
+
+    A load is the torque of the weight as a share of the largest one that the pads bear if each presses with a force
+    equal to the weight of the body.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    return _loads(shape, gripper, friction, mesh_states(shape))
+
+
+@lru_cache(maxsize=256)
+def _loads(
+    shape: Shape, gripper: ParallelGripper, friction: float, files: tuple[tuple[int, int], ...]
+) -> NDArray[np.float64]:
+    """Return the loads of all grasps; the states of the body's files are part of the cache key."""
+    triangles = surface(shape)
+    centre = (0.0, 0.0, 0.0) if shape.model is None else shape.model.centre
+    grasps = body_grasps(shape, gripper, friction)
+    return np.array([tilting_load(triangles, centre, gripper, grasp.tool) for grasp in grasps])
+
+
+def tilting_load(
+    triangles: NDArray[np.float64], centre: tuple[float, float, float], gripper: ParallelGripper, tool: Pose
+) -> float:
+    """Return the load of a grasp of an upright body, as in `tilting_loads`; 0 if there is nothing between the pads.
+
+    `triangles`, shape (n, 3, 3), are the body's surface, and `centre` is its centre of mass, both in the body's frame.
+    """
+    polygons = gripper.between(in_frame(triangles, tool))
+    if not len(polygons.corners):
+        return 0.0
+    frame = matrix(tool)
+    offset, down = frame[:3, :3].T @ (centre - frame[:3, 3]), frame[:3, :3].T @ (0.0, 0.0, -1.0)
+    about_x, _, about_z = np.cross(offset, down).tolist()
+    ends = polygons.corners[:, :, 1]
+    one, two = (
+        polygons.touched(float(end), side).corners.reshape(-1, 3)
+        for end, side in ((ends.min(), -1.0), (ends.max(), 1.0))
+    )
+    # The pad at the larger y turns the body about x by z F and about z by -x F, the other one by -z F and x F.
+    loads = list[float]()
+    for torque, a, b in ((about_x, one[:, 2], two[:, 2]), (-about_z, one[:, 0], two[:, 0])):
+        upper, lower = (a, b) if torque > 0.0 else (b, a)
+        couple = float(upper.max(initial=-math.inf) - lower.min(initial=math.inf))
+        loads.append(abs(torque) / max(couple, SHORTEST))
+    return max(loads)
