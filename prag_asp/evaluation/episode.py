@@ -172,7 +172,11 @@ def open_runner(setup: EpisodeSetup, **options: Any) -> Iterator[EpisodeRunner]:
         if not isinstance(getattr(env, "unwrapped", None), TaskEnv):
             raise QueryError(f"the wrapper returns {env!r:.80}, no wrapped environment")
         with open_validator(task_env.scene) as validator:
-            yield EpisodeRunner(setup, env, setup.maker(env), validator)
+            policy = setup.maker(env)
+            try:
+                yield EpisodeRunner(setup, env, policy, validator)
+            finally:
+                getattr(policy, "close", lambda: None)()
     finally:
         task_env.close()
 

@@ -15,7 +15,10 @@ Environment = gymnasium.Env[Any, Any]
 
 
 class Policy(Protocol):
-    """Chooses the actions of episodes, each of which depends only on the observations since `begin` and on the seed."""
+    """Chooses the actions of episodes, each of which depends only on the observations since `begin` and on the seed.
+
+    Its method `close`, if it has one, releases its resources at the end.
+    """
 
     def begin(self, seed: int) -> None:
         """Begin an episode: forget everything, and take the seed of its random choices."""

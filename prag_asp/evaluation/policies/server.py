@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Mapping
+from contextlib import ExitStack
 from typing import Any
 
 import numpy as np
@@ -40,7 +41,7 @@ class ServerPolicy:
         Raises:
             QueryError: no server answers there, or a package is missing.
         """
-        self._address = address
+        self._address, self._resources = address, ExitStack()
         try:
             from websockets.exceptions import WebSocketException
             from websockets.sync.client import connect
@@ -48,7 +49,7 @@ class ServerPolicy:
             raise QueryError('policy servers need websockets and msgpack: pip install "prag_asp[servers]"') from None
         self._errors = (WebSocketException, OSError, TimeoutError)
         try:
-            self._connection = connect(address, compression=None, max_size=None)
+            self._connection = self._resources.enter_context(connect(address, compression=None, max_size=None))
             self._received()  # metadata
         except (*self._errors, ValueError) as error:
             raise QueryError(f"{address}: no policy server answers: {_line(error)}; start it first") from None
@@ -81,6 +82,10 @@ class ServerPolicy:
                 raise QueryError(f"{self._address}: an answer has no array 'actions' of one action or of a chunk")
             self._chunk.extend(np.atleast_2d(actions))
         return self._chunk.popleft()
+
+    def close(self) -> None:
+        """Close the connection."""
+        self._resources.close()
 
     def _received(self) -> Any:
         """Return the next message."""
