@@ -82,3 +82,8 @@ class Task:
     def skeleton(self) -> tuple[str, ...]:
         """The names of the actions, in order."""
         return tuple(action.name for action in self.actions)
+
+    @property
+    def trivial(self) -> bool:
+        """Whether the known facts of the final state are those of the initial state, so that waiting achieves it."""
+        return not self.states or dict(self.states[-1]) == dict(self.initial)

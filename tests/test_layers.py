@@ -103,9 +103,9 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "pictures", "verdict", "witness_search", "tiers", "validator", "validation",
     ),
     "rl": (
-        "registration", "control", "arena", "goals", "rewards", "environment_options", "goal_env", "reward_annealing",
-        "state_checksum", "observations", "camera_views", "curriculum", "tasks", "environment", "scripted_agent",
-        "skill_chains",
+        "registration", "control", "arena", "goals", "observations", "rewards", "environment_options", "goal_env",
+        "reward_annealing", "state_checksum", "camera_views", "curriculum", "tasks", "environment", "wrappers",
+        "scripted_agent", "skill_chains",
     ),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""

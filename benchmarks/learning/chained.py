@@ -3,7 +3,7 @@
     python benchmarks/learning/chained.py --learned MODELS
 
 Compares the oracle; behaviour cloning from 200 successful demonstrations, one network for each of three seeds; and,
-with `--learned`, policies for approach and grasp trained by curves.py (`--models MODELS`), with the oracle for other
+with `--learned`, policies for approach and grasp trained by plain.py (`--models MODELS`), with the oracle for other
 actions. Writes chained.parquet and chained.png into the folder --output. Requires the extra `learning`.
 """
 
@@ -24,12 +24,13 @@ from matplotlib.figure import Figure
 from rich.console import Console
 from rich.table import Table
 from stable_baselines3 import SAC
-from starts import HELD_OUT, TRAINING, action_scale, features_of, witnessed
+from starts import HELD_OUT, TRAINING, witnessed
 
-from prag_asp.rl import Layout, OraclePolicy, Rate, TaskEnv, run
+from prag_asp.rl import OraclePolicy, Rate, TaskEnv, run
 from prag_asp.rl.skill_chains import Policy
 
-DOMAIN, LEARNED = "prag", ("approach", "grasp")
+DOMAIN = "prag"
+LEARNED = {"approach": "SAC_PragApproach", "grasp": "SAC_PragGrasp"}
 WEIGHTS = {"approach": 6, "withdraw": 6, "grasp": 6, "drop": 6}
 """Uniformly sampled tasks consist mostly of carrying, because there are many more ways to carry an object."""
 
@@ -47,7 +48,7 @@ def main() -> None:
     parser.add_argument("--count", type=int, default=30, help="held-out tasks")
     parser.add_argument("--length", type=int, default=6, help="actions of each task")
     parser.add_argument("--seeds", type=int, default=3, help="policies of each kind")
-    parser.add_argument("--learned", type=Path, help="a folder of policies trained by curves.py")
+    parser.add_argument("--learned", type=Path, help="a folder of policies trained by plain.py")
     parser.add_argument("--output", type=Path, default=Path("learned"), help="the folder of the runs and the figure")
     options = parser.parse_args()
     torch.set_num_threads(1)
@@ -78,11 +79,11 @@ def _policies(env: TaskEnv, options: argparse.Namespace) -> Iterator[tuple[str, 
     yield "oracle", 0, expert
     rest = {skill.partition("(")[0]: expert for skill in env.layout.skills}
     for seed in range(options.seeds if options.learned is not None else 0):
-        own = {name: _learned(options.learned, name, seed, env.layout) for name in LEARNED}
+        own = {name: _learned(options.learned / f"{model}_{seed}") for name, model in LEARNED.items()}
         yield "learned", seed, {**rest, **own}
     examples = _collect(options.demonstrations)
     for seed in range(options.seeds):
-        yield "cloned", seed, Clone(cloned(examples, epochs=options.epochs, seed=seed), env.layout)
+        yield "cloned", seed, Clone(cloned(examples, epochs=options.epochs, seed=seed))
 
 
 def _collect(count: int) -> list[Demonstration]:
@@ -96,14 +97,10 @@ def _collect(count: int) -> list[Demonstration]:
     return examples
 
 
-def _learned(folder: Path, name: str, seed: int, layout: Layout) -> Policy:
-    """Return a policy for a skill that curves.py has trained."""
-    model, features, scale = (
-        SAC.load(folder / f"{name}_dense_{seed}", device="cpu"),
-        features_of(layout),
-        action_scale(name),
-    )
-    return lambda observation: model.predict(features(observation), deterministic=True)[0] * scale
+def _learned(path: Path) -> Policy:
+    """Return a policy that plain.py has trained."""
+    model = SAC.load(path, device="cpu")
+    return lambda observation: model.predict(observation, deterministic=True)[0]
 
 
 def so_far(rows: Sequence[dict[str, Any]], length: int) -> Table:

@@ -8,12 +8,10 @@ from typing import NamedTuple
 import numpy as np
 import torch
 from numpy.typing import NDArray
-from starts import features_of
 
 from prag_asp import Task
 from prag_asp.physics import Witness
-from prag_asp.rl import Layout, TaskEnv, oracle
-from prag_asp.rl.goal_env import Observation
+from prag_asp.rl import TaskEnv, oracle
 
 NOISE, OFTEN = 0.5, 0.1
 """The standard deviation of the noise on the oracle's actions, and the share of steps with noise.
@@ -29,7 +27,7 @@ BATCH = 256
 
 
 class Demonstration(NamedTuple):
-    """The features and the oracle's action at each step: arrays of the shapes (steps, features) and (steps, action)."""
+    """The observations and the actions of the oracle, an array each, with a row for each step."""
 
     features: NDArray[np.float32]
     actions: NDArray[np.float32]
@@ -42,12 +40,11 @@ def demonstrations(given: Iterable[tuple[Task, Witness]], count: int, *, seed: i
     for task, witness in given:
         if env is None:
             env = TaskEnv(task=task, witness=witness, reward="sparse", steps=STEPS)
-            extract = features_of(env.layout)
         tried += 1
         observation, _ = env.reset(options={"task": task, "witness": witness})
         features, actions, ended = [], [], False
         for action in oracle(env):
-            features.append(extract(observation))
+            features.append(observation)
             actions.append(action)
             noise = np.zeros_like(action)
             if rng.random() < OFTEN:
@@ -67,13 +64,13 @@ def demonstrations(given: Iterable[tuple[Task, Witness]], count: int, *, seed: i
 class Clone:
     """A policy that was learned by behaviour cloning."""
 
-    def __init__(self, network: torch.nn.Module, layout: Layout):
-        self._network, self._features = network, features_of(layout)
+    def __init__(self, network: torch.nn.Module):
+        self._network = network
 
-    def __call__(self, observation: Observation) -> NDArray[np.float32]:
+    def __call__(self, observation: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return the action for an observation."""
         with torch.no_grad():
-            return self._network(torch.from_numpy(self._features(observation))).numpy()
+            return self._network(torch.from_numpy(observation)).numpy()
 
 
 def cloned(examples: Sequence[Demonstration], *, epochs: int, seed: int) -> torch.nn.Module:

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Protocol
 
-from prag_asp.cli.terminal import for_terminal
+from prag_asp.cli.terminal import for_terminal, hide_progress
 from prag_asp.errors import OutputError
 from prag_asp.output import new_folder, open_atomic
 from prag_asp.output.atomic_file import AtomicFile, is_stream, output_errors
@@ -35,6 +35,8 @@ class _StreamWriter:
 
     def write(self, line: str, *, flush: bool = False) -> None:
         """Write a line."""
+        if self._shown:
+            hide_progress()
         with output_errors(self._name):
             self._stream.write(f"{for_terminal(line) if self._shown else line}\n")
             if flush:

@@ -13,7 +13,7 @@ import click
 
 from prag_asp.cli import exit_control
 from prag_asp.cli.exits import MEANINGS, Exit
-from prag_asp.cli.terminal import say, tell_line
+from prag_asp.cli.terminal import say, shown_progress, tell_line
 
 PROGRAM, COMPLETION = "prag-asp", "_PRAG_ASP_COMPLETE"
 """The name of the program, and the environment variable by which a shell requests completions."""
@@ -93,7 +93,7 @@ class Commands(click.Group):
             return complete(self, name, COMPLETION)
         if hasattr(sys, "set_int_max_str_digits"):
             sys.set_int_max_str_digits(0)
-        with exit_control.running():
+        with exit_control.running(), shown_progress():
             try:
                 with self.make_context(name, list(sys.argv[1:] if args is None else args)) as context:
                     self.invoke(context)

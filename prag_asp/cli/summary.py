@@ -8,6 +8,7 @@ from itertools import islice
 from typing import TYPE_CHECKING
 
 from prag_asp.cli import exit_control
+from prag_asp.cli.terminal import hide_progress
 from prag_asp.errors import PragError, one_line
 from prag_asp.wording import plural
 
@@ -48,6 +49,7 @@ def tallied(tally: Tally, line: Callable[[], str]) -> Iterator[None]:
         if tally.seen and not failed:
             from rich.console import Console
 
+            hide_progress()
             console = Console(stderr=True, highlight=False)
             console.print(one_line(line()), soft_wrap=True, markup=False)
             if tally.reasons or tally.causes:

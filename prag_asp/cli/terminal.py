@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import contextmanager
+from threading import Event, RLock, Thread
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -14,14 +15,15 @@ from prag_asp.processes.progress_events import Note, hear, note, so_far
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
-PATIENCE = 2.0
-"""Seconds before a terminal shows progress."""
+PATIENCE, WATCH = 2.0, 0.25
+"""Seconds without output after which a terminal shows progress, and between two looks at the time."""
 
 
 def say(text: object) -> None:
     """Print lines on stdout; on a terminal, escape control characters other than tabs."""
     import click
 
+    hide_progress()
     click.echo(for_terminal(str(text)) if sys.stdout is not None and sys.stdout.isatty() else str(text))
 
 
@@ -29,6 +31,7 @@ def tell_line(text: str) -> None:
     """Print one line on stderr, shortened, with control characters escaped."""
     import click  # not above: the supervisor imports this module, and a fork copies all loaded modules
 
+    hide_progress()
     click.echo(one_line(text), err=True)
 
 
@@ -53,42 +56,111 @@ class Tell(Protocol):
         """Report progress."""
 
 
+class _Display:
+    """A progress line on the terminal: it appears once `PATIENCE` seconds have passed without any output.
+
+    A thread watches the time, because native code may run for minutes without a report.
+    """
+
+    def __init__(self) -> None:
+        self._lock = RLock()
+        self._words, self._done = "starting", 0.0
+        self._total: int | None = None
+        self._quiet_since = monotonic()
+        self._bar: tuple[Progress, TaskID] | None = None
+        self._ended = Event()
+        self._watching = Thread(target=self._watch, daemon=True)
+        self._watching.start()
+
+    def tell(self, words: str, done: float = 0, total: int | None = None) -> None:
+        """Set the words and, if they are known, the number done and the total."""
+        with self._lock:
+            self._words, self._done, self._total = _first_line(words), done, total
+            if self._bar is not None or monotonic() - self._quiet_since > PATIENCE:
+                self._show()
+
+    def hide(self) -> None:
+        """Remove the line, before output that may go to the same terminal."""
+        with self._lock:
+            self._quiet_since = monotonic()
+            if self._bar is not None:
+                self._bar[0].stop()
+                self._bar = None
+
+    def end(self) -> None:
+        """Remove the line for good."""
+        self._ended.set()
+        self.hide()
+
+    def _watch(self) -> None:
+        while not self._ended.wait(WATCH):
+            with self._lock:
+                if self._bar is None and not self._ended.is_set() and monotonic() - self._quiet_since > PATIENCE:
+                    self._show()
+
+    def _show(self) -> None:
+        new = self._bar is None
+        if self._bar is None:
+            bar = _bar()
+            self._bar = (bar, bar.add_task("", total=None))
+            bar.start()
+        bar, number = self._bar
+        bar.update(number, description=plain(self._words), completed=self._done, total=self._total, refresh=new)
+
+
+_display: _Display | None = None
+
+
+@contextmanager
+def shown_progress() -> Iterator[None]:
+    """Show on a terminal what a command does, in a line on stderr that appears after two seconds without output."""
+    global _display  # noqa: PLW0603  a process runs one command at a time
+    if _display is not None or sys.stderr is None or not sys.stderr.isatty():
+        yield
+        return
+    _display = _Display()
+    try:
+        yield
+    finally:
+        _display.end()
+        _display = None
+
+
 @contextmanager
 def progress() -> Iterator[Tell]:
-    """Yield a function that reports progress; a terminal shows it after two seconds.
+    """Yield a function that reports progress; a terminal shows it, see `shown_progress`.
 
     A note is a permanent line, on a terminal and elsewhere; equal notes are printed once.
     """
     printed: set[str] = set()
 
-    def forward(words: str) -> None:
+    def tell(words: str, done: float = 0, total: int | None = None) -> None:
         so_far(_first_line(words))
         if isinstance(words, Note) and words not in printed:
             printed.add(words)
             note(words)
+        if _display is not None and not isinstance(words, Note):
+            _display.tell(words, done, total)
 
-    if not sys.stderr.isatty():
-        yield lambda words, done=0, total=None: forward(words)
-        return
-    begun = monotonic()
-    shown: list[tuple[Progress, TaskID]] = []
-    with ExitStack() as bars:
-
-        def tell(words: str, done: float = 0, total: int | None = None) -> None:
-            forward(words)
-            first = not shown
-            if first:
-                if monotonic() - begun <= PATIENCE:
-                    return
-                bar = bars.enter_context(_bar())
-                shown.append((bar, bar.add_task("", total=None)))
-            bar, number = shown[0]
-            bar.update(number, description=plain(_first_line(words)), completed=done, total=total, refresh=first)
-
+    with shown_progress():
         yield tell
 
 
-hear(lambda words: tell_line(_first_line(words)) if isinstance(words, Note) else None)
+def hide_progress() -> None:
+    """Remove the progress line, before output that may go to the same terminal; it appears again after two seconds."""
+    if _display is not None:
+        _display.hide()
+
+
+def _on_event(words: str) -> None:
+    """Print a note, and show a stage."""
+    if isinstance(words, Note):
+        tell_line(_first_line(words))
+    elif _display is not None:
+        _display.tell(words)
+
+
+hear(_on_event)
 
 
 def _first_line(words: str) -> str:
@@ -107,4 +179,6 @@ def _bar() -> Progress:
             return "" if task.total is None else super().render(task)
 
     columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), KnownTotalBar(), TimeRemainingColumn())
-    return Progress(*columns, console=Console(stderr=True), transient=True)
+    return Progress(
+        *columns, console=Console(stderr=True), transient=True, redirect_stdout=False, redirect_stderr=False
+    )

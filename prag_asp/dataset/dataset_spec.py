@@ -40,8 +40,8 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     """The request for a dataset, as `generate` takes it and dataset.json stores it.
 
     `split` has the exact share of each part. `weights` and `temperature` are exact numbers as text. Without a `budget`,
-    physics is not run. `part`, such as ``3/64``, selects every 64th draw from the third on; other machines generate
-    the rest.
+    physics is not run. Unless `trivial`, tasks whose final state is the initial state are left out. `part`, such as
+    ``3/64``, selects every 64th draw from the third on; other machines generate the rest.
 
     Raises:
         QueryError: a number is out of range.
@@ -55,6 +55,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     starts: Whole = 1
     demonstrate: bool = False
     evenly: bool = False
+    trivial: bool = False
     weights: dict[str, str] = {}
     temperature: str = "1"
     budget: Budget | None = None
@@ -93,8 +94,9 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         Tasks are sampled without replacement, by `weights` or those of the domain; lengths occur in exact proportion,
         or in turn with `evenly`. With `split`, each part gets its share of the tasks, and no two parts have a task
         (with `skeletons`: a skeleton) in common; with `hold_out`, only ``test`` has the tasks held out. A witness is
-        sought from `starts` initial states of each task. With `demonstrate`, the robot performs each task; `staging`
-        has the cameras that record it and the properties that vary. Without `physics`, the default if the domain has no
+        sought from `starts` initial states of each task. Unless `trivial`, tasks whose final state is the initial state
+        are left out. With `demonstrate`, the robot performs each task; `staging` has the cameras that record it and the
+        properties that vary. Without `physics`, the default if the domain has no
         scene, all sampled tasks are accepted. Instructions are in a `language` of the domain, and use some of its
         `phrasings`, such as ``1 of 2``. A shard has at most `shard` tasks. With ``part="3/64"``, only every 64th draw
         from the third on is validated, for a 64th of the tasks.

@@ -129,8 +129,9 @@ def _result(
     setup: ValidationSetup, job: ValidationJob, task: Task, validator: Validator | None
 ) -> tuple[DrawResult, JobResult]:
     """Return the result of a draw, as a value and encoded."""
-    result, recordings = DrawResult(setup.part, job.number, None, []), tuple[bytes | None, ...]()
-    if validator is not None:
+    left_out = task.trivial and not setup.spec.trivial
+    result, recordings = DrawResult(setup.part, job.number, None, [], left_out), tuple[bytes | None, ...]()
+    if validator is not None and not left_out:
         verdicts = _verdicts(setup, job, task, validator)
         recordings = tuple(None if each.demonstration is None else each.demonstration.to_bytes() for each in verdicts)
         starts = []

@@ -22,10 +22,17 @@ from prag_asp.physics import Budget, Witness, require_physics
 from prag_asp.rl.arena import PERIOD, Arena
 from prag_asp.rl.camera_views import Image, Viewer
 from prag_asp.rl.control import SIZES, Control
-from prag_asp.rl.environment_options import Until, check_episodes, check_figures, moves_of, options_of
+from prag_asp.rl.environment_options import (
+    Until,
+    check_episodes,
+    check_figures,
+    conditions_of,
+    moves_of,
+    options_of,
+)
 from prag_asp.rl.goal_env import GoalEnv, Observation
 from prag_asp.rl.goals import PLACES, subgoals_of
-from prag_asp.rl.observations import Layout, observe
+from prag_asp.rl.observations import Layout, ObservationKind, observe
 from prag_asp.rl.reward_annealing import RewardAnnealing
 from prag_asp.rl.rewards import Reward
 from prag_asp.rl.state_checksum import verify_checksum, with_checksum
@@ -56,13 +63,15 @@ class TaskEnv(GoalEnv):
     Instead of a space, give a `domain` and a `length`; instead of a dataset, its folder. With `split`, only the part of
     that name is used: a part of a dataset, or of a space divided by `shares` (80 % ``train`` and 20 % ``test`` by
     default), by whole `skeletons`, or by a held-out name (`hold_out`), as `generate` divides it with the same seed. The
-    conditions `where` restrict a space or a dataset. So plain values define an environment.
+    conditions `where` restrict a space or a dataset. Unless `trivial`, tasks of a space are left out whose final state
+    is the initial state. So plain values define an environment.
 
     An observation has the agent's `observation` (`layout.names` names its numbers), and, by the convention of goal
     environments, `achieved_goal` and `desired_goal` of the shape (2 * `PLACES`,): for now, and for one step before;
     `prag_asp.rl.rewards` explains the vectors. The action has, for each robot in turn, a displacement of the tool along
     x, y, z, a turn about the vertical and a motion of the fingers (`control` "tool"), or motions of seven joints and
-    the fingers ("joints"), each between -1 and 1; it lasts 1/20 s.
+    the fingers ("joints"), each between -1 and 1; it lasts 1/20 s. `action_scale` is a factor of all its numbers
+    except those of the fingers, for skills that need small motions.
 
     `stage` is the initial subgoal, from 0 (-1 is the last, "any" is random); the episode begins in the witness's state
     at its start. It lasts `until` that "subgoal" or the whole "task" is reached, and at most `steps` for each subgoal.
@@ -101,18 +110,22 @@ class TaskEnv(GoalEnv):
         skeletons: bool = False,
         hold_out: str | None = None,
         split_seed: int = 0,
+        trivial: bool = False,
         part: RankedTasks | None = None,
         dataset: Dataset | str | Path | None = None,
         task: Task | None = None,
         witness: Witness | None = None,
         curriculum: Curricula = None,
-        stage: int | Literal["any"] = 0,
+        stage: int | str = 0,
         until: Until = "task",
         reward: Reward = "dense",
         fade: int | Literal["success"] = "success",
-        discount: float = 1.0,
+        discount: float = 0.99,
         control: Control = "tool",
+        action_scale: float = 1.0,
+        observation: ObservationKind = "relative",
         everything: bool = False,
+        goals: bool = False,
         steps: int = STEPS,
         budget: Budget | None = None,
         language: str = "en",
@@ -122,12 +135,13 @@ class TaskEnv(GoalEnv):
     ) -> None:
         self._arguments = {name: value for name, value in locals().items() if name != "self"}
         origin = named_origin(
-            space=space, part=part, dataset=dataset, task=task, domain=domain, length=length, where=where,
-            split=SplitOptions(split, shares, skeletons, hold_out, split_seed), curriculum=curriculum,
+            space=space, part=part, dataset=dataset, task=task, domain=domain, length=length,
+            where=where if task is not None else conditions_of(where, stage), curriculum=curriculum,
+            split=SplitOptions(split, shares, skeletons, hold_out, split_seed), trivial=trivial,
         )  # fmt: skip
-        check_episodes(until=until, reward=reward, control=control, stage=stage, steps=steps)
+        check_episodes(until=until, reward=reward, control=control, observation=observation, stage=stage, steps=steps)
         modes = self.metadata["render_modes"]
-        check_figures(discount=discount, budget=budget, render_mode=render_mode, modes=modes)
+        check_figures(discount=discount, action_scale=action_scale, budget=budget, render_mode=render_mode, modes=modes)
         require_physics()
         self.render_mode = render_mode
         self.domain = origin.domain(domain if length is None else None)
@@ -136,7 +150,10 @@ class TaskEnv(GoalEnv):
         # Releases the simulators even if the environment is not closed.
         weakref.finalize(self, self._resources.close)
         self._viewer = Viewer(self.scene, cameras, size, self._resources)
-        self.layout = Layout.of(self.scene, map(atom_of, self.domain.facts.actions), everything=everything)
+        actions = map(atom_of, self.domain.facts.actions)
+        self.layout = Layout.of(
+            self.scene, actions, everything=everything, kind=observation, joints=control == "joints"
+        )
         self.control, self._until, self._steps, self.discount = control, until, int(steps), float(discount)
         annealing = RewardAnnealing(fade)
         self.share, self._annealing = float(reward != "sparse"), annealing if reward == "faded" else None
@@ -148,11 +165,15 @@ class TaskEnv(GoalEnv):
         self._arena: Arena | None = None
         self._over = True
         self.action_space = spaces.Box(-1.0, 1.0, (SIZES[control] * len(self.layout.robots),), np.float32)
-        goals = spaces.Box(-np.inf, np.inf, (2 * PLACES,), np.float32)
-        seen = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
-        self.observation_space = spaces.Dict(
-            {"observation": seen, "achieved_goal": goals, "desired_goal": goals, **self._viewer.spaces}
-        )
+        self._has_goals = bool(goals)
+        self.action_scale = float(action_scale)
+        self._scales = np.array([*[self.action_scale] * (SIZES[control] - 1), 1.0] * len(self.layout.robots))
+        seen: spaces.Space[Any] = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
+        if goals or cameras:
+            goal = spaces.Box(-np.inf, np.inf, (2 * PLACES,), np.float32)
+            both = {"achieved_goal": goal, "desired_goal": goal} if goals else {}
+            seen = spaces.Dict({"observation": seen, **both, **self._viewer.spaces})
+        self.observation_space = seen
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -197,7 +218,7 @@ class TaskEnv(GoalEnv):
         arena = self._begun_arena
         if self._over:
             raise QueryError("the episode has ended; reset the environment")
-        moves = moves_of(action, SIZES[self.control] * len(self.layout.robots))
+        moves = moves_of(action, SIZES[self.control] * len(self.layout.robots)) * self._scales
         self.situation = situation = arena.act(moves, self.control)
         self._moves.append(moves)
         measured, here = self._goal(situation)
@@ -205,7 +226,7 @@ class TaskEnv(GoalEnv):
             self.stage += 1
             measured, here = self._goal(situation)
         seen = self._observation(situation, here)
-        reward, ended = self.rewards(seen["achieved_goal"], seen["desired_goal"])
+        reward, ended = self.rewards(*self._goals(here))
         self._before = here
         self._left -= 1
         done, late = bool(ended), self._left <= 0
@@ -364,18 +385,22 @@ class TaskEnv(GoalEnv):
         measured = subgoal.measured(situation)
         return measured, np.array([self.stage, *subgoal.placed(measured)], dtype=np.float32)
 
+    def _goals(self, here: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Return the achieved and the desired goal of a moment."""
+        desired = np.zeros(2 * PLACES, dtype=np.float32)
+        desired[::PLACES] = self._last
+        return np.concatenate([here, self._before]), desired
+
     def _observation(self, situation: Situation, here: NDArray[np.float32]) -> Observation:
         """Return the observation of a moment."""
         assert self._arena is not None
-        desired = np.zeros(2 * PLACES, dtype=np.float32)
-        desired[::PLACES] = self._last
-        seen = observe(self.layout, situation, self.action, self._arena.speeds, self._arena.commanded_openings)
-        observation = {
-            "observation": seen,
-            "achieved_goal": np.concatenate([here, self._before]),
-            "desired_goal": desired,
-        }
-        return observation | self._viewer.images(situation)
+        seen = observe(
+            self.layout, situation, self.action, self._arena.speeds, self._arena.commanded_openings, here[1:]
+        )
+        if isinstance(self.observation_space, spaces.Box):
+            return seen
+        goals = dict(zip(("achieved_goal", "desired_goal"), self._goals(here), strict=True)) if self._has_goals else {}
+        return {"observation": seen, **goals, **self._viewer.images(situation)}
 
     def _info(self, measured: list[float], *, success: bool) -> dict[str, Any]:
         """Return the info of an observation."""

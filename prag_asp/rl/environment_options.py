@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget
 from prag_asp.rl.control import CONTROLS
+from prag_asp.rl.observations import OBSERVATIONS
 from prag_asp.rl.rewards import REWARDS
 from prag_asp.wording import unknown
 
@@ -20,36 +21,57 @@ UNTIL: tuple[Until, ...] = get_args(Until)
 
 OPTIONS = ("task", "witness", "rank", "scenario", "stage", "steps")
 
+ANY = "any"
+"""The stage that stands for a random one."""
+
 REAL = "biuf"
 """The kinds of NumPy types for real numbers: no complex numbers, and no texts, which NumPy would parse as numbers."""
 
 
-def check_episodes(*, until: object, reward: object, control: object, stage: object, steps: object) -> None:
+def check_episodes(
+    *, until: object, reward: object, control: object, observation: object, stage: object, steps: object
+) -> None:
     """Check the options of episodes.
 
     Raises:
         QueryError: an option has a value that is not allowed.
     """
-    for value, choices, what in ((until, UNTIL, "end"), (reward, REWARDS, "reward"), (control, CONTROLS, "control")):
+    for value, choices, what in (
+        (until, UNTIL, "end"),
+        (reward, REWARDS, "reward"),
+        (control, CONTROLS, "control"),
+        (observation, OBSERVATIONS, "observation"),
+    ):
         if value not in choices:
             raise QueryError(unknown(str(value), choices, what))
-    if not is_whole(stage) and stage != "any":
-        raise QueryError(f"stage {stage!r}: give the number of a subgoal, from 0 or, from the last one, -1; or any")
+    if not is_whole(stage) and not isinstance(stage, str):
+        told = f"stage {stage!r}: give the number of a subgoal, from 0 or, from the last one, -1"
+        raise QueryError(f"{told}; or {ANY}, or the name of an action")
     _check_steps(steps)
 
 
-def check_figures(*, discount: object, budget: object, render_mode: object, modes: list[str]) -> None:
-    """Check a discount, a budget and a render mode.
+def check_figures(
+    *, discount: object, action_scale: object, budget: object, render_mode: object, modes: list[str]
+) -> None:
+    """Check a discount, the scale of actions, a budget and a render mode.
 
     Raises:
-        QueryError: the discount, the budget or the render mode has a value that is not allowed.
+        QueryError: one of them has a value that is not allowed.
     """
-    if not isinstance(discount, Real) or isinstance(discount, bool) or not 0.0 < float(discount) <= 1.0:
-        raise QueryError(f"a discount is above 0 and at most 1; got {discount!r}")
+    for figure, what in ((discount, "a discount"), (action_scale, "an action_scale")):
+        if not isinstance(figure, Real) or isinstance(figure, bool) or not 0.0 < float(figure) <= 1.0:
+            raise QueryError(f"{what} is above 0 and at most 1; got {figure!r}")
     if budget is not None and not isinstance(budget, Budget):
         raise QueryError(f"budget {budget!r:.80}: give a prag_asp.physics.Budget")
     if render_mode is not None and render_mode not in modes:
         raise QueryError(unknown(str(render_mode), modes, "render mode"))
+
+
+def conditions_of(where: Sequence[str], stage: object) -> Sequence[str]:
+    """Return the conditions on tasks: also that a task has the action that a `stage` names."""
+    if isinstance(where, str) or not isinstance(stage, str) or stage == ANY:
+        return where
+    return (*where, f"has {stage}")
 
 
 def options_of(options: object) -> Mapping[str, Any]:

@@ -12,8 +12,8 @@ from prag_asp.rl.environment_options import steps_left_of
 from prag_asp.rl.goals import PLACES
 from prag_asp.rl.rewards import Flags, Floats, reached, step_rewards
 
-Observation = dict[str, Any]
-"""An observation: arrays by their names."""
+Observation = NDArray[np.float32] | dict[str, Any]
+"""An observation: one array, or arrays by their names."""
 
 
 class GoalEnv(gymnasium.Env[Observation, NDArray[np.float32]]):

@@ -1,4 +1,4 @@
-"""Observations: the arms, the bodies of the current action, and its skill.
+"""Observations: the arms, the bodies of the current action, its skill, and by how much its facts are missed.
 
 A skill is an action without the bodies that it names: ``place(panda,_,left_of,_)``. The features of bodies are in the
 order of the action's arguments, so a policy for one cube fits all cubes.
@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +18,15 @@ from numpy.typing import NDArray
 from prag_asp.atom import Atom
 from prag_asp.errors import QueryError
 from prag_asp.physics.situation import Situation
+from prag_asp.rl.goals import BROUGHT
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import Pose, rotate, yaw_of
 from prag_asp.scene.scene import Scene
+
+ObservationKind = Literal["relative", "poses"]
+OBSERVATIONS: tuple[ObservationKind, ...] = get_args(ObservationKind)
+"""The numbers of an observation: `relative` has what a skill depends on, scaled to about 1; `poses` has all of them, in
+metres and radians."""
 
 BODY = (
     "is there", *"xyz", "dx", "dy", "dz", "cos yaw", "sin yaw", "cos turn", "sin turn", "up", "half x", "half y",
@@ -34,6 +42,25 @@ ARM = (*(f"joint {i}" for i in range(1, 8)), *"xyz", "vx", "vy", "vz", "cos yaw"
 """The features of an arm: joints in radians; position and velocity of its tool, and actual and commanded opening, in
 metres."""
 
+FACTS = (*(f"fact {i + 1}" for i in range(BROUGHT)), "other facts")
+"""The signed distances of the facts of the current subgoal, in metres or radians: of each that its action brings about,
+and the largest of all others. A fact holds if its distance is at most 0."""
+
+JOINT_SCALES = {f"joint {i}": 0.5 for i in range(1, 8)}
+ARM_SCALES = {
+    "z": 10.0, "vx": 2.0, "vy": 2.0, "vz": 2.0, "cos yaw": 1.0,
+    "sin yaw": 1.0, "width": 25.0, "asked width": 25.0,
+}  # fmt: skip
+BODY_SCALES = {
+    "is there": 1.0, "dx": 10.0, "dy": 10.0, "dz": 10.0, "cos turn": 1.0, "sin turn": 1.0, "up": 1.0, "half x": 20.0,
+    "half y": 20.0, "half z": 20.0, "opening": 1.0,
+}  # fmt: skip
+"""The features of a relative observation with the factors that scale them to about 1, within the reach of an arm and
+the width of its gripper."""
+
+FACT_SCALE, FACT_BOUNDS = 10.0, (-0.1, 0.5)
+"""The factor of the distance of a fact, and the bounds of that distance before it, in metres or radians."""
+
 
 @dataclass(frozen=True)
 class Layout:
@@ -43,10 +70,22 @@ class Layout:
     skills: Mapping[str, int]
     arguments: int
     bodies: tuple[str, ...] = ()
+    kind: ObservationKind = "relative"
+    joints: bool = False
 
     @classmethod
-    def of(cls, scene: Scene, actions: Iterable[Atom], *, everything: bool = False) -> Layout:
-        """Return the layout for the actions of a domain; with `everything`, it includes all bodies of the scene.
+    def of(
+        cls,
+        scene: Scene,
+        actions: Iterable[Atom],
+        *,
+        everything: bool = False,
+        kind: ObservationKind = "relative",
+        joints: bool = False,
+    ) -> Layout:
+        """Return the layout for the actions of a domain.
+
+        With `everything`, it includes all bodies of the scene; with `joints`, also if it is `relative`, the joints.
 
         Raises:
             QueryError: there are no actions.
@@ -57,15 +96,45 @@ class Layout:
         skills = sorted({skill(action, scene) for action in actions})
         bodies = tuple(entity for entity, shape in scene.shapes.items() if shape.traits.body) if everything else ()
         most = max(len(named_bodies(action, scene)) for action in actions)
-        return cls(tuple(scene.robots), {name: i for i, name in enumerate(skills)}, most, bodies)
+        return cls(tuple(scene.robots), {name: i for i, name in enumerate(skills)}, most, bodies, kind, joints)
+
+    @property
+    def scales(self) -> Mapping[str, float]:
+        """The name of each number of an observation, and its factor: 1 for `poses`, in metres and radians."""
+        return {name: scale for name, scale in self._all_scales if scale}
 
     @property
     def names(self) -> tuple[str, ...]:
         """The name of each number of an observation."""
-        arms = [f"{robot}: {what}" for robot in self.robots for what in ARM]
-        bodies = [f"body {i + 1}: {what}" for i in range(self.arguments) for what in BODY]
-        others = [f"{entity}: {what}" for entity in self.bodies for what in BODY]
-        return (*arms, *bodies, *others, *self.skills)
+        return tuple(self.scales)
+
+    def arranged(self, values: Sequence[float]) -> NDArray[np.float32]:
+        """Return an observation from the values of all features."""
+        places, scales = self._columns
+        chosen: NDArray[np.float32] = (np.array(values)[places] * scales).astype(np.float32)
+        return chosen
+
+    @cached_property
+    def _columns(self) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+        """The places of the features that are observed, and their factors."""
+        scales = np.array([scale for _, scale in self._all_scales])
+        return np.flatnonzero(scales), scales[np.flatnonzero(scales)]
+
+    @property
+    def _all_scales(self) -> list[tuple[str, float]]:
+        """The names of all features and their factors, 0 for those that are not observed."""
+        relative = self.kind == "relative"
+        arm = {**(JOINT_SCALES if self.joints else {}), **ARM_SCALES}
+        owners = [(robot, ARM, arm) for robot in self.robots]
+        named = [f"body {i + 1}" for i in range(self.arguments)]
+        owners += [(body, BODY, BODY_SCALES) for body in (*named, *self.bodies)]
+        result = [
+            (f"{owner}: {what}", scales.get(what, 0.0) if relative else 1.0)
+            for owner, features, scales in owners
+            for what in features
+        ]
+        result += [(fact, FACT_SCALE if relative else 1.0) for fact in FACTS]
+        return [*result, *((name, 1.0) for name in self.skills)]
 
 
 def skill(action: Atom, scene: Scene) -> str:
@@ -85,11 +154,17 @@ def _is_body(scene: Scene, entity: str) -> bool:
 
 
 def observe(
-    layout: Layout, situation: Situation, action: Atom, speeds: Mapping[str, Vector], commanded: Mapping[str, float]
+    layout: Layout,
+    situation: Situation,
+    action: Atom,
+    speeds: Mapping[str, Vector],
+    commanded: Mapping[str, float],
+    missed: NDArray[np.floating],
 ) -> NDArray[np.float32]:
     """Return the observation of an agent that pursues an action, shape ``(len(layout.names),)``.
 
-    `speeds` are the velocities of the tools in metres a second, `commanded` the openings of the grippers in metres.
+    `speeds` are the velocities of the tools in metres a second, `commanded` the openings of the grippers in metres,
+    `missed` the distances of the facts of the subgoal, ordered as `FACTS`.
     """
     scene = situation.scene
     acting = next((name for name in action.arguments if name in scene.robots), layout.robots[0])
@@ -104,9 +179,10 @@ def observe(
     values += [0.0] * (len(BODY) * (layout.arguments - len(named)))
     for entity in layout.bodies:
         values += _body(situation, entity, tool)
+    values += (missed if layout.kind == "poses" else np.clip(missed, *FACT_BOUNDS)).tolist()
     one_hot = [0.0] * len(layout.skills)
     one_hot[layout.skills[skill(action, scene)]] = 1.0
-    return np.array(values + one_hot, dtype=np.float32)
+    return layout.arranged(values + one_hot)
 
 
 def _body(situation: Situation, entity: str, tool: Pose) -> Sequence[float]:

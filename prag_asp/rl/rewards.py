@@ -7,13 +7,12 @@ another one.
 
 The potential of a moment is the number of reached subgoals plus ``1 / (1 + D / REACH)``, where D is the sum of the
 distances to the goal. It is never negative, and grows all the way to the goal, more steeply near the goal. The dense
-reward of a step is `WORTH` times the difference of the potentials, plus the sparse one. With the discount of the agent,
-as in Ng, Harada and Russell ("Policy invariance under reward transformations", 1999), the potentials of an episode
-cancel except for the potential of its end, which is the same for all episodes that reach the goal: with one subgoal,
-the optimal policy stays optimal. With several, the last one counts for more than in the sparse reward. With the
-discount 1, this holds for agents that do not discount. With it, other agents learn in fewer steps, because staying near
-the goal costs nothing, but their optimal policy may change. Because no potential is negative, the rewards of a closed
-loop never add up to more than 0.
+reward of a step is `WORTH` times the difference of the potentials, minus `STEP_COST`, plus the sparse one. With the
+discount of the agent, as in Ng, Harada and Russell ("Policy invariance under reward transformations", 1999), the
+potentials of an episode cancel except for the potential of its end, which is the same for all episodes that reach the
+goal: with one subgoal, the optimal policy is the one that is optimal without potentials, if steps cost something. With
+several subgoals, the last one counts for more than in the sparse reward. Because no potential is negative, the rewards
+of a closed loop never add up to more than 0.
 """
 
 from __future__ import annotations
@@ -25,14 +24,25 @@ from numpy.typing import NDArray
 
 Reward = Literal["dense", "sparse", "faded"]
 REWARDS: tuple[Reward, ...] = get_args(Reward)
-"""The reward of a step: `sparse` is 1 for each reached subgoal, `dense` adds the difference of the potentials, `faded`
-an annealed share of that difference."""
+"""The reward of a step: `sparse` is 1 for each reached subgoal, `dense` adds the difference of the potentials and the
+cost of a step, `faded` an annealed share of both."""
 
-WORTH = 10.0
-"""The total dense reward for approaching a subgoal, relative to the sparse reward for reaching it."""
+WORTH = 100.0
+"""The total dense reward for approaching a subgoal, relative to the sparse reward for reaching it.
+
+Agents that are also rewarded for uncertainty, such as soft actor-critic, begin with about 3.5 a step (5 numbers between
+-1 and 1, at the usual initial coefficient 1). With a total of 10, ending an episode costs them more than it earns.
+"""
 
 REACH = 0.1
 """The distance from a subgoal at which its potential is half the maximum, in metres or radians."""
+
+STEP_COST = 4.0
+"""The cost of a step, with the whole dense reward.
+
+On the way to a goal, steps of a few centimetres earn about as much, so the values of most states are near 0. Without a
+cost, an agent that hovers hardly loses anything, and overestimates its future more and more (`WORTH` / 25).
+"""
 
 Floats = NDArray[np.floating]
 Flags = NDArray[np.bool_]
@@ -69,4 +79,5 @@ def step_rewards(
     sparse = np.minimum(after[..., 0], desired[..., 0]) - np.minimum(before[..., 0], desired[..., 0]) + done
     if share == 0.0:
         return sparse, done
-    return sparse + share * WORTH * (discount * potential(after, desired) - potential(before, desired)), done
+    nearer = discount * potential(after, desired) - potential(before, desired)
+    return sparse + share * (WORTH * nearer - STEP_COST), done

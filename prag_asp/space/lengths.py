@@ -10,15 +10,15 @@ from prag_asp.errors import QueryError
 RANGE = re.compile(r"-[0-9]+|(?P<first>[0-9]{1,999})(\s*\.\.\s*(?P<last>[0-9]{1,999}))?")
 """A number, or a range; Python does not convert numbers of arbitrarily many digits."""
 
-MOST_LENGTHS = 1_000_000
-"""Maximum number of lengths in a range, because each takes memory."""
+LONGEST = 1_000_000
+"""The largest length: the number of its plans may have a million digits, and time grows faster than the length."""
 
 
 def parse_lengths(length: int | str | Iterable[int]) -> tuple[int, ...]:
     """Return the lengths that a value specifies, in its order.
 
     Raises:
-        QueryError: there is no length, a length is not a whole number of at least 0, or a length is repeated.
+        QueryError: there is no length, a length is not a whole number from 0 to `LONGEST`, or a length is repeated.
     """
     if isinstance(length, str):
         length = parse_range(length, f"length {length!r}")
@@ -42,7 +42,7 @@ def parse_range(
     Errors begin with `what`; `remedy` says how to write lengths.
 
     Raises:
-        QueryError: the text is neither a length nor a range, or a length is above `longest`.
+        QueryError: the text is neither a length nor a range, or a length is above `longest` or `LONGEST`.
     """
     match = RANGE.fullmatch(text.strip())
     if match is None:
@@ -54,8 +54,8 @@ def parse_range(
         raise QueryError(f"{what}: the first is above the last; write {last}..{first}")
     if longest is not None and last > longest:
         raise QueryError(f"{what}: write whole numbers, none above {longest}")
-    if last - first >= MOST_LENGTHS:
-        raise QueryError(f"{what}: more than {MOST_LENGTHS:,} lengths; use a smaller range")
+    if last > LONGEST:
+        raise QueryError(f"{what}: a plan has at most {LONGEST:,} actions")
     return first if match["last"] is None else range(first, last + 1)
 
 
@@ -63,12 +63,14 @@ def checked_length(length: object) -> int:
     """Return a valid length.
 
     Raises:
-        QueryError: the length is not a whole number of at least 0.
+        QueryError: the length is not a whole number from 0 to `LONGEST`.
     """
     if not isinstance(length, int) or isinstance(length, bool):
         raise QueryError(f"length {length!r}: give a whole number, such as 4")
     if length < 0:
         raise QueryError(f"length {length}: a plan has at least 0 actions")
+    if length > LONGEST:
+        raise QueryError(f"length {length:,}: a plan has at most {LONGEST:,} actions")
     return length
 
 

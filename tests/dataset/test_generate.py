@@ -82,7 +82,7 @@ def test_the_same_request_writes_nothing_and_more_tasks_leave_full_shards_untouc
     plain(folder, 6)
     assert {path: path.stat().st_mtime_ns for path in folder.rglob("*") if path != folder} == times
     before = {path: path.stat().st_mtime_ns for path in folder.rglob("*-0000[01].parquet") if path.name[-9] == "0"}
-    assert len(before) == 2
+    assert len(before) == 3  # also a shard of rejected tasks, the trivial ones
     assert content(plain(folder, 12)) == content(plain(tmp_path / "whole", 12))
     assert {path: path.stat().st_mtime_ns for path in before} == before
 
@@ -237,12 +237,29 @@ def test_all_tasks_of_a_space_are_a_dataset_and_one_more_is_reported_missing(
     kitchen: TaskSpace, tmp_path: Path
 ) -> None:
     def make(tasks: int) -> Dataset:
-        return generate(kitchen, tmp_path / "all", tasks=tasks, weights={}, physics=False)
+        return generate(kitchen, tmp_path / "all", tasks=tasks, weights={}, physics=False, trivial=True)
 
     assert make(14).count() == 14 and {*make(14).tasks()} == {*make(14).tasks()}
     with pytest.raises(NotFound, match="only 14 of 15 tasks for train found in 14 draws, which are all that there are"):
         make(15)
     assert Dataset.open(tmp_path / "all").count() == 14
+
+
+def test_tasks_that_end_in_their_initial_state_are_left_out_unless_requested(
+    kitchen: TaskSpace, tmp_path: Path
+) -> None:
+    with pytest.raises(
+        NotFound, match=r"only 12 of 13 tasks .* 2 of them trivial: the final state is the initial state"
+    ):
+        generate(kitchen, tmp_path / "some", tasks=13, weights={}, physics=False)
+    some = Dataset.open(tmp_path / "some")
+    others = {str(entry.task) for entry in some.rejected()}
+    assert others == {str(task) for task in kitchen} - {str(task) for task in kitchen.where("nontrivial")}
+    assert list(verify(some.folder)) == [] and sum(each.trivial for each in some.manifest.parts[0].lengths) == 2
+    writer = instruction_writer_of(kitchen.domain)
+    for task in some.tasks():
+        goal = writer.goal(task)
+        assert goal and not goal.items() <= task.initial.items()
 
 
 def test_tasks_that_few_draws_find_are_kept_and_more_draws_find_more(spaces: TaskSpace, tmp_path: Path) -> None:

@@ -29,7 +29,8 @@ def plain(kitchen: TaskSpace) -> Make:
     """Return what makes the whole, or all parts of so many, without physics."""
 
     def make(folder: Path, of: int | None = None, only: str | None = None, **more: Any) -> list[Path]:
-        asked = {"tasks": 10, "seed": 3, "weights": {}, "physics": False, "shard": 2, "split": HALVES, **more}
+        asked = {"tasks": 10, "seed": 3, "weights": {}, "physics": False, "shard": 2, "split": HALVES, "trivial": True}
+        asked.update(more)
         numbers = [only] if of is None else [f"{number}/{of}" for number in range(1, of + 1)]
         found = []
         for part in numbers:

@@ -28,11 +28,22 @@ PLAIN = Mutant("logic", 0, {}, (("check", "own"),), placed=True)
 
 
 @pytest.mark.slow
-def test_three_hundred_mutants_are_answered_as_they_have_to_be(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "tests.fuzz", "--count", "300", "--findings", str(tmp_path)]
+def test_mutants_of_all_kinds_are_answered_as_they_have_to_be(tmp_path: Path, chance: Chance) -> None:
+    count, seed = chance.examples(100), chance.seed(0)
+    command = [
+        sys.executable,
+        "-m",
+        "tests.fuzz",
+        "--count",
+        f"{count}",
+        "--seed",
+        f"{seed}",
+        "--findings",
+        str(tmp_path),
+    ]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "300 mutants of the seed 0" in done.stdout and "nothing is wrong" in done.stdout
+    assert f"{count} mutants of the seed {seed}" in done.stdout and "nothing is wrong" in done.stdout
 
 
 def test_a_mutant_of_a_number_is_the_same_each_time_and_all_kinds_are_among_few() -> None:

@@ -82,7 +82,7 @@ def counts(domain: Domain) -> list[int]:
         "#defined odd/1. holds(lit(L),true,t) :- odd(L), occurs(touch(L),t). changed(lit(L),t) :- odd(L), occurs(_,t).",
         "holds(lit(L),false,t) :- occurs(touch(L),t). changed(lit(L),t) :- is_a(L,lamp), occurs(touch(L),t).",
         "made(L,lit(L),t) :- occurs(touch(L),t), L = a. holds(F,true,t) :- made(_,F,t). changed(F,t) :- made(_,F,t).",
-        "pile(on(L,S),t) :- pile(S,t-1), occurs(touch(L),t). holds(wet(L),true,t) :- pile(on(L,on(_,_)),t). "
+        "pile(on(L,S),t) :- pile(S,t-1), occurs(touch(L),t), L = a. holds(wet(L),true,t) :- pile(on(L,on(_,_)),t). "
         "changed(wet(L),t) :- pile(on(L,on(_,_)),t).",
     ],
 )

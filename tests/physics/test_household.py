@@ -7,7 +7,7 @@ import re
 import numpy as np
 import pytest
 
-from prag_asp import TaskSpace, load_domain, load_scene
+from prag_asp import Domain, TaskSpace, load_domain, load_scene, shipped_domains
 from prag_asp.physics import Budget, validate_task
 from prag_asp.physics.grasps.body_grasps import body_grasps
 from prag_asp.physics.grasps.pads import ParallelGripper
@@ -18,15 +18,20 @@ from prag_asp.scene.read.mesh import file_parts
 from prag_asp.scene.robots.panda import PANDA
 from prag_asp.scene.scene import Scene, Shape
 
-DOMAIN = load_domain("household")
-MODELS = DOMAIN.folder / "models"
+FOLDER = shipped_domains()["household"]
+MODELS = FOLDER / "models"
 LARGEST = 1_500_000
 """The most bytes of all models: they are in the wheel."""
 
 
 @pytest.fixture(scope="module")
-def scene() -> Scene:
-    return load_scene(DOMAIN)
+def domain() -> Domain:
+    return load_domain("household")
+
+
+@pytest.fixture(scope="module")
+def scene(domain: Domain) -> Scene:
+    return load_scene(domain)
 
 
 def bodies(scene: Scene) -> dict[str, Shape]:
@@ -35,7 +40,7 @@ def bodies(scene: Scene) -> dict[str, Shape]:
 
 def test_the_files_are_small_and_each_is_used() -> None:
     files = {path.name for path in MODELS.iterdir()}
-    named = set(re.findall(r"models/(\w+\.obj)", (DOMAIN.folder / "domain.toml").read_text()))
+    named = set(re.findall(r"models/(\w+\.obj)", (FOLDER / "domain.toml").read_text()))
     library = (MODELS / "household.mtl").read_text()
     assert files == {*named, *re.findall(r"map_Kd (\S+)", library), "household.mtl"}
     used = {name for path in MODELS.glob("*_look.obj") for name in re.findall(r"usemtl (\w+)", path.read_text())}
@@ -62,9 +67,9 @@ def test_a_hand_lifts_every_object_by_its_mass_and_those_of_each_kind_have_grasp
         assert body_grasps(scene.shapes[entity], ParallelGripper.of(PANDA), pad_friction(scene, entity)), entity
 
 
-def test_a_mug_is_picked_at_its_rim_and_put_on_the_rack(scene: Scene) -> None:
+def test_a_mug_is_picked_at_its_rim_and_put_on_the_rack(domain: Domain, scene: Scene) -> None:
     task = next(
-        task for task in TaskSpace(DOMAIN, 2).where("begins pick(panda,mug_1,table_1)", "ends on_top(mug_1,rack_1)")
+        task for task in TaskSpace(domain, 2).where("begins pick(panda,mug_1,table_1)", "ends on_top(mug_1,rack_1)")
     )
     verdict = validate_task(task, scene, seed=1, budget=Budget(10, 10, "demonstration"))
     assert verdict.feasible and verdict.demonstration is not None

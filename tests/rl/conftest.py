@@ -22,8 +22,14 @@ def scenes() -> Mapping[str, Scene]:
 
 @pytest.fixture(scope="session")
 def given(scenes: Mapping[str, Scene]) -> Mapping[str, list[Given]]:
-    """Some tasks of four actions, with witnesses, of each domain."""
-    return {name: list(feasible(name, scene)) for name, scene in scenes.items()}
+    """Some tasks of four actions, with witnesses, of each domain, found when a test asks for the domain."""
+
+    class Found(dict[str, list[Given]]):
+        def __missing__(self, name: str) -> list[Given]:
+            self[name] = list(feasible(name, scenes[name]))
+            return self[name]
+
+    return Found()
 
 
 @pytest.fixture(scope="session")

@@ -25,6 +25,7 @@ from prag_asp.physics import Budget, Validator, Witness
 from prag_asp.rl import AdaptiveCurriculum, TaskEnv, oracle
 from prag_asp.rl.control import STRIDE
 from prag_asp.rl.goals import PLACES
+from prag_asp.rl.observations import FACTS
 from prag_asp.rl.tasks import episode_sampler
 from prag_asp.rl.tasks.task_sources import assign_witness
 from prag_asp.scene.geometry import yaw_of
@@ -41,7 +42,7 @@ def space() -> TaskSpace:
 
 @pytest.fixture
 def env(space: TaskSpace) -> Iterator[TaskEnv]:
-    found = TaskEnv(space)
+    found = TaskEnv(space, goals=True, observation="poses")
     yield found
     found.close()
 
@@ -50,7 +51,7 @@ def env(space: TaskSpace) -> Iterator[TaskEnv]:
 @pytest.mark.parametrize(("name", "control"), [*zip(DOMAINS, ("tool", "joints") * 2, strict=True)])
 def test_gymnasium_finds_nothing_wrong(name: str, control: Any, given: Mapping[str, list[Given]]) -> None:
     task, witness = given[name][0]
-    env = TaskEnv(task=task, witness=witness, control=control, everything=control == "joints")
+    env = TaskEnv(task=task, witness=witness, control=control, everything=control == "joints", goals=control == "tool")
     check_env(env, skip_render_check=True)
     env.close()
 
@@ -72,7 +73,7 @@ def test_the_same_seed_gives_the_same_episodes_in_any_environment(chance: Chance
             found += [info["task"], info["stage"], info["log_probability"]]
             for _ in range(5):
                 observation, *rest = env.step(rng.uniform(-1.0, 1.0, 5))
-                found += [observation[name].tobytes() for name in sorted(observation)] + rest
+                found += [observation.tobytes(), *rest]
         return found
 
     one, two = TaskEnv(space, stage="any"), TaskEnv(space, stage="any")
@@ -149,7 +150,7 @@ def test_a_copy_continues_the_episode_and_those_after_it_in_the_same_way(
         found: list[Any] = []
         for _ in range(60):
             observation, *rest = one.step(one.action_space.sample())
-            found += [observation[name].tobytes() for name in sorted(observation)] + rest
+            found += [observation.tobytes(), *rest]
             if rest[1] or rest[2]:
                 found.append(one.reset()[1])
         return found
@@ -167,7 +168,7 @@ def test_a_copy_continues_the_episode_and_those_after_it_in_the_same_way(
 
 def test_compute_truncated_is_what_a_step_says_alone_and_in_batches(given: Mapping[str, list[Given]]) -> None:
     task, witness = given["tabletop"][0]
-    env = TaskEnv(task=task, witness=witness, steps=2, until="subgoal")
+    env = TaskEnv(task=task, witness=witness, steps=2, until="subgoal", goals=True)
     env.reset()
     rows = []
     for _ in range(2):
@@ -188,7 +189,7 @@ def test_compute_truncated_is_what_a_step_says_alone_and_in_batches(given: Mappi
 
 def test_any_subgoal_can_be_begun_with_and_is_the_end_where_that_is_asked(given: Mapping[str, list[Given]]) -> None:
     task, witness = given["tabletop"][0]
-    env = TaskEnv(task=task, witness=witness, until="subgoal", reward="sparse")
+    env = TaskEnv(task=task, witness=witness, until="subgoal", reward="sparse", goals=True)
     for stage in (0, 1, 2, 3, -1):
         observation, info = env.reset(options={"stage": stage})
         assert info["stage"] == stage % 4 and info["action"] == str(task.actions[stage])
@@ -217,7 +218,7 @@ def test_going_to_and_fro_and_pushing_what_is_in_the_way_earns_nothing(
     chance: Chance, given: Mapping[str, list[Given]]
 ) -> None:
     task, witness = given["tabletop"][0]
-    env = TaskEnv(task=task, witness=witness, steps=1000)
+    env = TaskEnv(task=task, witness=witness, steps=1000, goals=True, discount=1.0)
     rng = np.random.default_rng(chance.seed(5))
     for _ in range(3):
         first, _ = env.reset()
@@ -248,7 +249,7 @@ def moved_to(env: TaskEnv, place: Sequence[float]) -> tuple[float, NDArray[np.fl
 
 def test_to_push_what_the_subgoal_does_not_refer_to_earns_nothing(given: Mapping[str, list[Given]]) -> None:
     task, witness = given["tabletop"][0]
-    env = TaskEnv(task=task, witness=witness, steps=1000)
+    env = TaskEnv(task=task, witness=witness, steps=1000, goals=True, discount=1.0)
     first, _ = env.reset()
     others = {"can_1", "cube_2"}.difference(task.actions[0].arguments)
     assert others
@@ -296,7 +297,7 @@ def test_options_that_mean_nothing_are_refused_and_the_episode_goes_on(env: Task
         {"stage": "last"}, {"stage": None}, {"stage": 0.0}, {"budget": 3}, {"discount": True},
         {"reward": "dens"}, {"until": "never"}, {"control": "legs"}, {"steps": 0}, {"discount": 0.0},
         {"reward": "faded", "fade": 0}, {"reward": "faded", "fade": "soon"}, {"space": None}, {"fade": 1.5},
-        {"steps": np.int64(0)}, {"discount": np.float64(1.5)},
+        {"steps": np.int64(0)}, {"discount": np.float64(1.5)}, {"observation": "pixels"}, {"action_scale": 0},
     ],
 )  # fmt: skip
 def test_environments_that_mean_nothing_are_refused(space: TaskSpace, arguments: dict[str, Any]) -> None:
@@ -350,16 +351,58 @@ def test_each_number_of_an_observation_has_a_name(env: TaskEnv) -> None:
     assert seen["body 1: dz"] == pytest.approx(at[2] - z, abs=1e-6)
 
 
+def test_a_relative_observation_has_numbers_of_the_poses_by_their_scales(
+    chance: Chance, given: Mapping[str, list[Given]]
+) -> None:
+    task, witness = given["prag"][0]
+    envs = [TaskEnv(task=task, witness=witness, observation=kind) for kind in ("relative", "poses")]
+    rng = np.random.default_rng(chance.seed(4))
+    scales, names = (env.layout.scales for env in envs)
+    assert set(scales) < set(names) and set(names.values()) == {1.0}
+    found = [env.reset()[0] for env in envs]
+    for _ in range(20):
+        seen, poses = (
+            dict(zip(env.layout.names, each.tolist(), strict=True)) for env, each in zip(envs, found, strict=True)
+        )
+        for name, scale in scales.items():
+            bounds = (-0.1, 0.5) if "fact" in name else (-np.inf, np.inf)
+            assert seen[name] == pytest.approx(scale * np.clip(poses[name], *bounds), abs=1e-5)
+        measured = envs[0].save_state()["_before"][1:]
+        assert [poses[name] for name in FACTS] == pytest.approx(measured.tolist(), abs=1e-6)
+        assert max(map(abs, seen.values())) < 10.0
+        move = rng.uniform(-1.0, 1.0, 5)
+        found = [env.step(move)[0] for env in envs]
+    for env in envs:
+        env.close()
+
+
+def test_a_stage_can_be_that_of_an_action_and_tasks_have_it(space: TaskSpace) -> None:
+    env = TaskEnv(TaskSpace(load_domain("prag"), length=3), stage="grasp")
+    probabilities = set()
+    for number in range(8):
+        info = env.reset(seed=0 if number == 0 else None)[1]
+        stages = [i for i, action in enumerate(env.task.actions) if action.name == "grasp"]
+        assert info["stage"] in stages and info["stage_probability"] == Fraction(1, len(stages))
+        probabilities.add(info["probability"])
+    assert probabilities == {Fraction(1, TaskSpace(load_domain("prag"), length=3).where("has grasp").count())}
+    env.close()
+    env = TaskEnv(space)
+    assert env.reset(options={"rank": 0, "stage": "pick"})[1]["action"].startswith("pick(")
+    with pytest.raises(QueryError, match="the name of an action"):
+        env.reset(options={"rank": 0, "stage": "grasp"})
+    env.close()
+
+
 @pytest.mark.parametrize("name", ["two_arms", "kitchen"])
 def test_bodies_are_seen_from_the_arm_that_acts_and_all_of_them_where_asked(
     name: str, given: Mapping[str, list[Given]]
 ) -> None:
     acted, opened = set(), False
     for task, witness in given[name]:
-        env = TaskEnv(task=task, witness=witness, everything=True)
+        env = TaskEnv(task=task, witness=witness, everything=True, observation="poses")
         for stage, action in enumerate(task.actions):
             observation, _ = env.reset(options={"stage": stage})
-            seen = dict(zip(env.layout.names, observation["observation"].tolist(), strict=True))
+            seen = dict(zip(env.layout.names, observation.tolist(), strict=True))
             robot = next(argument for argument in action.arguments if argument in env.layout.robots)
             tool = env.situation.tool(robot).position
             assert env.layout.bodies
@@ -409,7 +452,7 @@ def test_several_processes_act_at_once(space: TaskSpace) -> None:
         "prag_asp/Task-v0", num_envs=2, vectorization_mode="async", space=space, reward="sparse", stage="any"
     )
     observations, infos = made.reset(seed=4)
-    assert observations["achieved_goal"].shape == (2, 2 * PLACES) and len(infos["task"]) == 2
+    assert observations.shape[0] == 2 and len(infos["task"]) == 2
     for _ in range(3):
         made.step(made.action_space.sample())
     made.close()
@@ -441,7 +484,7 @@ def test_what_is_no_action_and_steps_outside_an_episode_are_refused(given: Mappi
     ):
         with pytest.raises(QueryError, match=r"an action has the shape \(5,\) and finite numbers"):
             env.step(action)
-    assert env.step(np.full(5, 1e300))[0]["observation"].shape == (56,)
+    assert env.step(np.full(5, 1e300))[0].shape == (44,)
     env.close()
     with pytest.raises(QueryError, match="no episode has begun"):
         env.step(STILL)

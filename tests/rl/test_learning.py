@@ -9,21 +9,17 @@ import subprocess
 import sys
 from functools import cache
 from pathlib import Path
-from typing import Any
 
+import pyarrow.parquet as pq
 import pytest
 from click.testing import CliRunner
 
-from prag_asp.rl import OraclePolicy
-from prag_asp.rl.environment import STEPS
 from tests.docs.pages import DOCS, ROOT
 
 SHORTENED = {
     "oracle.py": "--count 1",
-    "curves.py": "--steps 310 --every 310 --training 2 --held-out 1",
-    "fresh.py": "--count 1 --training 2",
+    "plain.py": "--agent SAC --skill PragGrasp --steps 110 --seeds 1 --tests 1",
     "standing.py": "--count 1 --length 2",
-    "parts.py": "--approach 60 --grasp 60 --every 60 --seeds 1 --training 3 --held-out 1",
     "rates.py": "--blocks 1 --steps 100 --rounds 1 --seconds 0.1",
     "beside.py": "--rounds 1 --seconds 0.1",
     "lasting.py": "--steps 60 --every 30",
@@ -71,49 +67,21 @@ def test_the_command_that_chains_runs(tmp_path: Path) -> None:
     assert names(tmp_path) == {"chained.parquet", "chained.png"}
 
 
-def test_the_commands_run_that_learn_and_that_test_what_is_learned(tmp_path: Path) -> None:
-    pytest.importorskip("stable_baselines3")
-    models, output = tmp_path / "models", tmp_path / "learned"
-    assert "%" in done(of("curves.py"), "--output", output, "--models", models)
-    assert names(output) == {"approach.parquet", "approach.png"}
-    tested = [str(models) if word == "MODELS" else word for word in of("fresh.py")]
-    assert "%" in done(tested, "--output", output)
-    assert "fresh.parquet" in names(output)
+def test_agents_with_default_settings_are_trained_and_tested_once(tmp_path: Path) -> None:
+    pytest.importorskip("sb3_contrib")
+    command = [*of("plain.py"), "--output", str(tmp_path)]
+    assert re.search(r"│ PragGrasp +│ SAC +│ 110 ", done(command))
+    rows = pq.read_table(tmp_path / "plain.parquet").to_pylist()
+    assert [(row["agent"], row["seed"], row["trials"]) for row in rows] == [("SAC", 0, 1)]
 
 
-def test_the_command_runs_that_learns_a_pick_by_parts(tmp_path: Path) -> None:
-    pytest.importorskip("stable_baselines3")
-    assert "%" in done(of("parts.py"), "--output", tmp_path)
-    assert names(tmp_path) == {"parts.parquet", "parts.png"}
-
-
-@pytest.mark.parametrize("reaches", [True, False])
-def test_a_grasp_is_learned_from_where_the_approach_ends(reaches: bool, monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("stable_baselines3")
-    monkeypatch.syspath_prepend(str(ROOT / "benchmarks" / "learning"))
-    parts, curves, starts = (importlib.import_module(name) for name in ("parts", "curves", "starts"))
-    env = curves.begun(starts.wholly(parts.SKILLS, 3, seed=1), "dense", seed=0, begin="task")
-    expert = OraclePolicy(env.unwrapped)
-
-    class Approach:
-        def predict(self, seen: Any, *, deterministic: bool) -> tuple[Any, None]:
-            return (expert({}) if reaches else 0 * env.action_space.sample()), None
-
-    grasping = parts.After(env, Approach(), limit=2)
-    seen, info = grasping.reset()
-    assert info["action"].startswith("grasp") and (info["steps_left"] % STEPS == 0) is not reaches
-    assert seen.shape == env.observation_space.shape
-    ends = [grasping.step(0 * env.action_space.sample())[2:4] for _ in range(2)]
-    assert ends == [(False, False), (False, True)]
-    env.close()
-
-
-@pytest.mark.slow
-def test_whole_tasks_are_learned_from_any_stage(tmp_path: Path) -> None:
-    pytest.importorskip("stable_baselines3")
-    command = [of("curves.py")[0], "grasp", "--begin", "backwards", "--rewards", "dense", "--seeds", "1"]
-    assert "whole" in done(command, "--output", tmp_path)
-    assert names(tmp_path) == {"grasp_from_backwards.parquet", "grasp_from_backwards.png"}
+def test_the_script_of_the_page_is_the_file_and_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    stable_baselines3 = pytest.importorskip("stable_baselines3")
+    script = (ROOT / "examples" / "learning" / "train_sac.py").read_text(encoding="utf-8")
+    assert script.partition('"""\n\n')[2] in (DOCS / "guides" / "learning.md").read_text(encoding="utf-8")
+    shortened = script.replace("10_000", "101").replace("< 30", "< 2")
+    exec(compile(shortened, "train_sac.py", "exec"), {})
+    assert re.fullmatch(r"[012] of 2\n", capsys.readouterr().out) and stable_baselines3.SAC
 
 
 def test_the_page_names_all_commands() -> None:
@@ -153,14 +121,3 @@ def test_what_curricula_cost_is_measured(monkeypatch: pytest.MonkeyPatch, capsys
     module.main()
     (row,) = re.findall(r"^│ prag, n = 3 (.*)$", capsys.readouterr().out, re.MULTILINE)
     assert len(re.findall(r"\d\.\d\d", row)) == 7
-
-
-def test_what_is_learned_from_is_not_held_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    pytest.importorskip("gymnasium")
-    monkeypatch.syspath_prepend(str(ROOT / "benchmarks" / "learning"))
-    module = importlib.import_module("starts")
-    learned, other = [module.Start("task", "witness", 0)], [module.Start("task", "another", 0)]
-    module.require_apart(learned, other, tasks=False)
-    for tested, tasks in ((learned, False), (other, True)):
-        with pytest.raises(ValueError, match="task is in the training set"):
-            module.require_apart(learned, tested, tasks=tasks)

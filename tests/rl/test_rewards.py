@@ -74,8 +74,8 @@ def test_standing_still_costs_and_coming_nearer_earns_more_the_nearer() -> None:
         return float(step_rewards(one, two, DESIRED, discount=0.99, share=1.0)[0])
 
     assert gain(0.2, 0.2) < 0.0
-    assert 0.0 < gain(0.5, 0.4) < gain(0.3, 0.2) < gain(0.2, 0.1)
-    assert gain(0.1, 0.2) < 0.0
+    assert gain(0.5, 0.5) < gain(0.5, 0.4) < 0.0 < gain(0.3, 0.2) < gain(0.2, 0.1)
+    assert gain(0.1, 0.2) < gain(0.2, 0.2)
 
 
 def test_a_subgoal_that_is_reached_earns_1_and_so_does_the_goal() -> None:

@@ -19,7 +19,7 @@ LONGEST = {"automaton": 5, "clingo": 5, "sat": 4, "symbolic": 3}
 
 
 @pytest.mark.slow
-@settings(max_examples=examples(120), suppress_health_check=list(HealthCheck))
+@settings(max_examples=examples(60), suppress_health_check=list(HealthCheck))
 @given(
     st.one_of(*(toys_of(closed=closed) for toys_of in (toys, hierarchies) for closed in (False, True))),
     st.data(),

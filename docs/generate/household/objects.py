@@ -48,8 +48,8 @@ def bowl() -> Model:
 
 
 def plate() -> Model:
-    """Return a plate of 164 mm with an upright rim, such as those that can be stacked."""
-    parts = [lathe([(0.0, 70.0), (5.0, 77.0)], 20), *wall([(5.0, 73.5, 79.0), (26.0, 78.0, 82.0)], 20)]
+    """Return a plate of 164 mm with an upright rim of even thickness, such as those that can be stacked."""
+    parts = [lathe([(0.0, 70.0), (5.0, 77.0)], 20), *wall([(5.0, 74.5, 79.0), (26.0, 77.5, 82.0)], 20)]
     outside = [(0.0, 1.0), (66.0, 1.0), (69.0, 0.0), (77.0, 4.0), (80.0, 12.0), (82.0, 25.0), (81.0, 26.0)]
     inside = [(81.0, 26.0), (79.0, 26.0), (78.0, 25.0), (76.0, 11.0), (71.0, 6.0), (0.0, 5.0)]
     return Model(parts, [turned("ceramic", outside, 44), turned("rings", inside, 44)])

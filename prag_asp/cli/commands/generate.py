@@ -43,6 +43,10 @@ if TYPE_CHECKING:
     "--evenly", is_flag=True, help="Sample all lengths equally often, not in proportion to their numbers of tasks."
 )
 @click.option(
+    "--trivial/--no-trivial", default=False, show_default=True,
+    help="Keep tasks whose final state is the initial state.",
+)  # fmt: skip
+@click.option(
     "--split", metavar="NAME=SHARE,...",
     help="Disjoint parts, such as train=0.8,test=0.2.  [default: one part, train]",
 )  # fmt: skip
@@ -96,6 +100,7 @@ def generate(
     seed: int,
     weighting: WeightOptions,
     evenly: bool,
+    trivial: bool,
     split: str | None,
     skeletons: bool,
     held: str | None,
@@ -137,7 +142,7 @@ def generate(
         try:
             dataset = make(
                 space, output, tasks=tasks, seed=seed, split=shares, skeletons=skeletons, hold_out=held, starts=starts,
-                demonstrate=with_demonstrations, evenly=evenly, **weighting.arguments(space.domain),
+                demonstrate=with_demonstrations, evenly=evenly, trivial=trivial, **weighting.arguments(space.domain),
                 physics=with_physics, budget=validation.parse_budget() if with_physics else None,
                 workers=validation.workers,
                 shard=shard or SHARD, language=language, phrasings=phrasings, staging=staging, max_draws=max_draws,
@@ -191,6 +196,8 @@ def _count_tasks(manifest: Manifest) -> str:
 
 def print_parts(dataset: Dataset) -> None:
     """Print the parts of a dataset with their sizes, and on stderr why tasks were rejected."""
+    from prag_asp.dataset.store.draw_results import TRIVIAL
+
     manifest = dataset.manifest
     width = max(len(part.name) for part in manifest.parts)
     rejected: Counter[str] = Counter()
@@ -201,5 +208,8 @@ def print_parts(dataset: Dataset) -> None:
     wanted, found = manifest.spec.starts * manifest.rows("tasks"), manifest.rows("witnesses")
     if manifest.spec.starts > 1 and found < wanted:
         tell_line(f"only {found} of {plural(wanted, 'initial state')} have a witness; see the column starts")
+    left_out = rejected.pop(TRIVIAL, 0)
+    if left_out:
+        tell_line(f"{plural(left_out, 'trivial task')} left out: {TRIVIAL}; keep them by --trivial")
     for reason, count in rejected.most_common():
         tell_line(f"{plural(count, 'task')} rejected: {reason}")

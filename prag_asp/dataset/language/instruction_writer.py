@@ -160,7 +160,8 @@ class InstructionWriter:
     def goal(self, task: Task) -> Mapping[Atom, bool]:
         """Return the goal in the vague instruction of a task: the notable facts that it changes permanently.
 
-        For a task that changes nothing permanently, it is the aim of the last action.
+        If only silent facts change, these are the goal. A task that changes nothing permanently has the aim of its last
+        action, which for a trivial task holds in the initial state.
         """
         made: dict[Atom, bool] = {}
         for subgoal in task.subgoals:
@@ -169,8 +170,10 @@ class InstructionWriter:
         changed = {
             fluent: value for fluent, value in made.items() if last.get(fluent) == value != task.initial.get(fluent)
         }
-        notable = notable_facts(changed, self.lexicon)
-        return notable or notable_facts(task.subgoals[-1] if task.subgoals else {}, self.lexicon)
+        aim = task.subgoals[-1] if task.subgoals else {}
+        if not changed and not task.trivial:
+            aim = {fluent: value for fluent, value in aim.items() if task.initial.get(fluent) != value}
+        return notable_facts(changed, self.lexicon) or dict(sorted(changed.items())) or notable_facts(aim, self.lexicon)
 
     def _note(self, view: View, atoms: Sequence[Atom], named: dict[str, None]) -> None:
         """Record the entities that are referred to by name."""

@@ -20,7 +20,7 @@ from prag_asp.dataset.making.executors import Executor
 from prag_asp.dataset.pages.dataset_card import write_card
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.domain_snapshot import MEND, DomainSnapshot, write_snapshot
-from prag_asp.dataset.store.draw_results import DrawResult
+from prag_asp.dataset.store.draw_results import TRIVIAL, DrawResult
 from prag_asp.dataset.store.instructions import TaskTexts, captioner_of
 from prag_asp.dataset.store.manifest import (
     DATASET,
@@ -288,8 +288,12 @@ def too_few(part: PartManifest, available: TaskOrder, limit: int) -> str:
     """Return the message for a part with fewer tasks than requested, with the reason."""
     draws = plural(part.draws, "draw")
     summary = f"only {part.tasks} of {plural(part.requested, 'task')} for {part.name} found in {draws}"
+    tallies = [tally for shard in part.shards for tally in shard.tally]
+    trivial = sum(tally.trivial for tally in tallies)
+    if trivial and part.draws in {trivial, available.size}:
+        return f"{summary}, {trivial} of them trivial: {TRIVIAL}; keep these by --trivial"
     if part.draws >= limit:
-        proved = sum(tally.infeasible for shard in part.shards for tally in shard.tally)
+        proved = sum(tally.infeasible for tally in tallies)
         remedy = "change the domain or its scene, or see prag-asp learn"
         return (
             f"{summary}, all proved infeasible; {remedy}" if proved == part.draws else f"{summary}; raise --max-draws"

@@ -174,18 +174,19 @@ def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[s
 
 def _by_length(manifest: Manifest) -> Iterator[str]:
     """Yield the table of the outcomes of the draws by length."""
-    yield "| length | tasks in the space | drawn | feasible | not found | proved infeasible | most common causes |"
-    yield "|---|---|---|---|---|---|---|"
+    columns = ("length", "tasks in the space", "drawn", "trivial", "feasible", "not found", "proved infeasible")
+    yield f"| {' | '.join(columns)} | most common causes |"
+    yield "|---|---|---|---|---|---|---|---|"
     drawn = {each.length: each for each in summed(tally for part in manifest.parts for tally in part.lengths)}
     for space in manifest.spaces:
         each = drawn.get(space.length)
         if each is None:
-            yield f"| {space.length} | {grouped(number_of(space.tasks))} | 0 | | | | |"
+            yield f"| {space.length} | {grouped(number_of(space.tasks))} | 0 | | | | | |"
             continue
         causes = sorted(each.causes, key=lambda cause: (-cause.count, cause.cause))[:3]
         reasons = ", ".join(f"{cause.cause} ({cause.count:,})" for cause in causes)
         feasible = f"{each.feasible:,} ({_percent(each.pass_rate)})"
-        numbers = f"{each.drawn:,} | {feasible} | {each.not_found:,} | {each.infeasible:,}"
+        numbers = f"{each.drawn:,} | {each.trivial:,} | {feasible} | {each.not_found:,} | {each.infeasible:,}"
         yield f"| {space.length} | {grouped(number_of(space.tasks))} | {numbers} | {reasons} |"
     yield ""
 

@@ -10,6 +10,9 @@ from prag_asp.physics.verdict import Verdict
 
 NOTHING = msgspec.Raw(b"null")
 
+TRIVIAL = "the final state is the initial state"
+"""The reason why a trivial task is left out."""
+
 
 class RecordingInfo(msgspec.Struct):
     """The recording from an initial state, as in its row, with the colours of entities if these are randomized."""
@@ -37,17 +40,21 @@ class StartResult(msgspec.Struct):
 
 
 class DrawResult(msgspec.Struct):
-    """The result of a draw: its verdict, without a witness, and the result from each initial state."""
+    """The result of a draw: its verdict, without a witness, and the result from each initial state.
+
+    A `trivial` task that is left out has no verdict.
+    """
 
     part: str
     draw: int
     verdict: Verdict | None
     starts: list[StartResult]
+    trivial: bool = False
 
     @property
     def passed(self) -> bool:
         """Whether the task was accepted, not rejected."""
-        return self.verdict is None or self.verdict.feasible
+        return not self.trivial and (self.verdict is None or self.verdict.feasible)
 
     @property
     def witnesses(self) -> int:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from prag_asp.atom import parse_atom
+from prag_asp.dataset.store.draw_results import TRIVIAL
 from prag_asp.dataset.store.manifest import MOST_DIGITS
 from prag_asp.errors import QueryError
 from prag_asp.integers import number_of
@@ -24,8 +25,8 @@ class DatasetEntry:
 
     `rank` is its position among all tasks of its length. `instruction` has an instruction for each level of detail,
     and `subgoals` a sentence for each action; `named` are the entities that the texts call by name because nothing
-    visible distinguishes them from others. `verdict` is None if physics was not run. Witnesses are in a separate
-    table, with `starts` rows for the task.
+    visible distinguishes them from others. `verdict` is None if physics was not run, as for trivial tasks. Witnesses
+    are in a separate table, with `starts` rows for the task.
     """
 
     part: str
@@ -38,6 +39,13 @@ class DatasetEntry:
     subgoals: tuple[str, ...]
     named: tuple[str, ...] = ()
     starts: int = 0
+
+    @property
+    def reason(self) -> str:
+        """The reason why the task was rejected, or "" if it was accepted."""
+        if self.number is not None:
+            return ""
+        return TRIVIAL if self.verdict is None else self.verdict.reason
 
 
 def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -> DatasetEntry:

@@ -12,6 +12,7 @@ import msgspec
 
 from prag_asp.dataset.dataset_spec import DatasetSpec
 from prag_asp.dataset.store.domain_snapshot import DomainSnapshot, FileRecord
+from prag_asp.dataset.store.draw_results import TRIVIAL
 from prag_asp.dataset.store.manifest_file import ManifestFile
 from prag_asp.errors import QueryError
 from prag_asp.integers import digits_of, number_of
@@ -50,10 +51,14 @@ class RejectionCount(msgspec.Struct):
 
 
 class LengthTally(msgspec.Struct):
-    """The outcomes of the draws of one length; without physics, all count as feasible."""
+    """The outcomes of the draws of one length; without physics, all count as feasible.
+
+    `trivial` draws are left out before physics, and the pass rate is that of the others.
+    """
 
     length: Whole
     drawn: Whole = 0
+    trivial: Whole = 0
     feasible: Whole = 0
     not_found: Whole = 0
     infeasible: Whole = 0
@@ -205,9 +210,9 @@ def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
     sums: dict[int, LengthTally] = {}
     for each in tallies:
         into = sums.setdefault(each.length, LengthTally(each.length))
-        for name in ("drawn", "feasible", "not_found", "infeasible", "witnesses"):
+        for name in ("drawn", "trivial", "feasible", "not_found", "infeasible", "witnesses"):
             setattr(into, name, getattr(into, name) + getattr(each, name))
-        into.pass_rate = rate_of(into.feasible, into.drawn)
+        into.pass_rate = rate_of(into.feasible, into.drawn - into.trivial)
         causes = {cause.cause: cause.count for cause in into.causes}
         for cause in each.causes:
             causes[cause.cause] = causes.get(cause.cause, 0) + cause.count
@@ -219,13 +224,15 @@ def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
     return [sums[length] for length in sorted(sums)]
 
 
-def tally_of_draw(length: int, verdict: Mapping[str, Any] | None, witnesses: int = 0) -> LengthTally:
-    """Return the tally of a single draw, given its verdict as stored in a row."""
-    verdict = verdict or {"status": "feasible", "causes": [], "reason": ""}
+def tally_of_draw(length: int, verdict: Mapping[str, Any] | None, witnesses: int = 0, *, passed: bool) -> LengthTally:
+    """Return the tally of a single draw, given its verdict as stored in a row, and whether it `passed`."""
+    status = "feasible" if passed else "trivial"
+    verdict = verdict or {"status": status, "causes": [], "reason": "" if passed else TRIVIAL}
     status = verdict["status"]
     return LengthTally(
         length,
         drawn=1,
+        trivial=status == "trivial",
         feasible=status == "feasible",
         not_found=status == "not_found",
         infeasible=status == "infeasible",

@@ -71,7 +71,7 @@ class PartReader:
             rows = self._tables["recordings"].rows("task", task)
             recordings = [] if rows is None else rows.to_pylist()
         starts = 0 if witnesses is None else witnesses.num_rows
-        tally = tally_of_draw(values["length"], values["verdict"], starts)
+        tally = tally_of_draw(values["length"], values["verdict"], starts, passed=table == "tasks")
         return DrawRows(table == "tasks", row, tally, witnesses, recordings, shard.versions)
 
 

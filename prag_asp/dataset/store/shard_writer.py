@@ -93,7 +93,8 @@ class PartWriter:
                 self._rows["witnesses"].add({**key, "index": each.index, "witness": text})
             if each.recording is not None:
                 self._rows["recordings"].add({**key, **msgspec.structs.asdict(each.recording)})
-        self._tally(tally_of_draw(length, _verdict_row(result.verdict), result.witnesses), self._ours)
+        verdict = _verdict_row(result.verdict)
+        self._tally(tally_of_draw(length, verdict, result.witnesses, passed=result.passed), self._ours)
         self._draws += 1
 
     def take(self, source: DrawRows) -> None:

@@ -43,7 +43,7 @@ def _wrong_shards(part: PartManifest) -> Iterator[Finding]:
             yield Finding(NAME, None, f"parts, {part.name}: shard {number} has the number {shard.number}")
         tallied = {
             "tasks": sum(each.feasible for each in shard.tally),
-            "rejected": sum(each.not_found + each.infeasible for each in shard.tally),
+            "rejected": sum(each.trivial + each.not_found + each.infeasible for each in shard.tally),
             "witnesses": sum(each.witnesses for each in shard.tally),
             "draws": sum(each.drawn for each in shard.tally),
         }

@@ -191,6 +191,11 @@ class RowChecks:
     def _wrong_verdict(self, table: str, entry: DatasetEntry) -> Iterator[str]:
         """Yield the faults of the verdict on a draw: its search, its budget, and its table."""
         verdict, spec = entry.verdict, self.manifest.spec
+        left_out = entry.task.trivial and not spec.trivial
+        if left_out != (table == "rejected" and verdict is None):
+            yield "is trivial, and not left out" if left_out else "is left out, but not trivial"
+        if left_out:
+            return
         if verdict is None or spec.budget is None:
             if (verdict is None) != (spec.budget is None):
                 yield "has no verdict" if verdict is None else "has a verdict, though there is no budget"
@@ -230,6 +235,10 @@ def clingo_spaces(manifest: Manifest, domain: Domain) -> dict[int, TaskSpace]:
 def tally_of(passed: list[Row], rejected: list[Row], starts: list[Mapping[str, Any]]) -> list[LengthTally]:
     """Return the tally of the draws of a shard by its rows."""
     lengths = {row["task"]: row["length"] for _, row in passed}
-    tallies = [tally_of_draw(row["length"], row["verdict"]) for _, row in (*passed, *rejected)]
+    tallies = [
+        tally_of_draw(row["length"], row["verdict"], passed=rows is passed)
+        for rows in (passed, rejected)
+        for _, row in rows
+    ]
     tallies += [LengthTally(lengths[start["task"]], witnesses=1) for start in starts if start["task"] in lengths]
     return summed(tallies)

@@ -9,12 +9,21 @@ Each candidate is then judged by the exact contact of the closed pads (`Parallel
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.physics.grasps.candidates import (
+    CONE_SHARE,
+    LONG_LEVER,
+    ROOM,
+    TILT_COST,
+    above_ground,
+    grasp_candidates,
+    surface_points,
+)
 from prag_asp.physics.grasps.pads import TOUCH, PadContact, ParallelGripper
 from prag_asp.scene.boxes import Box
 from prag_asp.scene.geometry import Pose, compose, matrix
@@ -22,23 +31,8 @@ from prag_asp.scene.surfaces import in_frame
 
 Floats = NDArray[np.float64]
 
-POINTS = 400
-"""The number of points of the surface at which grasps are sampled."""
-
 DENSE = 4000
 """The number of points of the surface that must not be inside the hand: one every 4 mm on an object of 150 mm."""
-
-TILTS = (0.0, 0.35, 0.7, 1.05, 1.4)
-"""The angles to try between the tool's direction and straight down, in radians: from above to the side."""
-
-CONE_SHARE = 0.6
-"""The share of the friction angle that a sampled contact may use: the rest is for accelerations when lifting."""
-
-FLATTER = (0.5, 0.95)
-"""The shares of the cone's angle by which an axis is turned from the normal towards the horizontal."""
-
-UPRIGHT = 1e-3
-"""The slope in radians below which a normal is horizontal, and the cosine below which it is vertical."""
 
 SMALLEST_PATCH = 6e-6
 """The minimum area of a contact in m²: 2 mm x 3 mm, a corner of a pad."""
@@ -47,14 +41,8 @@ OPPOSITE = 0.004
 """The maximum distance in metres between the centres of both contacts, parallel to the pads, so that they do not turn
 the body."""
 
-ROOM = 0.003
-"""The distance in metres between open fingers and the body on each side when the hand descends."""
-
 SOFT = 0.002
 """The depth in metres to which fingers may penetrate a held body: their rubber yields, and grasps are not exact."""
-
-BELOW = 0.0005
-"""The minimum distance of the fingertips from the plane on which the body stands, in metres."""
 
 ENOUGH_POINTS, UNSURE = 8, 0.15
 """The minimum number of points between the pads to judge a contact before it is computed, and its error in cosine."""
@@ -64,15 +52,6 @@ MOST = (40, 40, 24)
 
 SLANTED, SIDEWAYS = 0.5, 1.2
 """The smallest angles between the tool's direction and straight down of slanted and of sideways grasps, in radians."""
-
-PARALLEL = 1e-15
-"""The triple product in m² of a triangle's sides and a unit vector below which both count as parallel."""
-
-STEEP = -0.3
-"""The tool's direction along z above which fingers are not lifted off the ground: they come from the side."""
-
-LONG_LEVER, TILT_COST = 0.05, 0.3
-"""The lever arm of the centre of mass in metres that lowers a score by 1, and the cost of a radian of tilt."""
 
 ENOUGH_SLACK, WIDE_CONTACT = 0.01, 0.005
 """The room at a finger, and the radius of a contact, above which the score no longer rises, in metres."""
@@ -119,150 +98,26 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
 
     The samples are fixed, so the same body has the same grasps.
     """
-    rng = np.random.default_rng(0)
     triangles = np.concatenate(problem.parts)
-    points, normals = _surface_points(problem.parts, POINTS, rng)
     # The same points as in `dense_points`, so that the check of a witness agrees.
-    dense, facing = _surface_points(problem.parts, DENSE, np.random.default_rng(0))
-    candidates: list[tuple[float, int, float, Floats, Floats]] = []
-    for point, far, axis in _antipodal_pairs(points, normals, triangles, problem.friction, gripper.opening):
-        middle = (point + far) / 2
-        for tilt, rotation in _tools(axis):
-            lever = middle - problem.centre
-            lever -= (lever @ axis) * axis
-            candidates.append(
-                (
-                    math.hypot(lever[0], lever[1]) / LONG_LEVER + TILT_COST * tilt,
-                    len(candidates),
-                    tilt,
-                    middle,
-                    rotation,
-                )
-            )
+    dense, facing = surface_points(problem.parts, DENSE, np.random.default_rng(0))
+    lowest = float(triangles[:, :, 2].min())
     kept, counts = list[Grasp](), [0] * len(MOST)
-    for _, _, tilt, middle, rotation in sorted(candidates, key=lambda each: each[:2]):
+    for candidate in grasp_candidates(problem.parts, problem.centre, problem.friction, gripper.opening):
+        tilt = candidate.tilt
         kind = (tilt >= SLANTED) + (tilt >= SIDEWAYS)
         if counts[kind] == MOST[kind]:
             continue
-        place = _above_ground(gripper, triangles, middle, rotation)
-        if place is None or not all(_differ(place, other.tool, kind) for other in kept):
+        place = above_ground(gripper, lowest, candidate.middle, candidate.rotation)
+        if place is None or not _is_distinct(place, kept, kind):
             continue
         if not _promises(in_frame(dense[None], place)[0], facing @ matrix(place)[:3, 1], gripper, problem.friction):
             continue
         grasp = _judged(problem, gripper, triangles, dense, place, tilt)
-        if grasp is not None and all(_differ(grasp.tool, other.tool, kind) for other in kept):
+        if grasp is not None and _is_distinct(grasp.tool, kept, kind):
             kept.append(grasp)
             counts[kind] += 1
     return tuple(sorted(kept, key=lambda grasp: -grasp.score))
-
-
-def _surface_points(parts: Sequence[Floats], number: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
-    """Return points of the surface, evenly by area, and their outward normals, without those inside another part."""
-    owners = np.concatenate([np.full(len(part), i) for i, part in enumerate(parts)])
-    triangles = np.concatenate(parts)
-    crossed = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    lengths = np.linalg.norm(crossed, axis=1)
-    steps = (np.arange(number) + rng.random(number)) / number
-    chosen = np.searchsorted(np.cumsum(lengths) / lengths.sum(), steps)
-    chosen = np.minimum(chosen, len(triangles) - 1)
-    one, two = np.sqrt(rng.random(number)), rng.random(number)
-    shares = np.stack([1 - one, one * (1 - two), one * two], 1)
-    points = np.einsum("ij,ijk->ik", shares, triangles[chosen])
-    normals = crossed[chosen] / lengths[chosen, None]
-    free = np.ones(number, bool)
-    for i, part in enumerate(parts):
-        planes = np.cross(part[:, 1] - part[:, 0], part[:, 2] - part[:, 0])
-        planes /= np.linalg.norm(planes, axis=1)[:, None]
-        depth = (points @ planes.T - np.einsum("ij,ij->i", planes, part[:, 0])).max(1)
-        free &= (owners[chosen] == i) | (depth > -1e-6)
-    return points[free], normals[free]
-
-
-def _antipodal_pairs(
-    points: Floats, normals: Floats, triangles: Floats, friction: float, opening: float
-) -> Iterator[tuple[Floats, Floats, Floats]]:
-    """Yield points of the surface, the points opposite to them, and the unit vectors from the latter to the former."""
-    least = math.cos(CONE_SHARE * math.atan(friction))
-    corner, one, two = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    facing = np.cross(one, two)
-    facing /= np.linalg.norm(facing, axis=1)[:, None]
-    rays = [(point, axis) for point, normal in zip(points, normals, strict=True) for axis in _axes(normal, least)]
-    for point, normal in rays:
-        # Möller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997.
-        crossed = np.cross(-normal, two)
-        scale = np.einsum("ij,ij->i", one, crossed)
-        # A triangle parallel to the line is not hit: the distance along the line is then 0.
-        scale[np.abs(scale) < PARALLEL] = math.inf
-        offset = point - corner
-        u = np.einsum("ij,ij->i", offset, crossed) / scale
-        other = np.cross(offset, one)
-        v = (other @ -normal) / scale
-        way = np.einsum("ij,ij->i", two, other) / scale
-        hit = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (way > 1e-5) & (way <= opening) & (facing @ -normal >= least)
-        for length in sorted({round(float(each), 6) for each in way[hit]}):
-            yield point, point - length * normal, normal
-
-
-def _axes(normal: Floats, least: float) -> Iterator[Floats]:
-    """Yield closing axes at a contact: its normal, and flatter axes within the cone of cosine `least`.
-
-    The hand is broad along this axis: the flatter the axis, the farther the hand is from the ground.
-    """
-    yield normal
-    flat, slope = math.hypot(normal[0], normal[1]), math.asin(max(-1.0, min(1.0, float(normal[2]))))
-    if flat < UPRIGHT or abs(slope) < UPRIGHT:
-        return
-    for share in FLATTER:
-        left = max(0.0, abs(slope) - share * math.acos(least))
-        turned = math.copysign(left, slope)
-        yield np.array([*(normal[:2] / flat * math.cos(turned)), math.sin(turned)])
-        if left == 0.0:
-            return
-
-
-def _tools(axis: Floats) -> Iterator[tuple[float, Floats]]:
-    """Yield directions of the tool around an opening axis: the angle to straight down, and the axes as columns."""
-    down = np.array([0.0, 0.0, -1.0])
-    side = down - (down @ axis) * axis
-    length = float(np.linalg.norm(side))
-    if length < 1e-3:
-        return
-    side /= length
-    across = np.cross(axis, side)
-    steepest = math.acos(min(1.0, length))
-    for tilt in TILTS:
-        if tilt < steepest and tilt + 0.35 > steepest:
-            turns = {0.0}
-        elif tilt >= steepest:
-            turn = math.acos(min(1.0, math.cos(tilt) / length))
-            turns = {turn, -turn}
-        else:
-            continue
-        for turn in sorted(turns):
-            direction = math.cos(turn) * side + math.sin(turn) * across
-            angle = math.acos(max(-1.0, min(1.0, -float(direction[2]))))
-            yield angle, np.stack([np.cross(axis, direction), axis, direction], 1)
-
-
-def _above_ground(gripper: ParallelGripper, triangles: Floats, middle: Floats, rotation: Floats) -> Pose | None:
-    """Return the pose of a tool with its fingertips above the ground, moved back as far as necessary.
-
-    None if the fingers of a tool from the side, or the palm, would be in the ground.
-    """
-    tips = min(
-        z * rotation[2, 2] - np.abs(rotation[2]) @ (x_half, y + y_half + gripper.opening / 2, z_half)
-        for (_, y, z), (x_half, y_half, z_half) in gripper.fingers
-    )
-    ground = float(triangles[:, :, 2].min()) + BELOW
-    miss = ground - (middle[2] + tips)
-    if miss > 0.0:
-        if rotation[2, 2] > STEEP:
-            return None
-        middle = middle + miss / rotation[2, 2] * rotation[:, 2]
-    centre, sides = gripper.palm
-    if middle[2] + rotation[2] @ centre - np.abs(rotation[2]) @ sides < ground + ROOM:
-        return None
-    return Pose((float(middle[0]), float(middle[1]), float(middle[2])), _quaternion(rotation))
 
 
 def _promises(points: Floats, facing: Floats, gripper: ParallelGripper, friction: float) -> bool:
@@ -288,7 +143,7 @@ def _promises(points: Floats, facing: Floats, gripper: ParallelGripper, friction
 
 def dense_points(parts: Sequence[Floats]) -> Floats:
     """Return points of the surface of a body that must not be inside the hand, shape (n, 3), in its frame in metres."""
-    return _surface_points(parts, DENSE, np.random.default_rng(0))[0]
+    return surface_points(parts, DENSE, np.random.default_rng(0))[0]
 
 
 def open_width(points: Floats, gripper: ParallelGripper, tool: Pose, width: float) -> float | None:
@@ -366,39 +221,25 @@ def _free(points: Floats, boxes: Sequence[Box]) -> bool:
 
     The hand approaches along its own direction, so the fingers sweep only the space of the fingers and the palm.
     """
-    return not any(bool((np.abs(points - centre) < half).all(1).any()) for centre, half in boxes)
+    x, y, z = points.T
+    for (a, b, c), (half_x, half_y, half_z) in boxes:
+        if ((np.abs(x - a) < half_x) & (np.abs(y - b) < half_y) & (np.abs(z - c) < half_z)).any():
+            return False
+    return True
 
 
-def _quaternion(rotation: Floats) -> tuple[float, float, float, float]:
-    """Return a rotation matrix as a quaternion, computed from its largest component (Shepperd, 1978)."""
-    trace = rotation.trace()
-    squares = [1 + 2 * rotation[i, i] - trace for i in range(3)] + [1 + trace]
-    k = int(np.argmax(squares))
-    if k == 3:
-        parts = [
-            rotation[2, 1] - rotation[1, 2],
-            rotation[0, 2] - rotation[2, 0],
-            rotation[1, 0] - rotation[0, 1],
-            squares[3],
-        ]
-    else:
-        i, j = (k + 1) % 3, (k + 2) % 3
-        parts = [0.0, 0.0, 0.0, rotation[j, i] - rotation[i, j]]
-        parts[k], parts[i], parts[j] = squares[k], rotation[i, k] + rotation[k, i], rotation[j, k] + rotation[k, j]
-    x, y, z, w = (np.array(parts) / np.linalg.norm(parts)).tolist()
-    return (x, y, z, w)
-
-
-def _differ(one: Pose, two: Pose, kind: int) -> bool:
-    """Return whether two tools differ enough in position or orientation for a kind of grasp.
+def _is_distinct(tool: Pose, kept: Sequence[Grasp], kind: int) -> bool:
+    """Return whether a tool differs enough in position or orientation from those of grasps, for a kind of grasp.
 
     Half a turn about the tool's own axis does not count as a difference.
     """
-    ax, ay, az, aw = one.quaternion
-    bx, by, bz, bw = two.quaternion
-    same = abs(ax * bx + ay * by + az * bz + aw * bw)
-    # The other tool turned by half a turn about z has the quaternion (y, -x, w, -z).
-    turned = abs(ax * by - ay * bx + az * bw - aw * bz)
-    return (
-        math.dist(one.position, two.position) > APART[kind] or 2 * math.acos(min(1.0, max(same, turned))) > TURNED[kind]
-    )
+    ax, ay, az, aw = tool.quaternion
+    for grasp in kept:
+        if math.dist(tool.position, grasp.tool.position) <= APART[kind]:
+            bx, by, bz, bw = grasp.tool.quaternion
+            same = abs(ax * bx + ay * by + az * bz + aw * bw)
+            # The other tool turned by half a turn about z has the quaternion (y, -x, w, -z).
+            turned = abs(ax * by - ay * bx + az * bw - aw * bz)
+            if 2 * math.acos(min(1.0, max(same, turned))) <= TURNED[kind]:
+                return False
+    return True

@@ -6,7 +6,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,7 @@ from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Witness
 from prag_asp.rl.curriculum.task_sampler import Attempt, EpisodeResult
-from prag_asp.rl.environment_options import is_whole
+from prag_asp.rl.environment_options import ANY, is_whole
 from prag_asp.rl.goals import Subgoal, subgoals_of
 from prag_asp.rl.observations import Layout, skill
 from prag_asp.rl.tasks.task_origin import TaskOrigin
@@ -82,7 +82,7 @@ class EpisodeSampler:
         self,
         origin: TaskOrigin,
         witness: Witness | None,
-        stage: int | Literal["any"],
+        stage: int | str,
         finder: WitnessFinder,
         *,
         domain: Domain,
@@ -121,7 +121,7 @@ class EpisodeSampler:
             assignment = self._source.draw() if rank is None else self._source.ranked(rank)
         subgoals = self._once(lambda: subgoals_of(assignment.task, self._scene), assignment.task)
         texts = assignment.texts or self._once(lambda: self._captioner(assignment.task, {}), "texts", assignment.task)
-        initial = self._initial_stage(stage, len(subgoals), rng)
+        initial = self._initial_stage(stage, assignment.task, rng)
         return EpisodeStart(assignment, subgoals, texts, *initial, stage is not None)
 
     def update(self, start: EpisodeStart, stage: int, *, success: bool) -> None:
@@ -194,16 +194,20 @@ class EpisodeSampler:
         return cached
 
     def _initial_stage(
-        self, requested: int | str | None, count: int, rng: np.random.Generator
+        self, requested: int | str | None, task: Task, rng: np.random.Generator
     ) -> tuple[int, Fraction | None]:
-        """Return the initial subgoal of `count` subgoals, and its probability if it is sampled."""
+        """Return the initial subgoal of a task, and its probability if it is sampled."""
+        count = len(task.actions)
         if count == 0:
             raise QueryError("a task without actions has no subgoal; give another one")
         if requested is None and self._subgoals is not None:
             return self._subgoals.stage(count)
         stage = self._stage if requested is None else requested
-        if stage == "any":
-            return int(rng.integers(count)), Fraction(1, count)
+        if isinstance(stage, str):
+            stages = [i for i, action in enumerate(task.actions) if stage in (ANY, action.name)]
+            if stages:
+                return stages[int(rng.integers(len(stages)))], Fraction(1, len(stages))
         if not is_whole(stage) or not -count <= int(stage) < count:
-            raise QueryError(f"stage {stage!r}: the task has the stages 0 to {count - 1}; any draws one")
+            told = f"stage {stage!r}: the task has the stages 0 to {count - 1}"
+            raise QueryError(f"{told}; {ANY} samples one, the name of an action one with that action")
         return int(stage) % count, None

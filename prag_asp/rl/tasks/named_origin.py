@@ -68,10 +68,12 @@ def named_origin(
     where: Sequence[str],
     split: SplitOptions,
     curriculum: Curricula,
+    trivial: bool = False,
 ) -> TaskOrigin:
     """Return the origin of tasks: a space, a `domain` with a `length`, a dataset or its folder, or one task.
 
-    The conditions `where` restrict a space or a dataset, `split` selects a part of it.
+    The conditions `where` restrict a space or a dataset, `split` selects a part of it. Tasks of a space whose final
+    state is the initial state are left out unless `trivial`.
 
     Raises:
         QueryError: the values are wrong, missing or contradictory.
@@ -95,4 +97,4 @@ def named_origin(
         space = space.where(*where)
     elif where:
         raise QueryError("where restricts a domain, a space or a dataset; give one of them")
-    return TaskOrigin(space, part, dataset, task, curriculum, split.split())
+    return TaskOrigin(space, part, dataset, task, curriculum, split.split(), trivial)

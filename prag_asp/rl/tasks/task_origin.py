@@ -44,6 +44,8 @@ class Split:
 class TaskOrigin:
     """The origin of tasks: a space or a part of one, a dataset, or one task; and the curricula.
 
+    Tasks of a space whose final state is the initial state are left out unless `trivial`.
+
     Raises:
         QueryError: no origin or more than one is given, or a curriculum is invalid or has nothing to choose from.
     """
@@ -54,6 +56,7 @@ class TaskOrigin:
     task: Task | None
     curriculum: Curricula
     split: Split | None = None
+    trivial: bool = False
 
     def __post_init__(self) -> None:
         if sum(each is not None for each in (self.space, self.dataset, self.task)) != 1:
@@ -106,7 +109,7 @@ class TaskOrigin:
         pool = TaskPool(self.space, part if self.split is None else self.split.of(self.space))
         curriculum = self._curriculum_with("task_sampler")
         sampler = cast(TaskCurriculum, curriculum).task_sampler(pool) if curriculum else DomainWeightsSampler(pool)
-        return SpaceSource(pool, sampler, finder)
+        return SpaceSource(pool, sampler, finder, trivial=self.trivial)
 
     @property
     def title(self) -> str:

@@ -185,10 +185,13 @@ def require_rank(rank: object, count: int) -> int:
 
 
 class SpaceSource:
-    """Samples the tasks of a pool by a curriculum, and rejects those without a witness."""
+    """Samples the tasks of a pool by a curriculum, and rejects those without a witness.
 
-    def __init__(self, pool: TaskPool, sampler: TaskSampler, finder: WitnessFinder):
-        self._pool, self._sampler, self._finder = pool, sampler, finder
+    Unless `trivial`, it also rejects tasks whose final state is the initial state.
+    """
+
+    def __init__(self, pool: TaskPool, sampler: TaskSampler, finder: WitnessFinder, *, trivial: bool = False):
+        self._pool, self._sampler, self._finder, self._trivial = pool, sampler, finder, trivial
         self._scenarios = Scenarios(pool.space.domain, pool.space)
         self._seed, self._number = 0, 0
 
@@ -198,16 +201,18 @@ class SpaceSource:
         self._sampler.seed(seed)
 
     def draw(self) -> Assignment:
-        """Return the next task that has a witness.
+        """Return the next task that is accepted.
 
         Raises:
-            NotFound: `PATIENCE` samples in a row have no witness.
+            NotFound: `PATIENCE` samples in a row are rejected.
         """
-        rejected = 0
+        rejected = trivial = 0
         for _ in range(PATIENCE):
             proposal = self._sampler.propose()
             task, index = self._pool.task(proposal), self._number + proposal.passed
-            witness = self._finder.witness(task, seed=self._seed, index=index)
+            left_out = task.trivial and not self._trivial
+            trivial += left_out
+            witness = None if left_out else self._finder.witness(task, seed=self._seed, index=index)
             self._sampler.note_feasibility(proposal.word, witness is not None)
             self._number = index + 1
             rejected += proposal.passed
@@ -217,6 +222,8 @@ class SpaceSource:
                     scenario=self._scenario(task, self._seed, index),
                 )  # fmt: skip
             rejected += 1
+        if trivial == PATIENCE:
+            raise NotFound(f"{PATIENCE} sampled tasks in a row end in their initial state; keep them by trivial=True")
         raise NotFound(
             f"none of {PATIENCE} sampled tasks in a row is feasible; choose another space, or give a larger budget"
         )

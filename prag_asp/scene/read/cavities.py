@@ -115,20 +115,28 @@ def _closed(heights: Floats, reach: int) -> Floats:
 
 def _filled(heights: Floats) -> Floats:
     """Return the water level at each point of a grid; water runs off at the border and where there is no surface."""
-    levels, waits = np.full_like(heights, np.inf), np.ones(heights.shape, dtype=bool)
-    last_row, last_column = heights.shape[0] - 1, heights.shape[1] - 1
-    queue: list[tuple[float, tuple[int, ...]]] = []
-    for at in np.ndindex(heights.shape):
-        if at[0] in (0, last_row) or at[1] in (0, last_column) or heights[at] == -np.inf:
-            levels[at], waits[at] = heights[at], False
-            heapq.heappush(queue, (float(heights[at]), at))
+    rows, columns = heights.shape
+    border = np.ones(heights.shape, dtype=bool)
+    border[1:-1, 1:-1] = False
+    dry = border | (heights == -np.inf)
+    # Plain lists: the queue touches single points, for which arrays are slow.
+    levels = np.where(dry, heights, np.inf).ravel().tolist()
+    waits, own = (~dry).ravel().tolist(), heights.ravel().tolist()
+    queue = [(levels[at], at) for at in np.flatnonzero(dry).tolist()]
+    heapq.heapify(queue)
     while queue:
-        level, (i, j) = heapq.heappop(queue)
-        for at in ((i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)):
-            if 0 <= at[0] <= last_row and 0 <= at[1] <= last_column and waits[at]:
-                levels[at], waits[at] = max(level, float(heights[at])), False
-                heapq.heappush(queue, (float(levels[at]), at))
-    return levels
+        level, at = heapq.heappop(queue)
+        row, column = divmod(at, columns)
+        for near, inside in (
+            (at - columns, row > 0),
+            (at + columns, row < rows - 1),
+            (at - 1, column > 0),
+            (at + 1, column < columns - 1),
+        ):
+            if inside and waits[near]:
+                levels[near], waits[near] = max(level, own[near]), False
+                heapq.heappush(queue, (levels[near], near))
+    return np.array(levels).reshape(heights.shape)
 
 
 def _regions(wet: NDArray[np.bool_]) -> list[list[tuple[int, int]]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import lru_cache
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from prag_asp.scene.read.asset_paths import require_inside
 from prag_asp.scene.read.body import body_shape, ends, roll_pitch_yaw, solid_mass, stable_rotations, turned_shape
 from prag_asp.scene.read.decomposition import can_decompose
 from prag_asp.scene.read.looks.surfaces import mesh_surfaces
-from prag_asp.scene.read.mesh import is_concave
+from prag_asp.scene.read.mesh import is_concave, state_of
 from prag_asp.scene.read.stability import rotation, surface_points
 from prag_asp.scene.scene import Look, Shape, Solid
 from prag_asp.tables.report import TableEntry, is_number
@@ -78,16 +79,34 @@ def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
     if not can_decompose() and is_concave(solid.mesh, solid.size):
         remedy = 'pip install "prag_asp[meshes]" to divide it, or give an .obj with a convex object for each part'
         raise SceneError(f"{path}: the mesh is not convex; {remedy}")
-    uniform = solid_mass([solid])
     first, second = (
         np.array(rotation((math.radians(x), math.radians(y), math.radians(z)))) for x, y, z in (UPWARD[up], angles)
     )
-    rows = second @ first
-    properties = uniform.scaled(uniform.mass * density if mass is None else mass)
-    turned = solid._replace(turn=roll_pitch_yaw(rows))
-    look = Look(turned._replace(mesh=str(visual)), str(folder))
+    look = Look(solid._replace(turn=roll_pitch_yaw(second @ first), mesh=str(visual)), str(folder))
     mesh_surfaces(look.solid.mesh, look.folder)
-    shape = body_shape("mesh", [turned], properties.moved(rows, np.zeros(3)), looks=[look])
+    rows = tuple(map(tuple, (second @ first).tolist()))
+    return _body(solid, rows, mass, density, look, rests, can_decompose(), state_of(solid.mesh))
+
+
+@lru_cache(maxsize=128)
+def _body(
+    solid: Solid,
+    rows: tuple[tuple[float, ...], ...],
+    mass: float | None,
+    density: float,
+    look: Look,
+    rests: str | None,
+    decomposes: bool,
+    state: tuple[int, int],
+) -> Shape:
+    """Return the shape of a mesh after a rotation (3, 3); `decomposes` and the file's state are for the cache key.
+
+    Raises:
+        SceneError: a mesh cannot be read, or the body does not rest as requested.
+    """
+    turn, uniform = np.array(rows), solid_mass([solid])
+    properties = uniform.scaled(uniform.mass * density if mass is None else mass).moved(turn, np.zeros(3))
+    shape = body_shape("mesh", [solid._replace(turn=look.solid.turn)], properties, looks=[look])
     return shape if rests == RESTS[0] else _lying(shape, anyhow=rests == "any")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from itertools import islice
+from time import monotonic
 from weakref import WeakValueDictionary
 
 import clingo
@@ -12,7 +13,7 @@ import clingo
 from prag_asp.errors import EngineError
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.ground.ground_step import unrolled
-from prag_asp.processes.progress_events import stage
+from prag_asp.processes.progress_events import Note, stage
 from prag_asp.processes.workers import uninterrupted
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.predicates import OCCURS, STEP_NAME, EncodingPredicate
@@ -28,8 +29,8 @@ POLL = 0.2
 """Seconds between two checks of a running solver, so that Ctrl-C takes effect."""
 
 
-MOST_LISTED, REPORTED = 300_000, 10_000
-"""Maximum number of words listed for sampling, at about 4,000 per second, and number of words between reports."""
+MOST_LISTED, REPORTED = 300_000, 2.0
+"""Maximum number of words listed for sampling, at about 4,000 per second, and seconds between reports."""
 
 Ask = Callable[[], "int | None"]
 """Return the count of another process, or None until it is finished."""
@@ -126,8 +127,11 @@ class ClingoEngine:
         clock = self._limits.begin()
         numbers = {letter: number for number, letter in enumerate(self.letters)}
         words: list[Letters] = []
+        stage(f"listing {self._level}s")
+        report = self._reports(length)
 
         def check() -> None:
+            report(len(words))
             if stop := clock.reached_limit():
                 raise limit_error(stop, len(words), self._level, length)
 
@@ -140,9 +144,28 @@ class ClingoEngine:
                     f"{self._level}s; choose a smaller length, or leave out the rule that needs this engine"
                 )
             words.append(word)
-            if self._progress and len(words) % REPORTED == 0:
-                self._progress(f"listing {self._level}s of length {length}: {len(words):,}")
         return sorted(words, key=lambda word: [numbers[letter] for letter in word])
+
+    def _reports(self, length: int) -> Callable[[int], None]:
+        """Return a function that reports how many words are listed, each `REPORTED` seconds, and first by a note."""
+        due, noted = monotonic() + REPORTED, False
+
+        def report(found: int) -> None:
+            nonlocal due, noted
+            if self._progress is None or monotonic() < due:
+                return
+            if not noted:
+                self._progress(
+                    Note(
+                        f"note: to sample, the engine clingo lists all {self._level}s of length {length}, at most "
+                        f"{MOST_LISTED:,}, and has {found:,} after {REPORTED:g} s; ask for a shorter length, or set "
+                        "--time"
+                    )
+                )
+            due, noted = monotonic() + REPORTED, True
+            self._progress(f"listing {self._level}s of length {length}: {found:,} of at most {MOST_LISTED:,}")
+
+        return report
 
     def _plans(self, length: int) -> _UnrolledPlans:
         if self._unrolled is None or self._unrolled[0] != length:

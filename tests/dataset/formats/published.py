@@ -8,12 +8,13 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import av
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 USUAL = ("timestamp", "frame_index", "episode_index", "index", "task_index")
 TOLERANCE = 1e-4
@@ -24,6 +25,8 @@ class Published:
     """A dataset in a folder."""
 
     def __init__(self, folder: Path) -> None:
+        import pandas as pd  # takes long, and each process imports all tests
+
         self.folder = folder
         self.info: dict[str, Any] = json.loads((folder / "meta/info.json").read_text())
         self.statistics: dict[str, Any] = json.loads((folder / "meta/stats.json").read_text())
@@ -36,6 +39,8 @@ class Published:
 
     def frames(self, number: int) -> pd.DataFrame:
         """Return the rows of an episode, whose types and shapes are those of the features."""
+        import pandas as pd
+
         episode = self.episodes.iloc[number]
         path = self.info["data_path"].format(
             chunk_index=episode["data/chunk_index"], file_index=episode["data/file_index"]
@@ -61,6 +66,8 @@ class Published:
             file_index=episode[f"videos/{camera}/file_index"],
         )
         begin, end = (episode[f"videos/{camera}/{side}_timestamp"] for side in ("from", "to"))
+        import av
+
         with av.open(str(self.folder / path)) as file:
             assert file.streams.video[0].codec_context.name in ("libdav1d", "av1", "libaom-av1")
             shown = {float(frame.time or 0): frame.to_ndarray(format="rgb24") for frame in file.decode(video=0)}

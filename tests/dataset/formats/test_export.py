@@ -185,14 +185,15 @@ def test_a_recording_that_does_not_show_its_task_is_told(arms: Dataset, tmp_path
 
 def test_a_task_without_an_action_has_no_words(tmp_path: Path) -> None:
     still = TaskSpace(load_domain("tabletop"), 0)
-    data = generate(still, tmp_path / "still", tasks=1, demonstrate=True, staging=Staging(("front",), (16, 16), 5))
+    filmed = Staging(("front",), (16, 16), 5)
+    data = generate(still, tmp_path / "still", tasks=1, trivial=True, demonstrate=True, staging=filmed)
     read = Published(export(data, "lerobot", tmp_path / "out"))
     assert [*read.tasks.index] == [*read.subtasks.index] == [""] and {*read.frames(0)["subgoal_index"]} == {0}
     text = (export(data, "bddl", tmp_path / "bddl") / "train-000000.bddl").read_text()
     assert "(:language )" in text
     with pytest.raises(QueryError, match="the video of task 0 of train has one image; record at a higher --rate"):
         slow = Staging(("front",), (16, 16), 1)
-        few = generate(still, tmp_path / "slow", tasks=1, demonstrate=True, staging=slow)
+        few = generate(still, tmp_path / "slow", tasks=1, trivial=True, demonstrate=True, staging=slow)
         export(few, "robomimic", tmp_path / "out.hdf5")
 
 

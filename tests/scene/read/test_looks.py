@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 from PIL import Image
 
 from prag_asp.physics.filming.studio import open_studio
@@ -77,6 +76,8 @@ def test_a_texture_that_is_missing_or_outside_the_domain_is_left_out(tmp_path: P
 
 
 def test_colours_of_vertices_and_textures_of_a_glb_come_along(tmp_path: Path) -> None:
+    import trimesh  # takes long, and each process imports all tests
+
     box = trimesh.creation.box((SIDE, SIDE, SIDE))
     box.visual.face_colors = [(255, 0, 0, 255)] * 6 + [(0, 0, 255, 255)] * 6
     box.export(tmp_path / "faces.ply")
@@ -111,7 +112,9 @@ def test_the_visual_elements_of_a_urdf_are_seen_and_an_unreadable_one_leaves_wha
 
 def test_another_mesh_is_seen_where_its_file_has_it_however_the_body_lies(tmp_path: Path) -> None:
     (tmp_path / "cube.obj").write_text(CORNERS + "".join(f"f {face}\n" for face in FACES))
-    trimesh.creation.box((SIDE, SIDE, 3 * SIDE)).export(tmp_path / "tall.stl")
+    from trimesh.creation import box
+
+    box((SIDE, SIDE, 3 * SIDE)).export(tmp_path / "tall.stl")
     shape = mesh(tmp_path, "cube.obj", visual="tall.stl", up="x")
     solid = shape.model.looks[0].solid
     assert solid.turn == shape.model.solids[0].turn and solid.at == shape.model.solids[0].at

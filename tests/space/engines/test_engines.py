@@ -10,6 +10,7 @@ import pytest
 
 from prag_asp import EngineError, QueryError, TaskSpace
 from prag_asp.logic.domain_logic import DomainLogic
+from prag_asp.processes.progress_events import Note
 from prag_asp.program.sources import Program
 from prag_asp.space.engines import ENGINES, Engine, clingo_engine, engine_class, select
 from tests.domains import domain_of
@@ -133,6 +134,16 @@ def test_loop_free_tasks_are_listed_to_sample_them_and_too_many_are_refused(monk
     with pytest.raises(EngineError, match=refusal) as error:
         TaskSpace(domain_of(facts), 2).where("loop-free").sample(1, seed=1)
     assert len(error.value.lines) == 1
+
+
+def test_a_note_says_early_that_all_tasks_are_listed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(clingo_engine, "REPORTED", 0.0)
+    told: list[str] = []
+    facts = "fluent(f;g). initially(f,false;g,false). action(a;b). postcondition(a,f,true;b,g,true)."
+    TaskSpace(domain_of(facts), 2, progress=told.append).where("loop-free").sample(1, seed=1)
+    (line,) = [words for words in told if isinstance(words, Note) and "lists all tasks" in words]
+    assert "of length 2, at most 300,000" in line and "--time" in line
+    assert "listing tasks of length 2: 1 of at most 300,000" in told
 
 
 def test_progress_says_why_clingo_took_over() -> None:

@@ -34,9 +34,10 @@ def explored(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 
 def test_levels_share_what_is_explored_and_who_listens_or_is_limited_explores_anew(explored: list[int]) -> None:
-    model = DomainLogic(load_domain("kitchen"))
+    domain = load_domain("kitchen")
+    model, space = DomainLogic(domain), TaskSpace(domain, 0)
     plans = AutomatonEngine(model, "plan")
-    expected = [TaskSpace(load_domain("kitchen"), length).count("skeleton") for length in (2, 3)]
+    expected = [space.at(length).count("skeleton") for length in (2, 3)]
     explored.clear()
     assert plans.count(2) and explored == [2]
     assert AutomatonEngine(model, "skeleton").count(2) == expected[0] and explored == [2]
@@ -50,8 +51,9 @@ def test_levels_share_what_is_explored_and_who_listens_or_is_limited_explores_an
 
 
 def test_what_was_explored_up_to_a_length_answers_for_no_other(explored: list[int]) -> None:
-    model = DomainLogic(load_domain("kitchen"))
-    known = [TaskSpace(load_domain("kitchen"), length).count("plan") for length in range(5)]
+    domain = load_domain("kitchen")
+    model, space = DomainLogic(domain), TaskSpace(domain, 0)
+    known = [space.at(length).count("plan") for length in range(5)]
     explored.clear()
     for length in (2, 4, 1, 0, 3):
         engine = AutomatonEngine(model, "plan")

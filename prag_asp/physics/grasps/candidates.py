@@ -1,0 +1,215 @@
+"""Candidates of antipodal grasps: points of a surface, the points opposite to them, and tools around their line."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.physics.grasps.pads import ParallelGripper
+from prag_asp.scene.geometry import Pose
+
+Floats = NDArray[np.float64]
+
+POINTS = 400
+"""The number of points of the surface at which grasps are sampled."""
+
+TILTS = (0.0, 0.35, 0.7, 1.05, 1.4)
+"""The angles to try between the tool's direction and straight down, in radians: from above to the side."""
+
+CONE_SHARE = 0.6
+"""The share of the friction angle that a sampled contact may use: the rest is for accelerations when lifting."""
+
+FLATTER = (0.5, 0.95)
+"""The shares of the cone's angle by which an axis is turned from the normal towards the horizontal."""
+
+UPRIGHT = 1e-3
+"""The slope in radians below which a normal is horizontal, and the cosine below which it is vertical."""
+
+PARALLEL = 1e-15
+"""The triple product in m² of a triangle's sides and a unit vector below which both count as parallel."""
+
+STEEP = -0.3
+"""The tool's direction along z above which fingers are not lifted off the ground: they come from the side."""
+
+ROOM = 0.003
+"""The distance in metres between open fingers and the body on each side when the hand descends."""
+
+BELOW = 0.0005
+"""The minimum distance of the fingertips from the plane on which the body stands, in metres."""
+
+LONG_LEVER, TILT_COST = 0.05, 0.3
+"""The lever arm of the centre of mass in metres that lowers a score by 1, and the cost of a radian of tilt."""
+
+
+class Candidate(NamedTuple):
+    """A candidate of a grasp: its cost and number, by which candidates are tried, and the place of the tool.
+
+    `tilt` is the angle between the tool's direction and straight down in radians; `middle` (3,) the point between the
+    contacts in metres; `rotation` (3, 3) has the axes of the tool as columns; all in the frame of the body.
+    """
+
+    cost: float
+    number: int
+    tilt: float
+    middle: Floats
+    rotation: Floats
+
+
+def grasp_candidates(
+    parts: Sequence[Floats], centre: tuple[float, float, float], friction: float, opening: float
+) -> list[Candidate]:
+    """Return candidates of grasps of a body, the most promising first; the samples are fixed.
+
+    `parts` (n, 3, 3) are its convex parts as triangles and `centre` is its centre of mass, in its frame in metres;
+    `friction` is the coefficient between pad and body, `opening` that of the gripper in metres.
+    """
+    points, normals = surface_points(parts, POINTS, np.random.default_rng(0))
+    candidates: list[Candidate] = []
+    for point, far, axis in _antipodal_pairs(points, normals, np.concatenate(parts), friction, opening):
+        middle = (point + far) / 2
+        lever = middle - centre
+        lever -= (lever @ axis) * axis
+        leverage = math.hypot(lever[0], lever[1]) / LONG_LEVER
+        for tilt, rotation in _tools(axis):
+            candidates.append(Candidate(leverage + TILT_COST * tilt, len(candidates), tilt, middle, rotation))
+    return sorted(candidates, key=lambda each: each[:2])
+
+
+def surface_points(parts: Sequence[Floats], number: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
+    """Return points of the surface, evenly by area, and their outward normals, without those inside another part."""
+    owners = np.concatenate([np.full(len(part), i) for i, part in enumerate(parts)])
+    triangles = np.concatenate(parts)
+    crossed = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    lengths = np.linalg.norm(crossed, axis=1)
+    steps = (np.arange(number) + rng.random(number)) / number
+    chosen = np.searchsorted(np.cumsum(lengths) / lengths.sum(), steps)
+    chosen = np.minimum(chosen, len(triangles) - 1)
+    one, two = np.sqrt(rng.random(number)), rng.random(number)
+    shares = np.stack([1 - one, one * (1 - two), one * two], 1)
+    points = np.einsum("ij,ijk->ik", shares, triangles[chosen])
+    normals = crossed[chosen] / lengths[chosen, None]
+    free = np.ones(number, bool)
+    for i, part in enumerate(parts):
+        planes = np.cross(part[:, 1] - part[:, 0], part[:, 2] - part[:, 0])
+        planes /= np.linalg.norm(planes, axis=1)[:, None]
+        depth = (points @ planes.T - np.einsum("ij,ij->i", planes, part[:, 0])).max(1)
+        free &= (owners[chosen] == i) | (depth > -1e-6)
+    return points[free], normals[free]
+
+
+def _antipodal_pairs(
+    points: Floats, normals: Floats, triangles: Floats, friction: float, opening: float
+) -> Iterator[tuple[Floats, Floats, Floats]]:
+    """Yield points of the surface, the points opposite to them, and the unit vectors from the latter to the former."""
+    least = math.cos(CONE_SHARE * math.atan(friction))
+    corner, one, two = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    facing = crossed(one, two)
+    facing /= np.linalg.norm(facing, axis=1)[:, None]
+    rays = [(point, axis) for point, normal in zip(points, normals, strict=True) for axis in _axes(normal, least)]
+    for point, normal in rays:
+        inward = -normal
+        # Möller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997.
+        cross = crossed(inward, two)
+        scale = np.einsum("ij,ij->i", one, cross)
+        # A triangle parallel to the line is not hit: the distance along the line is then 0.
+        scale[np.abs(scale) < PARALLEL] = math.inf
+        offset = point - corner
+        u = np.einsum("ij,ij->i", offset, cross) / scale
+        other = crossed(offset, one)
+        v = (other @ inward) / scale
+        way = np.einsum("ij,ij->i", two, other) / scale
+        hit = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (way > 1e-5) & (way <= opening) & (facing @ inward >= least)
+        for length in sorted({round(float(each), 6) for each in way[hit]}):
+            yield point, point - length * normal, normal
+
+
+def _axes(normal: Floats, least: float) -> Iterator[Floats]:
+    """Yield closing axes at a contact: its normal, and flatter axes within the cone of cosine `least`.
+
+    The hand is broad along this axis: the flatter the axis, the farther the hand is from the ground.
+    """
+    yield normal
+    flat, slope = math.hypot(normal[0], normal[1]), math.asin(max(-1.0, min(1.0, float(normal[2]))))
+    if flat < UPRIGHT or abs(slope) < UPRIGHT:
+        return
+    for share in FLATTER:
+        left = max(0.0, abs(slope) - share * math.acos(least))
+        turned = math.copysign(left, slope)
+        yield np.array([*(normal[:2] / flat * math.cos(turned)), math.sin(turned)])
+        if left == 0.0:
+            return
+
+
+def _tools(axis: Floats) -> Iterator[tuple[float, Floats]]:
+    """Yield directions of the tool around an opening axis: the angle to straight down, and the axes as columns."""
+    down = np.array([0.0, 0.0, -1.0])
+    side = down - (down @ axis) * axis
+    length = float(np.linalg.norm(side))
+    if length < 1e-3:
+        return
+    side /= length
+    across = crossed(axis, side)
+    steepest = math.acos(min(1.0, length))
+    for tilt in TILTS:
+        if tilt < steepest and tilt + 0.35 > steepest:
+            turns = {0.0}
+        elif tilt >= steepest:
+            turn = math.acos(min(1.0, math.cos(tilt) / length))
+            turns = {turn, -turn}
+        else:
+            continue
+        for turn in sorted(turns):
+            direction = math.cos(turn) * side + math.sin(turn) * across
+            angle = math.acos(max(-1.0, min(1.0, -float(direction[2]))))
+            yield angle, np.stack([crossed(axis, direction), axis, direction], 1)
+
+
+def crossed(one: Floats, two: Floats) -> Floats:
+    """Return the cross products of vectors (3,) or (n, 3); for few vectors, `np.cross` takes several times as long."""
+    (a, b, c), (d, e, f) = one.T, two.T
+    return np.stack([b * f - c * e, c * d - a * f, a * e - b * d], -1)
+
+
+def above_ground(gripper: ParallelGripper, lowest: float, middle: Floats, rotation: Floats) -> Pose | None:
+    """Return the pose of a tool with its fingertips above the ground, moved back as far as necessary.
+
+    `lowest` is the height of the ground in metres. None if fingers from the side, or the palm, would be in it.
+    """
+    tips = min(
+        z * rotation[2, 2] - np.abs(rotation[2]) @ (x_half, y + y_half + gripper.opening / 2, z_half)
+        for (_, y, z), (x_half, y_half, z_half) in gripper.fingers
+    )
+    ground = lowest + BELOW
+    miss = ground - (middle[2] + tips)
+    if miss > 0.0:
+        if rotation[2, 2] > STEEP:
+            return None
+        middle = middle + miss / rotation[2, 2] * rotation[:, 2]
+    centre, sides = gripper.palm
+    if middle[2] + rotation[2] @ centre - np.abs(rotation[2]) @ sides < ground + ROOM:
+        return None
+    return Pose((float(middle[0]), float(middle[1]), float(middle[2])), _quaternion(rotation))
+
+
+def _quaternion(rotation: Floats) -> tuple[float, float, float, float]:
+    """Return a rotation matrix as a quaternion, computed from its largest component (Shepperd, 1978)."""
+    trace = rotation.trace()
+    squares = [1 + 2 * rotation[i, i] - trace for i in range(3)] + [1 + trace]
+    k = int(np.argmax(squares))
+    if k == 3:
+        parts = [
+            rotation[2, 1] - rotation[1, 2],
+            rotation[0, 2] - rotation[2, 0],
+            rotation[1, 0] - rotation[0, 1],
+            squares[3],
+        ]
+    else:
+        i, j = (k + 1) % 3, (k + 2) % 3
+        parts = [0.0, 0.0, 0.0, rotation[j, i] - rotation[i, j]]
+        parts[k], parts[i], parts[j] = squares[k], rotation[i, k] + rotation[k, i], rotation[j, k] + rotation[k, j]
+    x, y, z, w = (np.array(parts) / np.linalg.norm(parts)).tolist()
+    return (x, y, z, w)

@@ -1,0 +1,65 @@
+"""A wrapper of environments for learning: actions relative to a scripted reach."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.errors import QueryError
+from prag_asp.rl.control import SIZES, STRIDE
+from prag_asp.rl.environment import TaskEnv
+from prag_asp.rl.observations import named_bodies
+
+ABOVE, ASIDE = 0.06, 0.02
+"""The height in metres over a body at which the tool travels, and the horizontal distance at which it descends."""
+
+
+class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np.float32]]):
+    """Adds to each action the motion of a scripted reach to the first body that the current action names.
+
+    The reach moves the tool of the acting arm over the body, then down to its centre, at most by the largest
+    displacement of an action; it does not turn the tool or move the fingers, and lifts what the arm holds.
+    An agent thus learns a residual (Johannink and others, "Residual reinforcement learning for robot control", 2019),
+    of which `share` is the scale.
+
+    Raises:
+        QueryError: the environment is not a `TaskEnv`, does not take displacements of the tool, or the share is not
+            above 0 and at most 1.
+    """
+
+    def __init__(self, env: gymnasium.Env[Any, NDArray[np.float32]], share: float = 0.5):
+        super().__init__(env)
+        if not isinstance(env.unwrapped, TaskEnv) or env.unwrapped.control != "tool":
+            raise QueryError('a reach moves the tool; give a TaskEnv with control="tool"')
+        if not 0.0 < share <= 1.0:
+            raise QueryError(f"a share is above 0 and at most 1; got {share!r:.80}")
+        self._task_env, self._share = env.unwrapped, share
+
+    def action(self, action: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the action of the environment, clipped to -1 and 1."""
+        env = self._task_env
+        scale = np.tile(np.array([*[self._share] * 4, 1.0], dtype=np.float32), len(env.layout.robots))
+        moves: NDArray[np.float32] = np.clip(scale * action + self._reach(), -1.0, 1.0, dtype=np.float32)
+        return moves
+
+    def _reach(self) -> NDArray[np.float32]:
+        """Return the motion of the reach as an action."""
+        env, robots = self._task_env, self._task_env.layout.robots
+        moves = np.zeros((len(robots), SIZES["tool"]), dtype=np.float32)
+        acting = next((name for name in env.action.arguments if name in robots), robots[0])
+        bodies = named_bodies(env.action, env.scene)
+        if env.situation.arm(acting).held is not None:
+            moves[robots.index(acting), 2] = 1.0
+        elif bodies:
+            body, tool = env.situation.body(bodies[0]), env.situation.tool(acting).position
+            x, y, z = (at - here for at, here in zip(body.centre, tool, strict=True))
+            if math.hypot(x, y) > ASIDE:
+                over = body.high[2] + ABOVE - tool[2]
+                x, y, z = (x, y, over) if over < ABOVE / 2 else (0.0, 0.0, over)
+            step = max(STRIDE * env.action_scale, abs(x), abs(y), abs(z))
+            moves[robots.index(acting), :3] = x / step, y / step, z / step
+        return moves.ravel()
