@@ -25,7 +25,7 @@ from prag_asp.output.digests import digest
 from prag_asp.processes.worker_pool import map_ordered
 from prag_asp.processes.workers import uninterrupted
 from prag_asp.versions import versions
-from prag_asp.wording import plural
+from prag_asp.wording import plural, unknown
 
 if TYPE_CHECKING:
     from prag_asp.evaluation.policies.policy import PolicyMaker
@@ -33,6 +33,11 @@ if TYPE_CHECKING:
 
 ACTIVITY = "evaluating a policy"
 """The name of the activity in progress displays."""
+
+ENVIRONMENT = (
+    "control", "action_scale", "observation", "everything", "goals", "steps", "language", "cameras", "size",
+)  # fmt: skip
+"""The options of the environment that an evaluation may set: those of what a policy sees and does."""
 
 JOURNAL = "journal.part"
 """The file with the results of episodes until all have ended."""
@@ -59,7 +64,7 @@ def evaluate(
     """Run a policy in each scenario of a source, and return the results.
 
     `policy` is a text that `load_policy` takes, or a function of an observation (and of `info`, if it has a parameter
-    of that name) or a class of such functions; `environment` has options of `TaskEnv`. A `wrapper` wraps the
+    of that name) or a class of such functions; `environment` has options of `TaskEnv` (`ENVIRONMENT`). A `wrapper` wraps the
     environment, as in training. A policy that takes random numbers from the global generators of Python, NumPy or
     PyTorch gets a seed for each episode, so results do not depend on the number of `workers`, if those of the policy do
     not.
@@ -75,6 +80,9 @@ def evaluate(
     """
     if workers < 1:
         raise QueryError(f"an evaluation needs at least 1 worker; got {workers}")
+    for option in environment:
+        if option not in ENVIRONMENT:
+            raise QueryError(unknown(option, ENVIRONMENT, "option of the environment"))
     if videos and folder is None:
         raise QueryError(f"{plural(videos, 'video')} are written into the folder of the results; give one")
     name = policy if isinstance(policy, str) else _name(policy)
@@ -102,7 +110,7 @@ def evaluate(
     try:
         results = Results(*_evaluated(record, source, setup, workers, journal.lines, journal.write, progress))
         if videos:
-            _film(results, source, setup, path, videos)
+            _write_videos(results, source, setup, path, videos)
         with uninterrupted():
             results.write(path)
             journal.clear()
@@ -158,7 +166,7 @@ def _evaluated(
     return msgspec.structs.replace(record, rejected=rejected), tuple(episodes)
 
 
-def _film(results: Results, source: ScenarioSource, setup: EpisodeSetup, folder: Path, count: int) -> None:
+def _write_videos(results: Results, source: ScenarioSource, setup: EpisodeSetup, folder: Path, count: int) -> None:
     """Run the first failed episodes again, which they repeat exactly, and write a video of each."""
     from prag_asp.dataset.formats.video import Video
     from prag_asp.missing import require_packages

@@ -62,7 +62,10 @@ class ScenarioSource(Protocol):
 
 @dataclass(frozen=True)
 class FreshScenarios:
-    """Distinct feasible tasks of a space, sampled uniformly without replacement, that satisfy `keep`."""
+    """Distinct feasible tasks of a space, sampled uniformly without replacement, that satisfy `keep`.
+
+    Tasks whose final state is the initial state are left out unless `trivial`.
+    """
 
     space: TaskSpace
     count: int
@@ -70,6 +73,7 @@ class FreshScenarios:
     budget: Budget | None = None
     keep: Callable[[Task], bool] | None = None
     excluded: str = ""
+    trivial: bool = False
 
     @property
     def domain(self) -> Domain:
@@ -90,15 +94,16 @@ class FreshScenarios:
     def identity(self) -> str:
         """The space, and the options of the sample."""
         scenarios = Scenarios(self.space.domain, self.space)
-        return digest([scenarios.digest, self.title, self.count, str(self.budget), self.excluded])
+        return digest([scenarios.digest, self.title, self.count, str(self.budget), self.excluded, self.trivial])
 
     def jobs(self) -> Iterator[EpisodeJob]:
         """Yield sampled tasks, feasible or not."""
         scenarios = Scenarios(self.space.domain, self.space)
         tasks = filter(self.keep, self.space.stream(seed=self.seed, weights={}, distinct=True))
         for index, task in enumerate(islice(tasks, DRAWS_FOR_EACH * self.count)):
-            start = SearchStart.of(self.seed, index, self.budget)
-            yield EpisodeJob("", scenarios.of(self.space, task, start))
+            if self.trivial or not task.trivial:
+                start = SearchStart.of(self.seed, index, self.budget)
+                yield EpisodeJob("", scenarios.of(self.space, task, start))
 
 
 @dataclass(frozen=True)

@@ -164,7 +164,7 @@ def test_a_zip_of_stable_baselines_predicts_as_its_model_does(fresh: FreshScenar
 
     env = TaskEnv(fresh.space)
     for name in ("SAC", "PPO", "A2C"):
-        model = getattr(sb3, name)("MultiInputPolicy", env, policy_kwargs={"net_arch": [4]}, device="cpu", seed=1)
+        model = getattr(sb3, name)("MlpPolicy", env, policy_kwargs={"net_arch": [4]}, device="cpu", seed=1)
         model.save(tmp_path / f"{name}.zip")
         assert algorithm_of(tmp_path / f"{name}.zip") == ("stable_baselines3", name)
     by_zip = evaluate(str(tmp_path / "A2C.zip"), fresh, steps=5)
@@ -218,7 +218,8 @@ def test_a_policy_server_gets_observations_and_answers_chunks(
     "arguments",
     [
         ["tabletop"], ["tabletop", "-n", "1", "--data", "x"], ["-n", "1"], ["--part", "test", "tabletop", "-n", "1"],
-        ["--data", "no_such"], ["--scenarios", "no_such"],
+        ["--data", "no_such"], ["--scenarios", "no_such"], ["tabletop", "-n", "1", "--env", "goal=true"],
+        ["tabletop", "-n", "1", "--env", "goals"],
     ],
 )  # fmt: skip
 def test_contradictory_requests_are_refused(arguments: list[str], tmp_path: Path) -> None:

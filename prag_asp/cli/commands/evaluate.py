@@ -14,6 +14,7 @@ from prag_asp.cli.options import whole
 from prag_asp.cli.physics_options import BUDGET, parse_pixels
 from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.errors import QueryError
+from prag_asp.tables.json_fields import decoded
 
 if TYPE_CHECKING:
     from prag_asp.evaluation.sources import ScenarioSource
@@ -54,6 +55,10 @@ COUNT = 100
 @click.option("--cameras", metavar="A,B,...", shell_complete=shell_completion.cameras, help="Cameras to observe.")
 @click.option("--size", metavar="WxH", help="With --cameras: pixels of the images.")
 @click.option("--language", metavar="LANGUAGE", help="Language of the instructions.  [default: en]")
+@click.option(
+    "--env", "others", metavar="NAME=VALUE", multiple=True,
+    help="Another option of the environment, as in training, such as goals=true or action_scale=0.5.",
+)  # fmt: skip
 @click.option("--wrapper", metavar="MODULE:CALLABLE", help="Wrap the environment, as in training.")
 @click.option(
     "--videos", type=whole(0), default=0, show_default=True, metavar="K", help="Write videos of the first K failures."
@@ -79,6 +84,7 @@ def evaluate(
     cameras: str | None,
     size: str | None,
     language: str | None,
+    others: tuple[str, ...],
     wrapper: str | None,
     videos: int,
     output: str,
@@ -97,7 +103,7 @@ def evaluate(
         "control": control, "steps": steps, "everything": everything or None, "language": language,
         "cameras": tuple(cameras.split(",")) if cameras else None, "size": parse_pixels(size) if size else None,
     }  # fmt: skip
-    environment = {name: value for name, value in given.items() if value is not None}
+    environment = {name: value for name, value in given.items() if value is not None} | _options(others)
     with progress() as tell:
         request = replace(request, length=lengths if lengths is not None else 0)
         source = _source(request, data, parts, ids, count, seed, budget, with_length=lengths is not None)
@@ -163,6 +169,24 @@ def _source(
     if not request.names:
         raise QueryError("--length is that of the tasks of a domain; give DOMAIN, such as tabletop")
     return FreshScenarios(request.spaces(), count or COUNT, seed, Budget.parse(budget or BUDGET))
+
+
+def _options(texts: tuple[str, ...]) -> dict[str, Any]:
+    """Return the options of the environment in texts; a value is JSON, or a text.
+
+    Raises:
+        QueryError: a text is not of the form NAME=VALUE.
+    """
+    options = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not name or not equals:
+            raise QueryError(f"--env {text}: write NAME=VALUE, such as goals=true")
+        try:
+            options[name] = decoded(value)
+        except QueryError:
+            options[name] = value
+    return options
 
 
 def _imported(wrapper: str | None) -> Any:

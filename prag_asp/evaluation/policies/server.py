@@ -66,12 +66,13 @@ class ServerPolicy:
             QueryError: the server reports an error, ends, or does not answer in its protocol.
         """
         if not self._chunk:
+            numbers = observation["observation"] if isinstance(observation, Mapping) else observation
             images = {
-                f"observation/{name.removeprefix(CAMERA)}": each
-                for name, each in observation.items()
+                f"observation/{name.removeprefix(CAMERA)}": image
+                for name, image in (observation.items() if isinstance(observation, Mapping) else ())
                 if name.startswith(CAMERA)
             }
-            request = {"observation/state": observation["observation"], **images, "prompt": info["instruction"]}
+            request = {"observation/state": numbers, **images, "prompt": info["instruction"]}
             try:
                 self._connection.send(_packed(request))
                 answer = self._received()
