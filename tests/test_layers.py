@@ -98,7 +98,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "task_space", "without_replacement", "emptiness",
     ),
     "physics": (
-        "bullet", "required", "temporary_files", "robot", "grasps", "witness", "situation", "predicates",
+        "bullet", "required", "temporary_files", "robot", "grasps", "witness", "extent", "situation", "predicates",
         "symbolic_facts", "world", "proofs", "search", "motion", "checks", "demonstration", "filming",
         "pictures", "verdict", "witness_search", "tiers", "validator", "validation",
     ),

@@ -64,8 +64,8 @@ def evaluate(
     """Run a policy in each scenario of a source, and return the results.
 
     `policy` is a text that `load_policy` takes, or a function of an observation (and of `info`, if it has a parameter
-    of that name) or a class of such functions; `environment` has options of `TaskEnv` (`ENVIRONMENT`). A `wrapper` wraps the
-    environment, as in training. A policy that takes random numbers from the global generators of Python, NumPy or
+    of that name) or a class of such functions; `environment` has options of `TaskEnv` (those in `ENVIRONMENT`). A
+    `wrapper` wraps the environment, as in training. A policy that takes random numbers from the global generators of Python, NumPy or
     PyTorch gets a seed for each episode, so results do not depend on the number of `workers`, if those of the policy do
     not.
 
