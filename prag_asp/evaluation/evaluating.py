@@ -65,9 +65,9 @@ def evaluate(
 
     `policy` is a text that `load_policy` takes, or a function of an observation (and of `info`, if it has a parameter
     of that name) or a class of such functions; `environment` has options of `TaskEnv` (those in `ENVIRONMENT`). A
-    `wrapper` wraps the environment, as in training. A policy that takes random numbers from the global generators of Python, NumPy or
-    PyTorch gets a seed for each episode, so results do not depend on the number of `workers`, if those of the policy do
-    not.
+    `wrapper` wraps the environment, as in training. A policy that takes random numbers from the global generators of
+    Python, NumPy or PyTorch gets a seed for each episode, so results do not depend on the number of `workers`, if those
+    of the policy do not.
 
     With a `folder`, the results are written there: evaluation.json, a table of episodes, and `videos` of the first
     failures. An interrupted evaluation continues there; all episodes before the oldest running one are kept.
