@@ -99,13 +99,13 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     ),
     "physics": (
         "bullet", "required", "temporary_files", "robot", "grasps", "witness", "extent", "situation", "predicates",
-        "symbolic_facts", "world", "proofs", "search", "motion", "checks", "demonstration", "filming",
+        "symbolic_facts", "world", "control", "proofs", "search", "motion", "checks", "demonstration", "filming",
         "pictures", "verdict", "witness_search", "tiers", "validator", "validation",
     ),
     "rl": (
-        "registration", "control", "arena", "goals", "observations", "rewards", "environment_options", "goal_env",
+        "registration", "arena", "goals", "observations", "rewards", "environment_options", "goal_env",
         "reward_annealing", "state_checksum", "camera_views", "curriculum", "tasks", "environment", "wrappers",
-        "scripted_agent", "skill_chains",
+        "scripted_agent", "skill_chains", "episode_replay",
     ),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""

@@ -17,7 +17,6 @@ from prag_asp.dataset.validation_jobs import initial_state_key
 from prag_asp.errors import PragError, QueryError
 from prag_asp.evaluation.policies.policy import Policy, PolicyMaker
 from prag_asp.physics import Staging, open_validator
-from prag_asp.rl.arena import PERIOD
 from prag_asp.rl.environment import TaskEnv
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.tables.json_fields import Whole
@@ -100,7 +99,7 @@ class EpisodeRunner:
     @property
     def frame_rate(self) -> int:
         """The number of steps per second."""
-        return round(1 / PERIOD)
+        return int(self._env.unwrapped.metadata["render_fps"])
 
     def run(self, job: EpisodeJob, watch: Watch = lambda env: None) -> EpisodeResult | None:
         """Return the result of an episode, or None if the search finds no witness of its task.
@@ -135,7 +134,7 @@ class EpisodeRunner:
         return EpisodeResult(
             str(job.scenario), job.part, initial_digest(witness), len(task), [str(each) for each in task.actions],
             classes_of(task), info["instruction"], cause == SUCCESS, reached, subgoals, sum(steps),
-            cause, sum(steps) * PERIOD,
+            cause, sum(steps) / self.frame_rate,
         )  # fmt: skip
 
     def _searched(self, scenario: Scenario) -> tuple[Task, Witness | None]:

@@ -35,7 +35,7 @@ ACTIVITY = "evaluating a policy"
 """The name of the activity in progress displays."""
 
 ENVIRONMENT = (
-    "control", "action_scale", "observation", "everything", "goals", "steps", "language", "cameras", "size",
+    "control", "rate", "action_scale", "observation", "everything", "goals", "steps", "language", "cameras", "size",
 )  # fmt: skip
 """The options of the environment that an evaluation may set: those of what a policy sees and does."""
 

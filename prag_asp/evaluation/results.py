@@ -49,7 +49,7 @@ class EvaluationRecord(msgspec.Struct, frozen=True):
             return f"the domains are {self.domain} and {other.domain}"
         if self.digest != other.digest:
             return f"they have different states of the domain {self.domain} ({self.digest} and {other.digest})"
-        for name in sorted({*self.options, *other.options} & {"control", "action_scale", "steps"}):
+        for name in sorted({*self.options, *other.options} & {"control", "rate", "action_scale", "steps"}):
             mine, its = self.options.get(name, "the default"), other.options.get(name, "the default")
             if mine != its:
                 return f"the option {name} is {shown(mine)} and {shown(its)}"

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import QueryError
+from prag_asp.physics.control.names import UPRIGHT
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.situation import Situation
-from prag_asp.rl.control import SIZES, STRIDE, TURN
 from prag_asp.rl.environment import TaskEnv
 from prag_asp.rl.observations import named_bodies
 from prag_asp.scene.geometry import rotate
@@ -38,8 +38,8 @@ class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np
 
     def __init__(self, env: gymnasium.Env[Any, NDArray[np.float32]], share: float = 0.3):
         super().__init__(env)
-        if not isinstance(env.unwrapped, TaskEnv) or env.unwrapped.control != "tool":
-            raise QueryError('a reach moves the tool; give a TaskEnv with control="tool"')
+        if not isinstance(env.unwrapped, TaskEnv) or env.unwrapped.control.name != UPRIGHT:
+            raise QueryError(f'a reach moves an upright tool; give a TaskEnv with control="{UPRIGHT}"')
         if not 0.0 < share <= 1.0:
             raise QueryError(f"a share is above 0 and at most 1; got {share!r:.80}")
         self._task_env, self._share = env.unwrapped, share
@@ -54,7 +54,7 @@ class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np
     def _reach(self) -> NDArray[np.float32]:
         """Return the motion of the reach as an action."""
         env, robots = self._task_env, self._task_env.layout.robots
-        moves = np.zeros((len(robots), SIZES["tool"]), dtype=np.float32)
+        moves = np.zeros((len(robots), len(env.control.convention.numbers)), dtype=np.float32)
         acting = next((name for name in env.action.arguments if name in robots), robots[0])
         bodies = named_bodies(env.action, env.scene)
         if bodies and HOLDING.holds(env.situation, (acting, bodies[0])):
@@ -65,8 +65,9 @@ class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np
             if math.hypot(x, y) > ASIDE:
                 over = body.high[2] + ABOVE - tool[2]
                 x, y, z = (x, y, over) if over < ABOVE / 2 else (0.0, 0.0, over)
-            step = max(STRIDE * env.action_scale, abs(x), abs(y), abs(z))
-            turn = _turn(env.situation, acting, bodies[0]) / (TURN * env.action_scale)
+            stride, _, _, most, *_ = env.control.upper.tolist()
+            step = max(stride, abs(x), abs(y), abs(z))
+            turn = _turn(env.situation, acting, bodies[0]) / most
             moves[robots.index(acting), :4] = x / step, y / step, z / step, min(max(turn, -1.0), 1.0)
         return moves.ravel()
 

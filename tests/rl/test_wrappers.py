@@ -37,7 +37,7 @@ def test_a_scripted_reach_brings_the_tool_to_the_body_and_an_action_adds_to_it(
 
 def test_what_cannot_be_reached_with_is_refused(given: Mapping[str, list[Given]]) -> None:
     task, witness = given["tabletop"][0]
-    joints = TaskEnv(task=task, witness=witness, control="joints")
+    joints = TaskEnv(task=task, witness=witness, control="joint_delta")
     for env, share in ((joints, 0.5), (gymnasium.Env(), 0.5), (TaskEnv(task=task, witness=witness), 0.0)):
         with pytest.raises(QueryError):
             ScriptedReach(env, share)

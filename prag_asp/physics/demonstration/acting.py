@@ -14,8 +14,9 @@ from prag_asp.physics.motion.trajectory import blend_paths, joint_limits
 from prag_asp.physics.search.attempt import NO_PATH
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm, Moment, Waypoint
-from prag_asp.physics.world.dynamics import STILL, TIME_STEP, ArmCommand, Dynamics
+from prag_asp.physics.world.dynamics import STILL, ArmCommand, Dynamics
 from prag_asp.physics.world.simulator import Simulator
+from prag_asp.physics.world.time_step import TIME_STEP
 from prag_asp.scene.robots import robot_of
 
 SQUEEZE = 0.008

@@ -18,12 +18,10 @@ from prag_asp.physics.world.collisions import BASE_LINK
 from prag_asp.physics.world.furniture_bodies import JOINT, UPRIGHT, read_opening, set_opening
 from prag_asp.physics.world.simulated_arm import load_robot_files, set_joints
 from prag_asp.physics.world.simulator import open_client, read_pose, start_world
+from prag_asp.physics.world.time_step import TIME_STEP
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.robots import Joints, Robot, robot_of
 from prag_asp.scene.scene import Scene
-
-TIME_STEP = 1 / 120
-"""The time step in seconds; halving it doubles the cost and does not raise the share of tasks that succeed."""
 
 SOLVER_ITERATIONS = 200
 """The number of solver iterations. With PyBullet's default of 50, a joint sometimes exceeds its acceleration limit; 200
