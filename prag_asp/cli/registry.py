@@ -32,6 +32,7 @@ COMMANDS = {
     "merge": "merge",
     "models": "models",
     "new": "domains",
+    "power": "power",
     "render": "render",
     "sample": "sample",
     "scenario": "scenario",
@@ -48,7 +49,7 @@ GROUPS = {
     "Domains": ("domains", "new", "check", "explain", "learn", "import"),
     "Task spaces": ("count", "task", "sample", "enumerate", "scenario", "split", "stats", "validate", "render"),
     "Datasets": ("generate", "merge", "verify", "suite", "export"),
-    "Other": ("models", "completion"),
+    "Other": ("power", "models", "completion"),
 }
 """The commands in the order of the help."""
 
