@@ -116,6 +116,33 @@ TRANSITIVE = "{ r(X,Y) } :- X = 1..n, Y = 1..n. :- r(X,Y), r(Y,Z), not r(X,Z). :
 STABLE = (
     "a(I) :- not b(I), I = 1..n. b(I) :- not c(I), I = 1..n. c(I) :- not d(I), I = 1..n. d(I) :- not a(I), I = 1..n."
 )
+BALANCES = "{ in(1..n) }. :- #sum { I*(1-2*(I\\2)),I : in(I) } != 0."
+TWO_BUDGETS = "{ in(1..n) }. :- #sum { I*I\\17+1,I : in(I) } > s. :- #sum { I*7\\19+1,I : in(I) } < s."
+DICE = "{ d(I,1..6) } = 1 :- I = 1..n. :- #sum { V,I : d(I,V) } != s."
+LARGE_WEIGHTS = (
+    "{ in(1..n) }. :- #sum { 1000*I+I*I,I : in(I) } > 1000*s. :- #sum { 1000*I+I*I,I : in(I) } < 1000*s-1500."
+)
+TOTALS = "{ in(1..n) }. t(S) :- S = #sum { I : in(I) }. :- t(S), S \\ 7 != 0."
+GRID_ROBOT = (
+    "c(1..w,1..h). at((1,1),0). m(0,1). m(1,0). m(0,-1). m(-1,0). { go(X,Y,T) : m(X,Y) } = 1 :- T = 1..n. "
+    "at((X+A,Y+B),T) :- at((X,Y),T-1), go(A,B,T). :- at((X,Y),T), not c(X,Y). seen(C) :- at(C,T). "
+    ":- c(X,Y), not seen((X,Y))."
+)
+TWO_ROBOTS = (
+    "at(1,1,0). at(2,w,0). { go(R,D,T) : D = -1..1 } = 1 :- R = 1..2, T = 1..n. "
+    "at(R,X+D,T) :- at(R,X,T-1), go(R,D,T). "
+    ":- at(R,X,T), X < 1. :- at(R,X,T), X > w. :- at(1,X,T), at(2,X,T). seen(X) :- at(1,X,T). :- X = 1..w, not seen(X)."
+)
+VACUUM = (
+    "at(1,0). dirty(X,0) :- X = 1..w. { left(T); right(T); clean(T) } = 1 :- T = 1..n. "
+    "at(X-1,T) :- at(X,T-1), left(T). "
+    "at(X+1,T) :- at(X,T-1), right(T). at(X,T) :- at(X,T-1), clean(T). :- at(0,T). :- at(w+1,T). "
+    "dirty(X,T) :- dirty(X,T-1), T = 1..n, not wiped(X,T). wiped(X,T) :- clean(T), at(X,T-1). :- dirty(X,n)."
+)
+SWITCHES = (
+    "{ press(X,T) : X = 1..w } = 1 :- T = 1..n. used(X) :- press(X,T). :- X = 1..w, not used(X). "
+    ":- press(X,T), press(X,T+1)."
+)
 NOTHING_LEFT = "{ a(1..n) }. :- { a(1..n) } n/2. :- { a(1..n) } > n/2."
 
 
@@ -158,6 +185,12 @@ PROGRAMS: dict[str, Shape] = dict(
             sized("walks", WALK, {"w": 4, "n": 12}, {"w": 9, "n": 60}),
             sized("subsets", SUBSETS, {"n": 12, "k": 6}, {"n": 40, "k": 20}),
             sized("sums", SUMS, {"n": 14, "s": 50}, {"n": 24, "s": 150}),
+            sized("sums", SUMS, {"n": 30, "s": 200}),
+            sized("balances", BALANCES, {"n": 22}),
+            sized("two budgets", TWO_BUDGETS, {"n": 20, "s": 90}),
+            sized("dice", DICE, {"n": 10, "s": 35}),
+            sized("large weights", LARGE_WEIGHTS, {"n": 22, "s": 60}),
+            sized("totals", TOTALS, {"n": 18}),
             sized("spanning trees", TREE, {"n": 3, "m": 3}, {"n": 4, "m": 4}),
             sized("connected subgraphs", CONNECTED, {"n": 3, "m": 3}, {"n": 3, "m": 6}),
             sized("reachable", REACH, {"n": 4}, {"n": 5}),
@@ -183,6 +216,11 @@ PROGRAMS: dict[str, Shape] = dict(
             sized("orders", TOURNAMENT, {"n": 7}, {"n": 9}),
             sized("unfounded", UNFOUNDED, {"n": 30, "m": 30}),
             sized("robots", ROBOT, {"w": 6, "n": 14}),
+            sized("robots", ROBOT, {"w": 7, "n": 18}, {"w": 5, "n": 11}),
+            sized("robots on a grid", GRID_ROBOT, {"w": 3, "h": 3, "n": 14}),
+            sized("two robots", TWO_ROBOTS, {"w": 5, "n": 8}),
+            sized("vacuum cleaners", VACUUM, {"w": 5, "n": 15}),
+            sized("switches", SWITCHES, {"w": 5, "n": 10}),
             sized("preorders", TRANSITIVE, {"n": 4}, {"n": 5}),
             sized("cycles of negation", STABLE, {"n": 40}),
             sized("nothing left", NOTHING_LEFT, {"n": 24}),

@@ -75,10 +75,11 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "physics": GROUND | {"program", "scene", "domain"},
     "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
     "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
+    "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
     "analysis": GROUND | {"domain", "space"},
     "cli": GROUND
     | {"program", "scene", "grammar", "pddl", "reduction", "domain", "logic", "space", "models", "planners"}
-    | {"physics", "dataset", "analysis", "versions"},
+    | {"physics", "dataset", "evaluation", "analysis", "versions"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""
@@ -97,14 +98,14 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
         "task_space", "without_replacement", "emptiness",
     ),
     "physics": (
-        "bullet", "required", "temporary_files", "robot", "grasps", "witness", "situation", "predicates",
-        "symbolic_facts", "world", "proofs", "search", "motion", "checks", "demonstration", "filming",
+        "bullet", "required", "temporary_files", "robot", "grasps", "witness", "extent", "situation", "predicates",
+        "symbolic_facts", "world", "control", "proofs", "search", "motion", "checks", "demonstration", "filming",
         "pictures", "verdict", "witness_search", "tiers", "validator", "validation",
     ),
     "rl": (
-        "registration", "control", "arena", "goals", "observations", "rewards", "environment_options", "goal_env",
+        "registration", "arena", "goals", "observations", "rewards", "environment_options", "goal_env",
         "reward_annealing", "state_checksum", "camera_views", "curriculum", "tasks", "environment", "wrappers",
-        "scripted_agent", "skill_chains",
+        "scripted_agent", "skill_chains", "episode_replay",
     ),
 }  # fmt: skip
 """The rooms within a room, from the ground up: each imports only what stands below it."""

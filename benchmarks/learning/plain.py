@@ -1,8 +1,8 @@
-"""Success of agents with their default settings, in environments as they are: python benchmarks/learning/plain.py.
+"""Success of agents with their default settings: python benchmarks/learning/plain.py.
 
-Each agent of Stable-Baselines3 is trained in an environment by its name, without wrappers or own settings, with one
-seed for the agent and the tasks. It is then tested in 30 episodes whose tasks and initial states have another seed;
-settings of the package were chosen with a third one.
+Each agent of Stable-Baselines3 is trained in an environment by its name, without own settings and, except with
+`--reach`, without wrappers, with one seed for the agent and the tasks. It is then tested in 30 episodes whose tasks and
+initial states have another seed; settings of the package were chosen with a third one.
 
 Appends to plain.parquet in the folder --output; results in the file are not computed again. Requires the extra
 `learning`; 10,000 steps take two to three minutes of processor time.
@@ -27,10 +27,14 @@ from stable_baselines3 import SAC
 from stable_baselines3.common.base_class import BaseAlgorithm
 
 from prag_asp.rl import Rate
+from prag_asp.rl.wrappers import ScriptedReach
 
 AGENTS = {"SAC": SAC, "TQC": TQC}
 
 SKILLS = ("PragApproach", "PragGrasp")
+
+KIND = ("skill", "agent", "reach", "steps")
+"""The columns that distinguish the rows of a table."""
 
 FRESH = 20_000
 """The seed of the first test; that of an agent is added."""
@@ -39,6 +43,7 @@ FRESH = 20_000
 @click.command()
 @click.option("--agent", "agents", type=click.Choice([*AGENTS]), multiple=True, default=[*AGENTS], show_default=True)
 @click.option("--skill", "skills", multiple=True, default=SKILLS, show_default=True, help="Names of environments.")
+@click.option("--reach", is_flag=True, help="Add the actions to a scripted reach.")
 @click.option("--steps", type=int, default=10_000, show_default=True, help="Training steps.")
 @click.option("--seeds", type=int, default=3, show_default=True, help="Agents of each kind.")
 @click.option("--tests", type=int, default=30, show_default=True, help="Test episodes of each agent.")
@@ -47,6 +52,7 @@ FRESH = 20_000
 def main(
     agents: Sequence[str],
     skills: Sequence[str],
+    reach: bool,
     steps: int,
     seeds: int,
     tests: int,
@@ -60,11 +66,12 @@ def main(
     rows: list[dict[str, Any]] = pq.read_table(path).to_pylist() if path.exists() else []
     for seed in range(seeds):
         for agent, skill in ((agent, skill) for agent in agents for skill in skills):
-            key = {"agent": agent, "skill": skill, "steps": steps, "seed": seed}
+            key = {"agent": agent, "skill": skill, "reach": reach, "steps": steps, "seed": seed}
             if any(key.items() <= row.items() for row in rows):
                 continue
             before = time.process_time()
             env = gymnasium.make(f"prag_asp.rl:prag_asp/{skill}-v0")
+            env = ScriptedReach(env) if reach else env
             model = AGENTS[agent]("MlpPolicy", env, seed=seed, device="cpu").learn(steps)
             seconds = time.process_time() - before
             rate = tested(model, env, tests, seed=FRESH + seed)
@@ -92,13 +99,13 @@ def tested(model: BaseAlgorithm, env: gymnasium.Env[Any, Any], tests: int, *, se
 def table(rows: Sequence[dict[str, Any]]) -> Table:
     """Return the table of the rates, of each agent and of all seeds together."""
     result = Table("environment", "agent", "steps", "seeds", "all", "processor seconds of a seed")
-    for kind in dict.fromkeys((row["skill"], row["agent"], row["steps"]) for row in rows):
-        own = [row for row in rows if (row["skill"], row["agent"], row["steps"]) == kind]
+    for kind in dict.fromkeys(tuple(row[name] for name in KIND) for row in rows):
+        own = [row for row in rows if tuple(row[name] for name in KIND) == kind]
         each = ", ".join(f"{row['successes'] / row['trials']:.2f}" for row in own)
         together = Rate(sum(row["successes"] for row in own), sum(row["trials"] for row in own))
         seconds = sum(row["processor_seconds"] for row in own) / len(own)
-        skill, agent, steps = kind
-        result.add_row(skill, agent, f"{steps:,}", each, str(together), f"{seconds:.0f}")
+        skill, agent, reach, steps = kind
+        result.add_row(skill, agent + ", reach" * reach, f"{steps:,}", each, str(together), f"{seconds:.0f}")
     return result
 
 

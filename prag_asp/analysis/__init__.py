@@ -1,4 +1,4 @@
-"""Plot the numbers of plans, tasks and skeletons of a space by length; plan comparisons of policies.
+"""Plot the numbers of plans, tasks and skeletons of a space by length.
 
 >>> from prag_asp import TaskSpace, load_domain
 >>> from prag_asp.analysis import counts_by_length
@@ -14,14 +14,10 @@ from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
     from prag_asp.analysis.curve import Curve, Series, counts_by_length, draw_curve
-    from prag_asp.analysis.power import ComparisonDesign
 
-__all__ = ["ComparisonDesign", "Curve", "Series", "counts_by_length", "draw_curve"]
+__all__ = ["Curve", "Series", "counts_by_length", "draw_curve"]
 
-_HOMES = {
-    "prag_asp.analysis.curve": ("Curve", "Series", "counts_by_length", "draw_curve"),
-    "prag_asp.analysis.power": ("ComparisonDesign",),
-}
+_HOMES = {"prag_asp.analysis.curve": ("Curve", "Series", "counts_by_length", "draw_curve")}
 
 __getattr__ = names_from(__name__, _HOMES)
 

@@ -19,7 +19,7 @@ from prag_asp.models import ENGINES
 from prag_asp.models.atom_weights import stated_weights, unknown_weights
 from prag_asp.models.compiled_program import CompiledProgram
 from prag_asp.models.compiler import Progress
-from prag_asp.models.counting_race import count_beside, count_by_enumeration
+from prag_asp.models.counting_race import count_by_race
 from prag_asp.models.foundedness import list_models
 from prag_asp.models.ground_program import GroundModels, ground_models
 from prag_asp.models.program_reader import GivenProgram, places_of_costs, read_program
@@ -115,16 +115,12 @@ class AnswerSets:
     def count(self) -> int:
         """Return the exact number of answer sets, regardless of weights.
 
-        With engine auto, clingo enumerates first, with limited work. If it does not finish, counters and the diagram
-        compiler race: any of them may be faster by orders of magnitude.
+        With engine auto, clingo enumerates first, with limited work. If it does not finish, clingo, counters and the
+        diagram compiler race: any of them may be faster by orders of magnitude.
 
         Raises:
             EngineError: the engine ganak or d4 is not installed, or fails.
         """
-        if self.engine == "auto" and not self._compiled.has_diagram and not self._reason_to_enumerate:
-            number = count_by_enumeration(self._compiled)
-            if number is not None:
-                return number
         if self._way(counts=True) == "clingo":
             return self._compiled.enumeration.count()
         if self.engine in COUNTERS:
@@ -132,7 +128,7 @@ class AnswerSets:
             stage(f"counting models with {counter.name}")
             return count_models(self._compiled.counting_formula.cnf, counter=counter, request=f"engine {self.engine}")
         if self.engine == "auto" and not self._compiled.has_diagram:
-            number = count_beside(self._compiled)
+            number = count_by_race(self._compiled)
             if number is not None:
                 return number
         return self._compiled.diagram.unweighted().total

@@ -22,6 +22,7 @@ from prag_asp.logic.formula.solver import Solver
 from prag_asp.models.answer_set_formula import ModelFormula
 from prag_asp.models.diagram import Branch, Diagram
 from prag_asp.models.foundedness import FoundednessOracle
+from prag_asp.models.open_sums import Missing, OpenSum, open_sums
 from prag_asp.models.variable_order import DecisionOrder, decision_order
 from prag_asp.program.finite.components import components
 
@@ -37,10 +38,14 @@ Node = int
 
 @dataclass(frozen=True)
 class _Part:
-    """The variables of a component of the formula and its listed clauses, both sorted."""
+    """The variables of a component of the formula and its listed clauses and sums, both sorted.
+
+    Sums have the numbers after those of the clauses, and `missing` says what each lacks.
+    """
 
     variables: tuple[int, ...]
     clauses: tuple[int, ...]
+    missing: Mapping[int, Missing]
 
 
 @dataclass(frozen=True)
@@ -60,13 +65,16 @@ _Work = Generator[tuple[_Part, _Case], Node, Node]
 class PreparedFormula:
     """A formula before compilation: units are propagated, and variables numbered in decision order.
 
-    `names` has the variable of each number, from 1; `projection` has the numbers of decision variables, and `kept` the
-    names of the variables whose values the diagram has. `copies` has the atom of each copy, 0 for a fixed one, and None
-    for a gate. All models have the literals `fixed`; no clause has the variables `free`. If the formula is
+    The clauses `nodes` define the `sums`; their further variables have the last numbers, and are not decided. `names`
+    has the variable of each number, from 1; `projection` has the numbers of decision variables, and `kept` the names of
+    the variables whose values the diagram has. `copies` has the atom of each copy, 0 for a fixed one, and None for a
+    gate. All models have the literals `fixed`; no clause or sum restricts the variables `free`. If the formula is
     `contradictory`, the other fields are meaningless.
     """
 
     clauses: tuple[tuple[Literal, ...], ...]
+    nodes: tuple[tuple[Literal, ...], ...]
+    sums: tuple[OpenSum, ...]
     names: tuple[int, ...]
     fixed: tuple[Literal, ...]
     free: tuple[int, ...]
@@ -79,27 +87,38 @@ class PreparedFormula:
     @property
     def cost(self) -> str:
         """The length of the formula as text."""
-        clauses, variables = len(self.clauses), len(self.names) - 1
-        over = f"{variables:,} variable{'s' if variables > 1 else ''}"
-        return f"{clauses:,} clause{'s' if clauses > 1 else ''} over {over}, width {self.order.width}"
+        numbers = {"clause": len(self.clauses), "sum": len(self.sums), "variable": len(self.order.variables)}
+        clauses, sums, variables = (
+            f"{number:,} {what}{'' if number == 1 else 's'}" for what, number in numbers.items()
+        )
+        return f"{clauses}{f' and {sums}' if self.sums else ''} over {variables}, width {self.order.width}"
 
 
 def prepare(formula: ModelFormula, kept: Iterable[int]) -> PreparedFormula:
     """Return a formula prepared for a diagram with the values of the variables `kept`."""
     cnf, copies = formula.cnf, formula.completion.copies
-    fixed, clauses = _propagate(cnf.clauses)
-    order = decision_order(clauses or (), swept=bool(copies))
-    number = {variable: place for place, variable in enumerate(order.variables, 1)}
+    fixed, propagated = _propagate(cnf.clauses)
+    hidden = set() if copies else formula.completion.clauses.nodes
+    sums = () if copies else open_sums(formula.completion.clauses.sums.values(), fixed)
+    clauses = [clause for clause in propagated or () if hidden.isdisjoint(map(abs, clause))]
+    nodes = [clause for clause in propagated or () if not hidden.isdisjoint(map(abs, clause))]
+    order = decision_order(clauses, [each.variables for each in sums], looped=bool(copies))
+    further = sorted({abs(literal) for clause in nodes for literal in clause}.difference(order.variables))
+    number = {variable: place for place, variable in enumerate((*order.variables, *further), 1)}
+
+    def numbered(clause: Sequence[Literal]) -> tuple[Literal, ...]:
+        return tuple(number[abs(literal)] * (1 if literal > 0 else -1) for literal in clause)
+
     variables = range(1, cnf.variables + 1) if formula.whole else cnf.shown
-    projection = [variable for variable in variables if variable not in copies]
-    known = {abs(literal) for literal in fixed}
+    projection = [variable for variable in variables if variable not in copies and variable not in hidden]
+    decided = {*order.variables, *map(abs, fixed)}
     return PreparedFormula(
-        tuple(
-            tuple(number[abs(literal)] * (1 if literal > 0 else -1) for literal in clause) for clause in clauses or ()
-        ),
-        (0, *order.variables),
+        tuple(map(numbered, clauses)),
+        tuple(map(numbered, nodes)),
+        tuple(each.renamed(number) for each in sums),
+        (0, *order.variables, *further),
         tuple(sorted(fixed, key=abs)),
-        tuple(variable for variable in projection if variable not in number and variable not in known),
+        tuple(variable for variable in projection if variable not in decided),
         frozenset(number[variable] for variable in projection if variable in number),
         frozenset(kept),
         {
@@ -108,7 +127,7 @@ def prepare(formula: ModelFormula, kept: Iterable[int]) -> PreparedFormula:
             if variable in number
         },
         order,
-        contradictory=clauses is None,
+        contradictory=propagated is None,
     )
 
 
@@ -121,7 +140,8 @@ def compile_formula(
     """Return the diagram of a formula; `look` is called periodically, and may abort the compilation by an error."""
     if prepared.contradictory:
         return Diagram(())
-    propagation = Solver(max(len(prepared.names) - 1, 1), prepared.clauses)  # it only propagates, so it learns nothing
+    clauses = (*prepared.clauses, *prepared.nodes)
+    propagation = Solver(max(len(prepared.names) - 1, 1), clauses)  # it only propagates, so it learns nothing
     with closing(FoundednessOracle(formula.completion)) as oracle, propagation:
         return _Compiler(prepared, oracle, propagation, progress, look).compile()
 
@@ -168,7 +188,7 @@ class _Compiler:
     ) -> None:
         self._formula, self._oracle, self._propagation = prepared, oracle, propagation
         self._progress, self._look = progress, look
-        clauses, variables = prepared.clauses, len(prepared.names) - 1
+        clauses, variables = prepared.clauses, len(prepared.order.variables)
         self._variables_of = [tuple(sorted({abs(literal) for literal in clause})) for clause in clauses]
         self._with: dict[int, list[int]] = {}
         self._where: list[list[int]] = [[] for _ in range(variables + 1)]
@@ -183,6 +203,11 @@ class _Compiler:
             for literal in clause:
                 self._with.setdefault(literal, []).append(number)
                 self._where[abs(literal)].append(number)
+        self._sums = dict(enumerate(prepared.sums, len(clauses)))
+        for number, each in self._sums.items():
+            self._variables_of.append(each.variables)
+            for variable in each.variables:
+                self._where[variable].append(number)
         self._nodes: list[tuple[Branch, ...]] = [(Branch((), ()),)]
         self._known: dict[bytes, Node] = {}
         self._either: dict[int, Node] = {}
@@ -193,8 +218,9 @@ class _Compiler:
         if model is None:
             return Diagram(())
         case = _Case((), 0, model)
-        variables = range(1, len(self._formula.names))
-        parts = self._parts(set(variables), set(chain.from_iterable(self._where)), set(variables))
+        variables = range(1, len(self._where))
+        missing = {number: each.missing for number, each in self._sums.items()}
+        parts = self._parts(set(variables), set(chain.from_iterable(self._where)), set(variables), missing)
         children = [self._compile_part(part, case) for part in parts] + [
             self._free(name) for name in self._formula.free
         ]
@@ -247,7 +273,9 @@ class _Compiler:
                     touched.update(self._variables_of[clause])
             for each in new:
                 clauses.difference_update(self._with.get(each, ()))
-            parts = self._parts(left.copy(), clauses, touched & left)
+            missing = self._after(part, new) if part.missing else {}
+            clauses.difference_update(part.missing.keys() - missing.keys())
+            parts = self._parts(left.copy(), clauses, touched & left, missing)
             children = []
             for inner in parts:
                 left.difference_update(inner.variables)
@@ -278,7 +306,18 @@ class _Compiler:
         model = self._oracle.model([names[each] if each > 0 else -names[-each] for each in decisions])
         return None if model is None else (_Case(decisions, len(implied), model), new)
 
-    def _parts(self, waiting: set[int], unseen: set[int], touched: set[int]) -> list[_Part]:
+    def _after(self, part: _Part, new: Sequence[Literal]) -> dict[int, Missing]:
+        """Return what the open sums of a component lack after further literals are true."""
+        missing = dict(part.missing)
+        for literal in new:
+            for number in self._where[abs(literal)]:
+                if number in missing:
+                    missing[number] = self._sums[number].after(missing[number], literal)
+        return {number: each for number, each in missing.items() if not each.is_closed}
+
+    def _parts(
+        self, waiting: set[int], unseen: set[int], touched: set[int], missing: Mapping[int, Missing]
+    ) -> list[_Part]:
         """Return the connected components of the variables `waiting` by the listed clauses `unseen` and binary ones.
 
         Each component has one of the variables `touched`, so a search may stop at the last touched variable. All three
@@ -306,7 +345,10 @@ class _Compiler:
                 own += waiting
                 own_clauses += unseen
             if own_clauses or len(own) > 1:
-                components.append(_Part(tuple(sorted(own)), tuple(sorted(own_clauses))))
+                own_sums = sorted(missing.keys() & own_clauses) if missing else ()
+                components.append(
+                    _Part(tuple(sorted(own)), tuple(sorted(own_clauses)), {each: missing[each] for each in own_sums})
+                )
         return sorted(components, key=lambda part: part.variables[0])
 
     def _key(self, part: _Part) -> bytes:
@@ -315,7 +357,8 @@ class _Compiler:
         Equivalent copies are merged, so the key encodes which copies are connected, but not how.
         """
         if not self._formula.copies:
-            return array("i", [*part.variables, 0, *part.clauses]).tobytes()
+            sums = array("q", chain.from_iterable(part.missing.values())).tobytes() if part.missing else b""
+            return array("i", [*part.variables, 0, *part.clauses]).tobytes() + sums
         if not any(variable in self._formula.copies for variable in part.variables):
             long = [clause for clause in part.clauses if len(self._variables_of[clause]) > 2]
             return array("i", [*part.variables, 0, *long]).tobytes()

@@ -1,20 +1,30 @@
-"""Count answer sets if the fastest engine is unknown: by a bounded enumeration, then by several engines in parallel.
+"""Count answer sets if the fastest engine is unknown: by a short enumeration, then by turns of several engines.
 
-Each counter runs in its own process for a turn of some processor seconds, while the others are paused. If none has
-finished, all of them continue in parallel, and this process compiles a diagram; the first count is the answer.
+A turn has a limit of processor time. Counters run in their own processes, and are paused after their turns. If no
+engine has finished, the counters continue in parallel, and this process compiles a diagram; the first count is the
+answer.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from itertools import count
+from math import inf
+from time import process_time
 
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.formula.counter import CountBeside, Counter, has_counter
 from prag_asp.models.compiled_program import CompiledProgram
 from prag_asp.models.enumeration.bounded_enumeration import BoundedEnumeration
-from prag_asp.models.enumeration.effort import SECOND, Turn, first_effort, is_worth_enumerating, turns_of_counters
+from prag_asp.models.enumeration.effort import (
+    QUICK,
+    Own,
+    Turn,
+    first_effort,
+    seconds_of_enumeration,
+    turns_of_engines,
+)
 from prag_asp.processes.progress_events import stage
 
 
@@ -26,25 +36,52 @@ class _Counted(Exception):
         self.number = number
 
 
-def count_by_enumeration(compiled: CompiledProgram) -> int | None:
-    """Return the number of answer sets, or None if clingo is unlikely to be fastest or its work exceeds the limits."""
+class _TimeOver(Exception):
+    """The turn of the compiler is over."""
+
+
+def count_by_race(compiled: CompiledProgram) -> int | None:
+    """Return the number of answer sets, or None if the diagram was compiled first."""
     enumeration = BoundedEnumeration(compiled.ground, project=compiled.project)
     number = enumeration.count(first_effort(compiled.ground))
-    if number is None and is_worth_enumerating(enumeration.depth(), compiled.prepared.order.width):
-        number = enumeration.count(SECOND)
-    return number
-
-
-def count_beside(compiled: CompiledProgram) -> int | None:
-    """Return the number of answer sets by an installed counter, or None if the diagram was compiled first."""
-    formula = compiled.formula
-    turns = turns_of_counters(compiled.prepared.order.width, tight=not formula.completion.loops, whole=formula.whole)
+    if number is not None:
+        return number
+    predicted = enumeration.predicted_seconds()
+    if predicted is not None and predicted <= QUICK:
+        number = enumeration.count_within(seconds_of_enumeration(predicted))
+        if number is not None:
+            return number
+        predicted = inf  # the prediction was wrong
+    formula, prepared = compiled.formula, compiled.prepared
+    turns = turns_of_engines(
+        predicted,
+        prepared.order.width,
+        tight=not formula.completion.loops,
+        whole=formula.whole,
+        swept=prepared.order.swept,
+    )
+    installed = [turn for turn in turns if isinstance(turn.engine, Own) or has_counter(turn.engine)]
 
     def begins(counter: Counter) -> None:
         compiled.note(f"{counter.name} counts as well, because compiling takes long; the first answers")
 
-    installed = [turn for turn in turns if has_counter(turn.counter)]
-    return count_unless_compiled(installed, lambda: compiled.counting_formula.cnf, compiled.compile, begins)
+    own = {Own.CLINGO: enumeration.count_within, Own.DIAGRAM: lambda seconds: _count_by_diagram(compiled, seconds)}
+    return count_unless_compiled(installed, lambda: compiled.counting_formula.cnf, compiled.compile, begins, own)
+
+
+def _count_by_diagram(compiled: CompiledProgram, seconds: float) -> int | None:
+    """Return the number of answer sets, or None if compiling takes more processor time."""
+    until = process_time() + seconds
+
+    def look() -> None:
+        if process_time() > until:
+            raise _TimeOver
+
+    try:
+        compiled.compile(look)
+    except _TimeOver:
+        return None
+    return compiled.diagram.unweighted().total
 
 
 def count_unless_compiled(
@@ -52,28 +89,29 @@ def count_unless_compiled(
     formula: Callable[[], Cnf],
     compile_formula: Callable[[Callable[[], None]], None],
     begins: Callable[[Counter], None],
+    own: Mapping[Own, Callable[[float], int | None]] | None = None,
 ) -> int | None:
-    """Return the number of models by the first counter to finish, or None if the compiler finished first.
+    """Return the number of models by the first engine to finish, or None if the compiler finished first.
 
     `compile_formula` receives a function that it calls periodically, and propagates its errors. `begins` receives each
-    counter that first starts in parallel.
+    counter that first starts in parallel. `own` are the engines of this process, each a function of its seconds.
     """
     looks = count()
     with ExitStack() as stack:
 
-        def beside(turn: Turn) -> CountBeside:
-            tell = (lambda: None) if turn.seconds else (lambda: begins(turn.counter))
-            return stack.enter_context(CountBeside(lambda: (formula(), ()), 0, tell, turn.counter))
+        def beside(turn: Turn, counter: Counter) -> CountBeside:
+            tell = (lambda: None) if turn.seconds else (lambda: begins(counter))
+            return stack.enter_context(CountBeside(lambda: (formula(), ()), 0, tell, counter))
 
         running: dict[Turn, CountBeside] = {}
-        waiting = list(turns)
+        waiting = {turn: turn.engine for turn in turns if isinstance(turn.engine, Counter)}
 
         def look() -> None:
             now = next(looks)
             for turn in [each for each in waiting if each.looks <= now]:
-                waiting.remove(turn)
+                counter = waiting.pop(turn)
                 if turn not in running:
-                    running[turn] = beside(turn)
+                    running[turn] = beside(turn, counter)
                 running[turn].resume()
             for each in running.values():
                 number = each()
@@ -81,13 +119,17 @@ def count_unless_compiled(
                     raise _Counted(number)
 
         for turn in turns:
-            if turn.seconds:
-                stage(f"counting models with {turn.counter.name}")
-                running[turn] = beside(turn)
+            number = None
+            if isinstance(turn.engine, Own):
+                number = (own or {})[turn.engine](turn.seconds)
+            elif turn.seconds:
+                stage(f"counting models with {turn.engine.name}")
+                running[turn] = beside(turn, turn.engine)
                 number = running[turn].alone(turn.seconds)
-                if number is not None:
-                    return number
-                running[turn].pause()
+                if number is None:
+                    running[turn].pause()
+            if number is not None:
+                return number
         try:
             look()
             compile_formula(look)

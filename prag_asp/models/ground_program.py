@@ -63,7 +63,7 @@ def ground_models(given: GivenProgram) -> GroundModels:
         DomainError: clingo cannot ground it.
     """
     recorder = GroundRecorder()
-    grounder = given.grounder(REMARKS, "--opt-mode=ignore", observer=recorder)
+    grounder = given.grounder(REMARKS, "--opt-mode=ignore", "--stats=2", observer=recorder)
     grounder.ground([("base", [])])
     # Atom 0 stands for symbols that no rule can derive.
     names = sorted((atom.symbol, atom.literal) for atom in grounder.control.symbolic_atoms if atom.literal)

@@ -6,45 +6,94 @@ clause (as Korhonen and Järvisalo 2021 do for model counting).
 
 Reachability does not split into halves: the variables of a formula with loops are ordered from one end to the other, as
 Cuthill and McKee (1969) number the rows of a matrix to reduce its bandwidth, so that a case depends on few earlier
-decisions.
+decisions. Neither does a formula with sums or clauses over all of its parts, such as "each cell is visited at some
+time": what such a clause keeps of earlier decisions is only whether one of its literals was true.
 """
 
 from __future__ import annotations
 
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
+from itertools import accumulate, chain
 
 WIDEST = 120
 """The degree above which elimination ends; the remaining variables form one bag and are decided first."""
 
 
+LONG = 6
+"""The number of literals above which a clause does not make its variables neighbours in a sweep."""
+
+LONGEST = 1000
+"""The number of literals above which a clause is too long for a tree decomposition, whose size is its square."""
+
+WIDE = 24
+"""The width above which a formula without sums may be swept."""
+
+
 @dataclass(frozen=True)
 class DecisionOrder:
-    """The variables of a formula in decision order, and the width of their tree decomposition."""
+    """The variables of a formula in decision order, the width of their tree decomposition, and whether it is swept."""
 
     variables: tuple[int, ...]
     width: int
+    swept: bool
 
 
-def decision_order(clauses: Iterable[Sequence[int]], *, swept: bool) -> DecisionOrder:
-    """Return the decision order for clauses: from the centre, or if `swept`, from one end to the other."""
-    occurrences: dict[int, int] = {}
+def decision_order(
+    clauses: Iterable[Sequence[int]], sums: Iterable[Sequence[int]] = (), *, looped: bool
+) -> DecisionOrder:
+    """Return the decision order for clauses and the variables of sums.
+
+    A formula with loops is swept, and one that has sums or is wide, if its frontier is not above its width.
+    """
+    groups = [tuple(sorted({abs(literal) for literal in clause})) for clause in clauses]
+    summed = [tuple(each) for each in sums]
+    groups += summed
+    occurrences = Counter(chain.from_iterable(groups))
+    graph = _primal_graph(groups, LONGEST)
+    longest = max((len(group) - 1 for group in groups if len(group) > LONGEST), default=0)
+    sweep = _sweep(graph) if looped else []
+    eliminated, core = _eliminate(graph)
+    width = max([len(bag) for _, bag in eliminated] + [len(core) - 1, longest, 0])
+    if not looped and (summed or width > WIDE):
+        sweep = _sweep(_primal_graph(groups, LONG))
+        if _frontier(sweep, groups) > width:
+            sweep = []
+    depth = {variable: place for place, variable in enumerate(sweep)} if sweep else _depths(eliminated, core)
+    ordered = sorted(occurrences, key=lambda variable: (depth[variable], -occurrences[variable], variable))
+    return DecisionOrder(tuple(ordered), width, bool(sweep))
+
+
+def _primal_graph(groups: Sequence[tuple[int, ...]], longest: int) -> dict[int, set[int]]:
+    """Return the neighbours of each variable in the groups of up to `longest` variables."""
     graph: dict[int, set[int]] = {}
-    for clause in clauses:
-        variables = sorted({abs(literal) for literal in clause})
-        for variable in variables:
-            occurrences[variable] = occurrences.get(variable, 0) + 1
-            graph.setdefault(variable, set()).update(variables)
+    for group in groups:
+        for variable in group:
+            graph.setdefault(variable, set()).update(group if len(group) <= longest else ())
     for variable, neighbours in graph.items():
         neighbours.discard(variable)
-    sweep = _sweep(graph) if swept else ()
-    eliminated, core = _eliminate(graph)
-    depth = {variable: place for place, variable in enumerate(sweep)} if swept else _depths(eliminated, core)
-    ordered = sorted(occurrences, key=lambda variable: (depth[variable], -occurrences[variable], variable))
-    bags = [len(bag) for _, bag in eliminated]
-    return DecisionOrder(tuple(ordered), max([*bags, len(core) - 1, 0]))
+    return graph
+
+
+def _frontier(order: Sequence[int], groups: Sequence[tuple[int, ...]]) -> int:
+    """Return the largest number of earlier variables and long groups that matter to later variables of an order."""
+    place = {variable: number for number, variable in enumerate(order)}
+    last = list(range(len(order)))  # the last neighbour of the variable at each place
+    changes = [0] * len(order)
+    for group in groups:
+        places = sorted(map(place.__getitem__, group))
+        if len(group) > LONG:
+            changes[places[0]] += 1
+            changes[places[-1]] -= 1
+        else:
+            for each in places:
+                last[each] = max(last[each], places[-1])
+    for first, end in enumerate(last):
+        changes[first] += 1
+        changes[end] -= 1
+    return max(accumulate(changes), default=0)
 
 
 def _sweep(graph: Mapping[int, set[int]]) -> list[int]:

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
     from prag_asp.errors import PhysicsMissingError, PicturesMissingError, WorkerError
     from prag_asp.physics.checks.settling import open_settling, settle
     from prag_asp.physics.checks.witness_check import check_witness, open_witness_check
+    from prag_asp.physics.control.control import Control
+    from prag_asp.physics.control.names import CONTROLS
+    from prag_asp.physics.control.recorded_actions import recorded_actions
     from prag_asp.physics.demonstration.demonstration import Demonstration
     from prag_asp.physics.demonstration.demonstration_check import check_demonstration
     from prag_asp.physics.demonstration.footage import CameraImage, CameraVideo, Footage
@@ -37,12 +40,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CAUSES",
+    "CONTROLS",
     "PREDICATES",
     "TIERS",
     "Arm",
     "Budget",
     "CameraImage",
     "CameraVideo",
+    "Control",
     "Demonstration",
     "Footage",
     "Moment",
@@ -73,6 +78,7 @@ __all__ = [
     "open_witness_check",
     "physical_task",
     "plan_transit",
+    "recorded_actions",
     "render_cameras",
     "require_physics",
     "settle",
@@ -89,6 +95,9 @@ _HOMES = {
     "prag_asp.physics.tiers": ("open_tier_check",),
     "prag_asp.physics.checks.witness_check": ("check_witness", "open_witness_check"),
     "prag_asp.physics.checks.settling": ("open_settling", "settle"),
+    "prag_asp.physics.control.control": ("Control",),
+    "prag_asp.physics.control.names": ("CONTROLS",),
+    "prag_asp.physics.control.recorded_actions": ("recorded_actions",),
     "prag_asp.physics.demonstration.demonstration_check": ("check_demonstration",),
     "prag_asp.physics.demonstration.demonstration": ("Demonstration",),
     "prag_asp.physics.demonstration.footage": ("CameraVideo", "Footage", "CameraImage"),

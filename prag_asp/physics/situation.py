@@ -8,11 +8,12 @@ from functools import cached_property
 from typing import NamedTuple
 
 from prag_asp.errors import SceneError
+from prag_asp.physics.extent import extent
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.witness import Arm
-from prag_asp.scene.boxes import Vector, box_of, corners_of
+from prag_asp.scene.boxes import Box, Vector, box_of, corners_of
 from prag_asp.scene.furniture import bounds, cavity_pose, part_pose
-from prag_asp.scene.geometry import Pose, compose, extents, finite, raised, yaw_quaternion
+from prag_asp.scene.geometry import Pose, compose, finite, raised, yaw_quaternion
 from prag_asp.scene.robots import Robot, robot_of
 from prag_asp.scene.scene import Scene, Shape
 
@@ -122,7 +123,8 @@ class Situation:
         if pose is None and self.shape(entity).kind == "zone":
             pose = self.pose(entity)
         if pose is None:
-            return _box(self.pose(entity), (self.scene.table.size[0] / 2, self.scene.table.size[1] / 2, 0.0))
+            pose, (size_x, size_y) = self.pose(entity), self.scene.table.size
+            return _boxed(pose, (pose.position, (size_x / 2, size_y / 2, 0.0)))
         if not finite(pose):
             raise SceneError(f"{entity} has the pose {pose}, which is not a finite position and rotation")
         shape = self.scene.shapes[entity]
@@ -131,7 +133,8 @@ class Situation:
             centre, half = box_of(corners)
             body = Body(pose, half, *corners, centre)
         else:
-            body = _box(pose, extents(shape, pose.quaternion))
+            offset, half = extent(shape, pose.quaternion)
+            body = _boxed(pose, (_sum(pose.position, offset), half))
         self.measured[entity] = body
         return body
 
@@ -200,7 +203,12 @@ def fixed_pose(scene: Scene, entity: str) -> Pose:
     return Pose((x, y, scene.shapes[entity].half[2]), yaw_quaternion(yaw))
 
 
-def _box(pose: Pose, half: Vector) -> Body:
-    """Return a body from its pose and half-extents."""
-    low, high = corners_of((pose.position, half))
-    return Body(pose, half, low, high, pose.position)
+def _boxed(pose: Pose, box: Box) -> Body:
+    """Return a body from its pose and bounding box."""
+    low, high = corners_of(box)
+    return Body(pose, box[1], low, high, box[0])
+
+
+def _sum(one: Vector, two: Vector) -> Vector:
+    """Return the sum of two vectors."""
+    return (one[0] + two[0], one[1] + two[1], one[2] + two[2])

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from prag_asp.rl.curriculum.novelty import NoveltyCurriculum
     from prag_asp.rl.curriculum.reverse_curriculum import ReverseCurriculum
     from prag_asp.rl.environment import TaskEnv
+    from prag_asp.rl.episode_replay import Replay, replay
     from prag_asp.rl.observations import Layout
     from prag_asp.rl.scripted_agent import OraclePolicy, oracle
     from prag_asp.rl.skill_chains import Rate, Rollout, Rollouts, run
@@ -37,11 +38,13 @@ __all__ = [
     "NoveltyCurriculum",
     "OraclePolicy",
     "Rate",
+    "Replay",
     "ReverseCurriculum",
     "Rollout",
     "Rollouts",
     "TaskEnv",
     "oracle",
+    "replay",
     "run",
 ]  # fmt: skip
 
@@ -55,6 +58,7 @@ _HOMES = {
     "prag_asp.rl.curriculum.novelty": ("NoveltyCurriculum",),
     "prag_asp.rl.environment": ("TaskEnv",),
     "prag_asp.rl.observations": ("Layout",),
+    "prag_asp.rl.episode_replay": ("Replay", "replay"),
     "prag_asp.rl.skill_chains": ("Rate", "Rollout", "Rollouts", "run"),
     "prag_asp.rl.scripted_agent": ("OraclePolicy", "oracle"),
 }

@@ -8,34 +8,32 @@ from contextlib import ExitStack
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.physics.control.arm_motors import ArmMotors
+from prag_asp.physics.control.control import Control
 from prag_asp.physics.demonstration.acting import SQUEEZE
+from prag_asp.physics.demonstration.recording import FRAME_STEPS
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Witness
-from prag_asp.physics.world.dynamics import TIME_STEP, ArmCommand, open_dynamics
-from prag_asp.rl.control import Control, motor_command
+from prag_asp.physics.world.dynamics import ArmCommand, open_dynamics
+from prag_asp.physics.world.time_step import STEPS_A_SECOND
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.robots import Joints, robot_of
 from prag_asp.scene.scene import Scene
 
-SUBSTEPS = 6
-"""The number of simulation steps per action: an agent acts 20 times a second."""
-
-PERIOD = SUBSTEPS * TIME_STEP
-"""The duration of an action, in seconds."""
-
-SHARES = tuple((i + 1) / SUBSTEPS for i in range(SUBSTEPS))
-"""The share of the commanded motion after each simulation step of an action."""
-
 
 class Arena:
-    """A simulated world, which is rebuilt only if the bodies or their sizes change."""
+    """A simulated world, which is rebuilt only if the bodies or their sizes change; actions follow a `control`."""
 
-    def __init__(self, scene: Scene, resources: ExitStack):
-        self._scene = scene
+    def __init__(self, scene: Scene, control: Control, resources: ExitStack):
+        self._scene, self._control = scene, control
+        substeps = STEPS_A_SECOND // control.rate
+        # The share of the commanded motion after each simulation step of an action.
+        self._shares = tuple((i + 1) / substeps for i in range(substeps))
+        self._steps = 0
         self._world = resources.enter_context(open_dynamics(scene))
         self._begun: tuple[Scene, tuple[str, ...]] | None = None
-        self._commands: dict[str, ArmCommand] = {}
+        self._motors: dict[str, ArmMotors] = {}
         self._tools: dict[str, Vector] = {}
         self._speeds: dict[str, Vector] = {}
         self._situation: Situation | None = None
@@ -56,42 +54,47 @@ class Arena:
             self._begun = scene, objects
         self._world.restore(moment)
         # The motors hold the current pose of each arm, and its fingers hold the grasped body.
-        self._commands = {
-            name: ArmCommand(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))
-            for name, arm in moment.arms.items()
-        }
-        for robot, command in self._commands.items():
-            self._world.drive(robot, command)
-        self._tools, self._situation = {}, None
+        self._motors = {}
+        for name, arm in moment.arms.items():
+            command = ArmCommand(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))
+            self._motors[name] = ArmMotors(robot_of(scene, name), self._control, command)
+            self._world.drive(name, command)
+        self._tools, self._situation, self._steps = {}, None, 0
         return self._observe()
 
-    def act(self, action: NDArray[np.float64], control: Control) -> Situation:
-        """Apply an action, which has the numbers of each robot in turn, between -1 and 1, for one `PERIOD`."""
+    def act(self, action: NDArray[np.float64]) -> Situation:
+        """Apply an action of the control until the next one is due."""
         assert self._situation is not None
-        commands, ways = {}, {}
-        for (robot, last), own in zip(self._commands.items(), action.reshape(len(self._commands), -1), strict=True):
-            arm = self._situation.arm(robot)
-            commands[robot] = motor_command(self._situation.robot(robot), arm, last, own, control, PERIOD)
-            ways[robot] = [(a, b - a) for a, b in zip(_driven(last), _driven(commands[robot]), strict=True)]
-        speeds = {robot: [by / PERIOD for _, by in way[:-1]] for robot, way in ways.items()}
-        for share in SHARES:
+        ways = {}
+        values = self._control.values(action).reshape(len(self._motors), -1)
+        for (robot, motors), own in zip(self._motors.items(), values, strict=True):
+            last, command = motors.command, motors.follow(own, self._situation.arm(robot))
+            ways[robot] = [(a, b - a) for a, b in zip(_driven(last), _driven(command), strict=True)]
+        speeds = {robot: [by / self._period for _, by in way[:-1]] for robot, way in ways.items()}
+        for share in self._shares:
             for robot, way in ways.items():
                 *joints, opening = [at + share * by for at, by in way]
                 self._world.drive(robot, ArmCommand(tuple(joints), opening), speeds[robot])
             self._world.step()
-        self._commands = commands
-        self._world.at_rest()
+            self._steps += 1
+            if self._steps % FRAME_STEPS == 0:
+                self._world.at_rest()
         return self._observe()
 
     @property
+    def _period(self) -> float:
+        """The duration of an action, in seconds."""
+        return 1 / self._control.rate
+
+    @property
     def speeds(self) -> Mapping[str, Vector]:
-        """The velocity of the tool of each robot in the last period, in metres a second."""
+        """The velocity of the tool of each robot during the last action, in metres a second."""
         return self._speeds
 
     @property
     def commanded_openings(self) -> Mapping[str, float]:
         """The commanded opening of each gripper, in metres."""
-        return {robot: command.opening for robot, command in self._commands.items()}
+        return {robot: motors.command.opening for robot, motors in self._motors.items()}
 
     def _observe(self) -> Situation:
         """Return the current situation, and update the velocities of the tools."""
@@ -100,7 +103,7 @@ class Arena:
         tools = {name: tool_pose(robot_of(scene, name), arm.joints) for name, arm in arms.items()}
         situation = _after(self._situation, Situation(scene, world.poses(), arms, world.openings(), tools))
         at = {name: tool.position for name, tool in tools.items()}
-        self._speeds = {name: _speed(self._tools.get(name, here), here) for name, here in at.items()}
+        self._speeds = {name: _speed(self._tools.get(name, here), here, self._period) for name, here in at.items()}
         self._tools, self._situation = at, situation
         return situation
 
@@ -119,7 +122,7 @@ def _driven(command: ArmCommand) -> Joints:
     return (*command.joints, command.opening)
 
 
-def _speed(one: Sequence[float], two: Sequence[float]) -> Vector:
-    """Return the mean velocity between two points over a period, in metres a second."""
-    x, y, z = ((b - a) / PERIOD for a, b in zip(one, two, strict=True))
+def _speed(one: Sequence[float], two: Sequence[float], seconds: float) -> Vector:
+    """Return the mean velocity between two points, in metres a second."""
+    x, y, z = ((b - a) / seconds for a, b in zip(one, two, strict=True))
     return (x, y, z)

@@ -19,9 +19,10 @@ from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Witness, require_physics
-from prag_asp.rl.arena import PERIOD, Arena
+from prag_asp.physics.control.control import Control
+from prag_asp.physics.control.names import UPRIGHT, USUAL_RATE, ControlName
+from prag_asp.rl.arena import Arena
 from prag_asp.rl.camera_views import Image, Viewer
-from prag_asp.rl.control import SIZES, Control
 from prag_asp.rl.environment_options import (
     Until,
     check_episodes,
@@ -68,10 +69,9 @@ class TaskEnv(GoalEnv):
 
     An observation has the agent's `observation` (`layout.names` names its numbers), and, by the convention of goal
     environments, `achieved_goal` and `desired_goal` of the shape (2 * `PLACES`,): for now, and for one step before;
-    `prag_asp.rl.rewards` explains the vectors. The action has, for each robot in turn, a displacement of the tool along
-    x, y, z, a turn about the vertical and a motion of the fingers (`control` "tool"), or motions of seven joints and
-    the fingers ("joints"), each between -1 and 1; it lasts 1/20 s. `action_scale` is a factor of all its numbers
-    except those of the fingers, for skills that need small motions.
+    `prag_asp.rl.rewards` explains the vectors. `control` is the meaning of actions by its name; the attribute
+    `control` has the names, units and scales of their numbers. There are `rate` actions a second, a divisor of 120.
+    `action_scale` is a factor of changes, except those of the fingers, for skills that need small motions.
 
     `stage` is the initial subgoal, from 0 (-1 is the last, "any" is random); the episode begins in the witness's state
     at its start. It lasts `until` that "subgoal" or the whole "task" is reached, and at most `steps` for each subgoal.
@@ -96,7 +96,7 @@ class TaskEnv(GoalEnv):
         PhysicsMissingError: PyBullet or frankik is not installed.
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": round(1 / PERIOD)}
+    metadata = {"render_modes": ["rgb_array"], "render_fps": USUAL_RATE}
 
     def __init__(
         self,
@@ -121,7 +121,8 @@ class TaskEnv(GoalEnv):
         reward: Reward = "dense",
         fade: int | Literal["success"] = "success",
         discount: float = 0.99,
-        control: Control = "tool",
+        control: ControlName = UPRIGHT,
+        rate: int = USUAL_RATE,
         action_scale: float = 1.0,
         observation: ObservationKind = "relative",
         everything: bool = False,
@@ -139,7 +140,7 @@ class TaskEnv(GoalEnv):
             where=where if task is not None else conditions_of(where, stage), curriculum=curriculum,
             split=SplitOptions(split, shares, skeletons, hold_out, split_seed), trivial=trivial,
         )  # fmt: skip
-        check_episodes(until=until, reward=reward, control=control, observation=observation, stage=stage, steps=steps)
+        check_episodes(until=until, reward=reward, observation=observation, stage=stage, steps=steps)
         modes = self.metadata["render_modes"]
         check_figures(discount=discount, action_scale=action_scale, budget=budget, render_mode=render_mode, modes=modes)
         require_physics()
@@ -150,11 +151,11 @@ class TaskEnv(GoalEnv):
         # Releases the simulators even if the environment is not closed.
         weakref.finalize(self, self._resources.close)
         self._viewer = Viewer(self.scene, cameras, size, self._resources)
-        actions = map(atom_of, self.domain.facts.actions)
-        self.layout = Layout.of(
-            self.scene, actions, everything=everything, kind=observation, joints=control == "joints"
-        )
-        self.control, self._until, self._steps, self.discount = control, until, int(steps), float(discount)
+        self.control = Control.of(control, self.scene, rate, scale=action_scale)
+        actions, joints = map(atom_of, self.domain.facts.actions), control.startswith("joint")
+        self.layout = Layout.of(self.scene, actions, everything=everything, kind=observation, joints=joints)
+        self.metadata = self.metadata | {"render_fps": rate}
+        self._until, self._steps, self.discount = until, int(steps), float(discount)
         annealing = RewardAnnealing(fade)
         self.share, self._annealing = float(reward != "sparse"), annealing if reward == "faded" else None
         self._spec = f"{origin.title}, {fade if reward == 'faded' else 'no fading'}"
@@ -164,10 +165,9 @@ class TaskEnv(GoalEnv):
         )
         self._arena: Arena | None = None
         self._over = True
-        self.action_space = spaces.Box(-1.0, 1.0, (SIZES[control] * len(self.layout.robots),), np.float32)
+        bounds = self.control.low.astype(np.float32), self.control.high.astype(np.float32)
+        self.action_space = spaces.Box(bounds[0], bounds[1], dtype=np.float32)
         self._has_goals = bool(goals)
-        self.action_scale = float(action_scale)
-        self._scales = np.array([*[self.action_scale] * (SIZES[control] - 1), 1.0] * len(self.layout.robots))
         seen: spaces.Space[Any] = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
         if goals or cameras:
             goal = spaces.Box(-np.inf, np.inf, (2 * PLACES,), np.float32)
@@ -210,7 +210,7 @@ class TaskEnv(GoalEnv):
         return self._latest
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Apply an action for 1/20 s; its numbers are clipped to -1 and 1.
+        """Apply an action until the next one is due; its numbers are clipped to the bounds of the action space.
 
         Raises:
             QueryError: the action is malformed or not finite, no episode has begun, or it has ended.
@@ -218,8 +218,8 @@ class TaskEnv(GoalEnv):
         arena = self._begun_arena
         if self._over:
             raise QueryError("the episode has ended; reset the environment")
-        moves = moves_of(action, SIZES[self.control] * len(self.layout.robots)) * self._scales
-        self.situation = situation = arena.act(moves, self.control)
+        moves = moves_of(action, self.control)
+        self.situation = situation = arena.act(moves)
         self._moves.append(moves)
         measured, here = self._goal(situation)
         if here[1:].max() <= 0.0 and self.stage < self._last:
@@ -374,10 +374,10 @@ class TaskEnv(GoalEnv):
     def _perform(self) -> None:
         """Start the episode in the simulator, and replay its actions so far."""
         if self._arena is None:
-            self._arena = Arena(self.scene, self._resources)
+            self._arena = Arena(self.scene, self.control, self._resources)
         self.situation = self._arena.start(self.witness, self._start.stage)
         for moves in self._moves:
-            self.situation = self._arena.act(moves, self.control)
+            self.situation = self._arena.act(moves)
 
     def _goal(self, situation: Situation) -> tuple[list[float], NDArray[np.float32]]:
         """Return the signed distances of a moment and its goal vector."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget
-from prag_asp.rl.control import CONTROLS
+from prag_asp.physics.control.control import Control
 from prag_asp.rl.observations import OBSERVATIONS
 from prag_asp.rl.rewards import REWARDS
 from prag_asp.wording import unknown
@@ -28,9 +28,7 @@ REAL = "biuf"
 """The kinds of NumPy types for real numbers: no complex numbers, and no texts, which NumPy would parse as numbers."""
 
 
-def check_episodes(
-    *, until: object, reward: object, control: object, observation: object, stage: object, steps: object
-) -> None:
+def check_episodes(*, until: object, reward: object, observation: object, stage: object, steps: object) -> None:
     """Check the options of episodes.
 
     Raises:
@@ -39,7 +37,6 @@ def check_episodes(
     for value, choices, what in (
         (until, UNTIL, "end"),
         (reward, REWARDS, "reward"),
-        (control, CONTROLS, "control"),
         (observation, OBSERVATIONS, "observation"),
     ):
         if value not in choices:
@@ -97,8 +94,8 @@ def options_of(options: object) -> Mapping[str, Any]:
     return options
 
 
-def moves_of(action: object, size: int) -> NDArray[np.float64]:
-    """Return an action of `size` numbers, clipped to -1 and 1.
+def moves_of(action: object, control: Control) -> NDArray[np.float64]:
+    """Return an action of a control, clipped to its bounds.
 
     Raises:
         QueryError: the action has another shape, or is not finite.
@@ -109,9 +106,9 @@ def moves_of(action: object, size: int) -> NDArray[np.float64]:
         moves = numbers.astype(np.float64) if real else np.array(np.nan)
     except (TypeError, ValueError, OverflowError):
         moves = np.array(np.nan)
-    if moves.shape != (size,) or not np.isfinite(moves).all():
-        raise QueryError(f"an action has the shape {(size,)} and finite numbers; got {action!s:.80}")
-    clipped: NDArray[np.float64] = np.minimum(np.maximum(moves, -1.0), 1.0)
+    if moves.shape != control.low.shape or not np.isfinite(moves).all():
+        raise QueryError(f"an action has the shape {control.low.shape} and finite numbers; got {action!s:.80}")
+    clipped: NDArray[np.float64] = np.minimum(np.maximum(moves, control.low), control.high)
     return clipped
 
 

@@ -1,6 +1,6 @@
 """A scripted agent, the oracle, which follows the waypoints of the witness and knows the exact poses of all bodies.
 
-It shows which subgoals "tool" actions can reach, and is a baseline for learned agents.
+It shows which subgoals an upright tool can reach, and is a baseline for learned agents.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import QueryError
+from prag_asp.physics.control.names import UPRIGHT
 from prag_asp.physics.demonstration.acting import SQUEEZE
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import TRANSIT, Moment, Waypoint
-from prag_asp.rl.control import FINGERS, SIZES, STRIDE, TURN
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.geometry import compose, wrap, yaw_of
 
@@ -79,8 +79,8 @@ def _require_tool(env: TaskEnv) -> None:
     Raises:
         QueryError: the environment takes other actions.
     """
-    if env.control != "tool":
-        raise QueryError('the oracle moves the tool; make the environment with control="tool"')
+    if env.control.name != UPRIGHT:
+        raise QueryError(f'the oracle moves an upright tool; make the environment with control="{UPRIGHT}"')
 
 
 def _pursued(env: TaskEnv, stage: int) -> Iterator[Action]:
@@ -106,8 +106,9 @@ def _pursued(env: TaskEnv, stage: int) -> Iterator[Action]:
 
 def _fingers(env: TaskEnv, robot: str, opening: float) -> Iterator[Action]:
     """Yield actions that open or close a gripper to an opening in metres."""
-    while abs(off := opening - env.commanded_openings[robot]) > FINGERS / 100:
-        yield _action(env, robot, fingers=off / FINGERS)
+    farthest = float(env.control.upper[-1])
+    while abs(off := opening - env.commanded_openings[robot]) > farthest / 100:
+        yield _action(env, robot, fingers=off)
 
 
 def _moved(env: TaskEnv, waypoint: Waypoint, before: Moment, target: str | None) -> Iterator[Action]:
@@ -164,9 +165,10 @@ def _way_round(situation: Situation, robot: str, turn: float) -> float:
 def _action(
     env: TaskEnv, robot: str, move: Vector = (0.0, 0.0, 0.0), turn: float = 0.0, fingers: float = 0.0
 ) -> Action:
-    """Return the action that moves one arm, in metres and radians; `fingers` is the action's number for the fingers."""
-    numbers = np.zeros((len(env.layout.robots), SIZES["tool"]), dtype=np.float32)
-    farthest = max(1.0, *(abs(part) / STRIDE for part in move))
-    own = [*(part / STRIDE / farthest for part in move), turn / TURN, fingers]
-    numbers[env.layout.robots.index(robot)] = np.clip(own, -1.0, 1.0)
+    """Return the action that moves one arm and its fingers, in metres and radians."""
+    numbers = np.zeros((len(env.control.robots), len(env.control.convention.numbers)), dtype=np.float32)
+    stride, _, _, most, opening = env.control.upper[: numbers.shape[1]].tolist()
+    farthest = max(1.0, *(abs(part) / stride for part in move))
+    own = [*(part / stride / farthest for part in move), turn / most, fingers / opening]
+    numbers[env.control.robots.index(robot)] = np.clip(own, -1.0, 1.0)
     return numbers.ravel()

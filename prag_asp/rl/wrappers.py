@@ -10,9 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import QueryError
-from prag_asp.rl.control import SIZES, STRIDE
+from prag_asp.physics.control.names import UPRIGHT
+from prag_asp.physics.predicates import PREDICATES
+from prag_asp.physics.situation import Situation
 from prag_asp.rl.environment import TaskEnv
 from prag_asp.rl.observations import named_bodies
+from prag_asp.scene.geometry import rotate
+
+HOLDING = PREDICATES["holding"]
 
 ABOVE, ASIDE = 0.06, 0.02
 """The height in metres over a body at which the tool travels, and the horizontal distance at which it descends."""
@@ -22,19 +27,19 @@ class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np
     """Adds to each action the motion of a scripted reach to the first body that the current action names.
 
     The reach moves the tool of the acting arm over the body, then down to its centre, at most by the largest
-    displacement of an action; it does not turn the tool or move the fingers, and lifts what the arm holds.
-    An agent thus learns a residual (Johannink and others, "Residual reinforcement learning for robot control", 2019),
-    of which `share` is the scale.
+    displacement of an action, turned so that the fingers can close on the narrow sides of a box. It does not move the
+    fingers, and lifts the body when the arm holds it. An agent thus learns a residual (Johannink and others, "Residual
+    reinforcement learning for robot control", 2019), of which `share` is the scale.
 
     Raises:
         QueryError: the environment is not a `TaskEnv`, does not take displacements of the tool, or the share is not
             above 0 and at most 1.
     """
 
-    def __init__(self, env: gymnasium.Env[Any, NDArray[np.float32]], share: float = 0.5):
+    def __init__(self, env: gymnasium.Env[Any, NDArray[np.float32]], share: float = 0.3):
         super().__init__(env)
-        if not isinstance(env.unwrapped, TaskEnv) or env.unwrapped.control != "tool":
-            raise QueryError('a reach moves the tool; give a TaskEnv with control="tool"')
+        if not isinstance(env.unwrapped, TaskEnv) or env.unwrapped.control.name != UPRIGHT:
+            raise QueryError(f'a reach moves an upright tool; give a TaskEnv with control="{UPRIGHT}"')
         if not 0.0 < share <= 1.0:
             raise QueryError(f"a share is above 0 and at most 1; got {share!r:.80}")
         self._task_env, self._share = env.unwrapped, share
@@ -49,10 +54,10 @@ class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np
     def _reach(self) -> NDArray[np.float32]:
         """Return the motion of the reach as an action."""
         env, robots = self._task_env, self._task_env.layout.robots
-        moves = np.zeros((len(robots), SIZES["tool"]), dtype=np.float32)
+        moves = np.zeros((len(robots), len(env.control.convention.numbers)), dtype=np.float32)
         acting = next((name for name in env.action.arguments if name in robots), robots[0])
         bodies = named_bodies(env.action, env.scene)
-        if env.situation.arm(acting).held is not None:
+        if bodies and HOLDING.holds(env.situation, (acting, bodies[0])):
             moves[robots.index(acting), 2] = 1.0
         elif bodies:
             body, tool = env.situation.body(bodies[0]), env.situation.tool(acting).position
@@ -60,6 +65,21 @@ class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np
             if math.hypot(x, y) > ASIDE:
                 over = body.high[2] + ABOVE - tool[2]
                 x, y, z = (x, y, over) if over < ABOVE / 2 else (0.0, 0.0, over)
-            step = max(STRIDE * env.action_scale, abs(x), abs(y), abs(z))
-            moves[robots.index(acting), :3] = x / step, y / step, z / step
+            stride, _, _, most, *_ = env.control.upper.tolist()
+            step = max(stride, abs(x), abs(y), abs(z))
+            turn = _turn(env.situation, acting, bodies[0]) / most
+            moves[robots.index(acting), :4] = x / step, y / step, z / step, min(max(turn, -1.0), 1.0)
         return moves.ravel()
+
+
+def _turn(situation: Situation, robot: str, entity: str) -> float:
+    """Return the smallest turn in radians after which the fingers close on the narrow sides of a box; else 0."""
+    shape = situation.shape(entity)
+    if shape.kind != "box":
+        return 0.0
+    across = (1.0, 0.0, 0.0) if shape.half[0] < shape.half[1] else (0.0, 1.0, 0.0)
+    x, y, _ = rotate(situation.body(entity).pose.quaternion, across)
+    # The fingers move along the y axis of the tool.
+    along_x, along_y, _ = rotate(situation.tool(robot).quaternion, (0.0, 1.0, 0.0))
+    turn = math.atan2(y, x) - math.atan2(along_y, along_x)
+    return (turn + math.pi / 2) % math.pi - math.pi / 2

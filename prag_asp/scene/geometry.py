@@ -120,7 +120,10 @@ def finite(pose: Pose) -> bool:
 
 @lru_cache(maxsize=1 << 11)
 def extents(shape: Shape, quaternion: Quaternion) -> Vector:
-    """Return the half-extents of the axis-aligned bounding box of a rotated shape, in metres."""
+    """Return the half-extents of the axis-aligned bounding box of a rotated shape, in metres.
+
+    A shape with a model counts as the box of its file; `prag_asp.physics.extent` measures its solids.
+    """
     half, reach = shape.half, shape.traits.form.reach
     x, y, z, w = quaternion
     along = [reach(half, rotate((-x, -y, -z, w), axis)) for axis in AXES]

@@ -48,7 +48,7 @@ def part_surfaces(shape: Shape) -> tuple[Floats, ...]:
 @lru_cache(maxsize=64)
 def _part_surfaces(shape: Shape, files: tuple[tuple[int, int], ...]) -> tuple[Floats, ...]:
     """Return the triangles of each part; the states of the files are part of the cache key."""
-    return tuple(part for solid in solids(shape) for part in _placed_parts(solid))
+    return tuple(part for solid in solids(shape) for part in solid_parts(solid))
 
 
 def surface(shape: Shape) -> Floats:
@@ -130,8 +130,12 @@ def in_frame(triangles: Floats, frame: Pose) -> Floats:
     return result
 
 
-def _placed_parts(solid: Solid) -> list[Floats]:
-    """Return the triangles of the convex parts of a solid in the frame of its body."""
+def solid_parts(solid: Solid) -> list[Floats]:
+    """Return the triangles of the convex parts of a solid in the frame of its body.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
     rows = np.array(rotation(solid.turn))
     if solid.mesh:
         # A part collides as its convex hull, as simulators do.

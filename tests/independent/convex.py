@@ -149,6 +149,23 @@ def outlines_apart(one: Array, two: Array) -> float:
     return min(gaps)
 
 
+def outline_of(points: Array) -> Array:
+    """Return the corners of the hull of points in the plane, counter-clockwise: the next has all others to its left."""
+    points = np.unique(points.round(8), axis=0)
+    outline = [points[0]]
+    while True:
+        ways = points - outline[-1]
+        lengths = np.linalg.norm(ways, axis=1)
+        best = int(lengths.argmax())
+        for i in np.nonzero(lengths > 0.0)[0]:
+            side = ways[best][0] * ways[i][1] - ways[best][1] * ways[i][0]
+            if side < -1e-12 or (abs(side) <= 1e-12 and lengths[i] > lengths[best]):
+                best = int(i)
+        if not lengths.any() or np.array_equal(points[best], outline[0]):
+            return np.array(outline)
+        outline.append(points[best])
+
+
 def _to_edges(point: Array, outline: Array) -> float:
     """Return the distance of a point from the nearest edge of an outline."""
     ways = np.roll(outline, -1, axis=0) - outline

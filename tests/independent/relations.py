@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.independent.convex import outlines_apart, reach
+from tests.independent.convex import Part, outline_of, outlines_apart, reach
 from tests.independent.frames import Array, Frame
 from tests.independent.grips import RUBBER, Grip, grip
-from tests.independent.tolerances import SLACK, TILT
+from tests.independent.tolerances import SAME, SLACK, TILT
 from tests.independent.world import Layout, World
 
 ROUND = ("cylinder", "sphere")
@@ -41,21 +41,51 @@ class Seen:
         return np.asarray(pose.turn.T @ (at - pose.at))
 
     def wide(self, name: str, direction: Array) -> float:
-        """Return half the width of a body along a direction of length one, of furniture that of the box around it.
+        """Return half the width of a body along a direction of length one, of furniture that of the box around it."""
+        low, high = self.ends(name, direction)
+        return (high - low) / 2
 
-        Of a body from a file it is that of its own box.
-        """
+    def ends(self, name: str, direction: Array) -> tuple[float, float]:
+        """Return where a body begins and ends along a direction of length one, furniture as the box around it."""
         if name in self.world.furniture:
-            low, high = self.layout.span(name)
-            return float(np.abs(direction) @ (high - low)) / 2
-        if name in self.world.models:
-            return float(np.abs(direction @ self.layout.pose(name).turn) @ self.world.halves[name])
+            box = self.layout.span(name)
+            middle, half = direction @ np.add(*box) / 2, np.abs(direction) @ (box[1] - box[0]) / 2
+            return float(middle - half), float(middle + half)
         low, high = np.inf, -np.inf
         for solid in self.layout.body(name).solids:
             middle = solid.middle @ direction
             ends = reach(solid.part, solid.place.turn, np.array([-direction, direction]))
             low, high = min(low, middle - ends[0]), max(high, middle + ends[1])
-        return float(high - low) / 2
+        return float(low), float(high)
+
+    def shadow(self, name: str) -> Array:
+        """Return the outline of a body from a file, seen from above."""
+        return outline_of(self._points(name)[:, :2])
+
+    def crown(self, name: str) -> Array:
+        """Return the outline of the highest points of a body from a file, on which others stand."""
+        points = self._points(name)
+        return outline_of(points[points[:, 2] >= points[:, 2].max() - SAME][:, :2])
+
+    def _points(self, name: str) -> Array:
+        """Return points of a body from a file whose hull it is, of round solids nearly."""
+        solids = self.layout.body(name).solids
+        return np.concatenate([_corners(solid.part) @ solid.place.turn.T + solid.middle for solid in solids])
+
+
+def _corners(part: Part) -> Array:
+    """Return points about the middle of a solid whose hull it is, of round ones nearly."""
+    if part.hull is not None:
+        return part.hull.corners
+    if part.kind == "box":
+        return np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * part.half
+    turns = np.linspace(0.0, 2 * np.pi, 64, endpoint=False)
+    ring = np.column_stack([np.cos(turns), np.sin(turns)])
+    if part.kind == "cylinder":
+        return np.concatenate([np.column_stack([ring, np.full(64, z)]) for z in (-1.0, 1.0)]) * part.half
+    slopes = np.linspace(-np.pi / 2, np.pi / 2, 33)
+    rings = [np.column_stack([ring * np.cos(t), np.full(64, np.sin(t))]) for t in slopes]
+    return np.concatenate(rings) * part.half
 
 
 def holds(seen: Seen, name: str, arguments: Sequence[str], value: bool) -> bool:
@@ -106,7 +136,8 @@ def _far(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
 
 
 def _touching(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
-    """The gap in space at most 2 mm, or bodies in each other by as much; what is no upright primitive is its box."""
+    """The gap in space at most 2 mm, or bodies in each other by as much; what is no upright primitive is its box, but
+    what is from a file is the prism around it."""
     (one, low, high, radius, ball), (two, other_low, other_high, other_radius, other_ball) = (
         _prism(seen, name) for name in arguments
     )
@@ -119,6 +150,8 @@ def _touching(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
 def _prism(seen: Seen, name: str) -> tuple[Array, float, float, float, float]:
     """Return corners seen from above, bottom and top of what a body is around, and the radii of discs and of a ball."""
     low, high = seen.layout.span(name)
+    if name in seen.world.models:
+        return seen.shadow(name), low[2], high[2], 0.0, 0.0
     middle, pose, kind = (low + high) / 2, seen.layout.pose(name), seen.world.kinds[name]
     if kind == "sphere":
         return middle[None, :2], middle[2], middle[2], 0.0, seen.world.halves[name][0]
@@ -136,14 +169,15 @@ def _between(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
     """The line between the centres of two bodies passes through this one, 5 mm or more from either along it."""
     name, one, two = arguments
     begin, end = (middle[:2] for middle in _middles(seen, (one, two)))
-    at = seen.layout.poses[name].at[:2] - begin
     long = float(np.linalg.norm(end - begin))
     way = np.append((end - begin) / long if long > 0.0 else [1.0, 0.0], 0.0)
     across = np.array([-way[1], way[0], 0.0])
-    own = seen.wide(name, way)
-    yield abs(float(at @ across[:2])) - seen.wide(name, across)
-    yield seen.wide(one, way) + 0.005 + own - float(at @ way[:2])
-    yield float(at @ way[:2]) - (long - seen.wide(two, way) - 0.005 - own)
+    left = seen.ends(name, across)
+    aside = float(np.append(begin, 0.0) @ across)
+    yield max(left[0] - aside, aside - left[1])
+    first, last = seen.ends(name, way)
+    yield seen.ends(one, way)[1] + 0.005 - first
+    yield last + 0.005 - seen.ends(two, way)[0]
 
 
 def _aligned(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
@@ -152,12 +186,28 @@ def _aligned(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
     apart, close = np.abs(one - two), _sides(seen, arguments) + 0.005
     yield min(max(apart[1 - axis] - 0.01, close[axis] - apart[axis]) for axis in (0, 1))
     if not any(seen.world.kinds[name] in ROUND for name in arguments):
-        yaws = [_yaw(seen.layout.pose(name)) for name in arguments]
+        yaws = [_side(seen, name) for name in arguments]
         yield abs(float(np.angle(np.exp(4j * (yaws[0] - yaws[1]))))) / 4 - np.radians(5)
 
 
 def _yaw(pose: Frame) -> float:
     return float(np.arctan2(pose.turn[1, 0], pose.turn[0, 0]))
+
+
+def _side(seen: Seen, name: str) -> float:
+    """Return the heading of a side of a body: from a file, of the smallest rectangle around it if that is 2 % less."""
+    own = _yaw(seen.layout.pose(name))
+    if name not in seen.world.models:
+        return own
+    outline = seen.shadow(name)
+    edges = np.roll(outline, -1, axis=0) - outline
+
+    def area(turn: float) -> float:
+        along = np.array([np.cos(turn), np.sin(turn)])
+        return float(np.ptp(outline @ along) * np.ptp(outline @ [-along[1], along[0]]))
+
+    best = min((float(np.arctan2(y, x)) for x, y in edges), key=area)
+    return best if area(best) <= 0.98 * area(own) else own
 
 
 def _upright(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
@@ -177,6 +227,9 @@ def _on_top(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
     """The foot within 2 mm of the top, the centre above the top."""
     name, support = arguments
     yield abs(seen.layout.span(name)[0][2] - seen.layout.span(support)[1][2]) - 0.002
+    if support in seen.world.models:
+        yield outlines_apart(seen.layout.poses[name].at[None, :2], seen.crown(support))
+        return
     local = seen.local(support, seen.layout.poses[name].at)[:2]
     if seen.world.kinds[support] in ROUND:
         yield float(np.linalg.norm(local)) - seen.world.halves[support][0]
@@ -193,19 +246,19 @@ def _within(seen: Seen, arguments: Sequence[str], highest: float | None) -> Iter
     yield height - (rim - floor + 0.2 if highest is None else highest)
     local = frame.inverse() @ seen.layout.poses[name]
     for axis, (low, high) in ((0, x), (1, y)):
-        half = _half_along(seen, name, local.turn, axis)
-        yield low - (local.at[axis] - half)
-        yield local.at[axis] + half - high
+        first, last = _ends_within(seen, name, local, axis)
+        yield low - first
+        yield last - high
 
 
-def _half_along(seen: Seen, name: str, turn: Array, axis: int) -> float:
-    """Return half the width of a turned body along an axis, of a body from a file that of its own box."""
-    if name in seen.world.models:
-        return float(np.abs(turn[axis]) @ seen.world.halves[name])
-    return max(
-        reach(solid.part, turn, np.eye(3)[axis : axis + 1])[0] + abs((turn @ solid.part.at)[axis])
-        for solid in seen.layout.body(name).solids
-    )
+def _ends_within(seen: Seen, name: str, local: Frame, axis: int) -> tuple[float, float]:
+    """Return where a body begins and ends along an axis of a frame in which it has a place."""
+    low, high = np.inf, -np.inf
+    for solid in seen.layout.body(name).solids:
+        middle = (local.turn @ solid.part.at + local.at)[axis]
+        back, ahead = reach(solid.part, local.turn, np.outer([-1.0, 1.0], np.eye(3)[axis]))
+        low, high = min(low, middle - back), max(high, middle + ahead)
+    return float(low), float(high)
 
 
 def _inside(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
@@ -237,6 +290,9 @@ def _is_hollow(seen: Seen, name: str) -> bool:
 
 def _beyond(seen: Seen, container: str, at: Array) -> Iterator[float]:
     """Yield how far a point is within the outline of a container, and within that of the tray of a drawer."""
+    if container in seen.world.models:
+        yield -outlines_apart(at[None, :2], seen.shadow(container))
+        return
     yield float((seen.world.halves[container][:2] - np.abs(seen.local(container, at)[:2])).min())
     furniture = seen.world.furniture.get(container)
     if furniture is not None:
@@ -310,6 +366,9 @@ def _over(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
     """The tool above the top of a body or a zone, within its sides."""
     at = seen.tools[arguments[0]].at
     yield seen.layout.span(arguments[1])[1][2] - at[2]
+    if arguments[1] in seen.world.models:
+        yield outlines_apart(at[None, :2], seen.shadow(arguments[1]))
+        return
     yield from np.abs(seen.local(arguments[1], at)[:2]) - seen.layout.flat(arguments[1])
 
 

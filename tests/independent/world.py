@@ -105,10 +105,6 @@ class Layout:
         ends = np.array([_box(solid.part, solid.place.turn) for solid in solids])
         lows, highs = middles + ends[:, 0], middles + ends[:, 1]
         low, high = lows.min(axis=0), highs.max(axis=0)
-        if name in self.world.models:
-            # What is said of such a body means the box around its own box.
-            half = np.abs(pose.turn) @ self.world.halves[name]
-            low, high = pose.at - half, pose.at + half
         body = self.known[name] = Body(pose, opening, solids, lows, highs, low, high)
         return body
 

@@ -9,7 +9,7 @@ import pytest
 from prag_asp import EngineError, TaskSpace, answer_sets
 from prag_asp.logic.formula import counter
 from prag_asp.logic.formula.cnf import Cnf
-from prag_asp.models.enumeration.bounded_enumeration import Effort
+from prag_asp.models.enumeration.bounded_enumeration import BoundedEnumeration, Effort
 from tests.domains import domain_of
 from tests.models.test_approximate import LINKED
 from tests.processes import children
@@ -97,7 +97,8 @@ def test_an_error_of_a_listener_is_no_failure_of_the_counter() -> None:
 def test_a_program_that_is_not_tight_is_counted_by_whoever_is_done_first(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(BESIDE.format("models.enumeration.effort"), 0)
     monkeypatch.setattr("prag_asp.models.counting_race.first_effort", lambda _: Effort(0, 0))
-    monkeypatch.setattr("prag_asp.models.counting_race.is_worth_enumerating", lambda *_: False)
+    monkeypatch.setattr(BoundedEnumeration, "count_within", lambda *_: None)
+    monkeypatch.setattr("prag_asp.models.enumeration.effort.COMPILATION", 0)
     monkeypatch.setattr("prag_asp.models.compiler.LOOK", 1)
     waited: list[bool] = []
 

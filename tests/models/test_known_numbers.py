@@ -113,3 +113,11 @@ def test_subsets_of_a_size_are_binomials_and_their_elements_equally_likely() -> 
     subsets = answer_sets(text="{ in(1..20) } = 7. #show in/1.")
     assert subsets.count() == len(list(combinations(range(20), 7))) == 77520
     assert set(subsets.marginals().values()) == {Fraction(7, 20)}
+
+
+def test_sums_over_many_atoms_are_counted_by_what_they_lack() -> None:
+    text = "{ in(1..60) }. :- #sum { I : in(I) } != 900."
+    ways = [1] + 900 * [0]
+    for weight in range(1, 61):
+        ways = [old + (ways[total - weight] if total >= weight else 0) for total, old in enumerate(ways)]
+    assert answer_sets(text=text, engine="diagram").count() == ways[900]

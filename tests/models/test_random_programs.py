@@ -85,3 +85,30 @@ def test_a_program_with_loops_has_the_answer_sets_that_clingo_finds(text: str, p
     if expected:
         shares = {str(symbol): share for symbol, share in found.marginals().items() if share}
         assert shares == marginals(expected)
+
+
+@st.composite
+def sums(draw: st.DrawFn) -> str:
+    """Return a program with sums of repeated, negated and negative terms, which atoms, choices and constraints read."""
+    size, rules = draw(st.integers(2, 5)), []
+    for place in range(draw(st.integers(1, 4))):
+        terms = st.tuples(st.sampled_from([-2, 1, 2, 3]), st.sampled_from(["", "not "]), st.integers(1, size))
+        drawn = draw(st.lists(terms, min_size=2, max_size=6))
+        elements = ";".join(f"{weight},{at}:{sign}x({atom})" for at, (weight, sign, atom) in enumerate(drawn))
+        head = draw(st.sampled_from(["", f"y({place})", f"{{y({place}); y(9)}}", f"1 {{x(1); y({place})}} 1"]))
+        rules.append(
+            f"{head} :- #sum{{{elements}}} {draw(st.sampled_from(['>=', '=', '!=']))} {draw(st.integers(-1, 8))}."
+        )
+    return " ".join([f"{{x(1..{size})}}.", *rules, draw(st.sampled_from(["", "#show y/1."]))])
+
+
+@given(sums(), st.booleans())
+@settings(max_examples=examples(40))
+def test_a_program_with_sums_has_the_answer_sets_that_clingo_finds(text: str, project: bool) -> None:
+    expected = answer_sets_by_clingo(text, project=project)
+    found = read(text, project=project, engine="diagram")
+    if found is None or found._compiled.no_clauses:
+        return
+    assert found.count() == sum(expected.values())
+    if expected and not project:
+        assert {str(symbol): share for symbol, share in found.marginals().items() if share} == marginals(expected)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from prag_asp.physics import Budget, check_demonstration, check_witness, open_validator, validate_task
+from prag_asp.physics.demonstration.acting import SQUEEZE
 from prag_asp.physics.grasps.body_grasps import body_grasps, is_hand_free
 from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates import PREDICATES
@@ -21,6 +22,7 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.physics.verdict import Tier, Verdict
 from prag_asp.physics.witness import Arm, Witness
+from prag_asp.physics.world.dynamics import ArmCommand, open_dynamics
 from prag_asp.scene.geometry import Pose, compose, invert, yaw_of, yaw_quaternion
 from prag_asp.scene.robots.panda import PANDA
 from prag_asp.scene.scene import BodyModel, Scene, Shape, Solid
@@ -166,6 +168,17 @@ def test_fingers_hold_a_paper_bowl_with_little_force_and_do_not_press_into_it() 
     verdict = validate_task(MOVED, made, seed=1, budget=Budget(2, 8, Tier.DEMONSTRATION))
     assert verdict.demonstration is not None, verdict.nearest
     assert check_demonstration(MOVED, verdict.demonstration, made) == []
+    # A simulation that an agent drives has no witness, and presses as little.
+    moment = verdict.witness.moments[1]
+    arm, forces = moment.arms["panda"], list[float]()
+    with open_dynamics(made) as world:
+        world.begin(tuple(moment.poses), moment)
+        number = len(world.parts) + list(moment.poses).index("thing_1")
+        for _ in range(20):
+            world.drive("panda", ArmCommand(arm.joints, arm.width - SQUEEZE))
+            world.step()
+            forces.append(max((each.force for pair, each in world.contacts().items() if number in pair), default=0.0))
+    assert 0.0 < forces[-1] < 2.0 * finger_force(made, "thing_1", "panda")
 
 
 def test_way_and_volume_of_holding_lead_to_a_grasp(verdicts: dict[str, Verdict]) -> None:

@@ -25,7 +25,7 @@ pytestmark = pytest.mark.skipif(find_spec("stable_baselines3") is None, reason="
 
 
 @pytest.mark.parametrize("name", DOMAINS)
-@pytest.mark.parametrize("asked", [{"cameras": ("front",), "size": 40}, {"control": "joints", "everything": True}])
+@pytest.mark.parametrize("asked", [{"cameras": ("front",), "size": 40}, {"control": "joint_delta", "everything": True}])
 def test_stable_baselines3_finds_nothing_wrong(
     name: str, asked: dict[str, Any], given: Mapping[str, list[Given]]
 ) -> None:

@@ -23,7 +23,6 @@ from prag_asp import Dataset, Task, TaskSpace, load_domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget, Validator, Witness
 from prag_asp.rl import AdaptiveCurriculum, TaskEnv, oracle
-from prag_asp.rl.control import STRIDE
 from prag_asp.rl.goals import PLACES
 from prag_asp.rl.observations import FACTS
 from prag_asp.rl.tasks import episode_sampler
@@ -48,10 +47,14 @@ def env(space: TaskSpace) -> Iterator[TaskEnv]:
 
 
 @pytest.mark.filterwarnings("ignore:.*infinity.*", "ignore:.*not within the observation space.*")
-@pytest.mark.parametrize(("name", "control"), [*zip(DOMAINS, ("tool", "joints") * 2, strict=True)])
+@pytest.mark.filterwarnings("ignore:.*symmetric and normalized space.*")  # absolute values have their own units
+@pytest.mark.parametrize(
+    ("name", "control"), [*zip(DOMAINS, ("ee_delta_upright", "joint_position", "joint_delta", "ee_delta"), strict=True)]
+)
 def test_gymnasium_finds_nothing_wrong(name: str, control: Any, given: Mapping[str, list[Given]]) -> None:
     task, witness = given[name][0]
-    env = TaskEnv(task=task, witness=witness, control=control, everything=control == "joints", goals=control == "tool")
+    everything, goals = control == "joint_delta", control == "ee_delta_upright"
+    env = TaskEnv(task=task, witness=witness, control=control, everything=everything, goals=goals)
     check_env(env, skip_render_check=True)
     env.close()
 
@@ -239,7 +242,7 @@ def moved_to(env: TaskEnv, place: Sequence[float]) -> tuple[float, NDArray[np.fl
     total = 0.0
     for _ in range(40):
         off = np.subtract(place, env.situation.tool("panda").position)
-        observation, gain, ended, *_ = env.step(np.array([*(off / STRIDE), 0.0, -1.0]))
+        observation, gain, ended, *_ = env.step(np.array([*(off / env.control.upper[0]), 0.0, -1.0]))
         total += gain
         assert not ended
         if np.abs(off).max() < 0.006:

@@ -44,17 +44,20 @@ def cells(begin: str) -> list[str]:
     return [cell.strip() for cell in found.strip("|").split("|")[1:]]
 
 
-KINDS = [("SAC", "PragApproach"), ("SAC", "PragGrasp")]
+KINDS = {
+    (row["skill"], row["agent"], row["reach"]) for row in pq.read_table(RESULTS / "plain.parquet").to_pylist()
+}  # fmt: skip
 
 
-@pytest.mark.parametrize(("agent", "skill"), KINDS)
-def test_default_agents_learn_what_is_kept(agent: str, skill: str) -> None:
-    rows = kept("plain", agent=agent, skill=skill)
+@pytest.mark.parametrize(("skill", "agent", "reach"), sorted(KINDS))
+def test_default_agents_learn_what_is_kept(skill: str, agent: str, reach: bool) -> None:
+    rows = kept("plain", agent=agent, skill=skill, reach=reach)
     assert [row["seed"] for row in rows] == [*range(len(rows))] and {row["trials"] for row in rows} == {30}
     (steps,) = {row["steps"] for row in rows}
     seconds = sum(row["processor_seconds"] for row in rows) / len(rows)
     expected = [f"{steps:,}", f"{each(rows)} of 30", together(rows), f"{seconds:.0f} s"]
-    assert cells(f"`{skill}` | {agent}")[1:] == expected
+    environment = f"`{skill}`" + " with `ScriptedReach`" * reach
+    assert cells(f"{environment} | {agent}")[1:] == expected
 
 
 def test_success_of_the_oracle_against_length_is_what_is_kept() -> None:

@@ -179,7 +179,7 @@ def test_the_scenario_of_an_episode_begins_it_again(dataset: Dataset) -> None:
         observation, info = each.reset(seed=3)
         again, same = env.reset(options={"scenario": info["scenario"]})
         assert same["task"] == info["task"] and same["scenario"] == info["scenario"]
-        assert np.array_equal(observation["observation"], again["observation"])
+        assert np.array_equal(observation, again)
     for wrong in ({"scenario": "tabletop:2"}, {"scenario": info["scenario"], "rank": 1}):
         with pytest.raises(QueryError):
             env.reset(options=wrong)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,7 @@ from prag_asp.cli.line_output import require_writable, writer
 from prag_asp.cli.task_options import TaskSelection, task_selection
 from prag_asp.cli.terminal import progress, say
 from prag_asp.errors import OutputError
+from prag_asp.physics.control.names import RECORDED, STATES
 from prag_asp.program.paths import shipped_domains
 from prag_asp.wording import nearest
 
@@ -115,6 +117,31 @@ def pddl(*, request: DomainOptions, selection: TaskSelection, positive: bool, un
     say(folder)
 
 
+def _conventions(form: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Return the options of a form of datasets for actions and observations."""
+    action = click.option(
+        "--action", type=click.Choice(RECORDED), default="joint_position", show_default=True,
+        help="Control convention of the actions.",
+    )  # fmt: skip
+    state = click.option(
+        "--state", type=click.Choice(STATES), multiple=True, default=("joint_position",), show_default=True,
+        help="Convention of observation.state; may be repeated.",
+    )  # fmt: skip
+    objects = click.option(
+        "--objects/--no-objects", default=None,
+        help="Add the poses of objects as observation.environment_state.  [default: without cameras]",
+    )  # fmt: skip
+    depth = click.option("--depth", is_flag=True, help="Add depth images in millimetres as depth.CAMERA.")
+    chosen = {"lerobot": (depth, objects, state, action), "bddl": ()}.get(form, (action,))
+
+    def decorated(command: Callable[..., None]) -> Callable[..., None]:
+        for option in chosen:
+            command = option(command)
+        return command
+
+    return decorated
+
+
 def _add_dataset_form(form: str, text: str, place: str) -> None:
     """Add the command of a form of datasets, with its help text."""
 
@@ -122,6 +149,7 @@ def _add_dataset_form(form: str, text: str, place: str) -> None:
     @click.argument("folder", metavar="DIR", shell_complete=shell_completion.files)
     @click.option("--part", metavar="PART", help="Part of the dataset to write, such as train.  [default: all]")
     @WHERE
+    @_conventions(form)
     @click.option(
         "--level", type=click.Choice(["vague", "default", "exact"]), default="default", show_default=True,
         help="Detail of the instructions.",
@@ -130,7 +158,7 @@ def _add_dataset_form(form: str, text: str, place: str) -> None:
         "-o", "--output", metavar=place, required=True, shell_complete=shell_completion.files,
         help="New folder, written whole or not at all." if place == "DIR" else "File, written whole or not at all.",
     )  # fmt: skip
-    def command(*, folder: str, part: str | None, where: tuple[str, ...], level: str, output: str) -> None:
+    def command(*, folder: str, part: str | None, where: tuple[str, ...], output: str, **kinds: Any) -> None:
         from prag_asp import Dataset
         from prag_asp.dataset.formats.exporting import export as write
 
@@ -138,27 +166,26 @@ def _add_dataset_form(form: str, text: str, place: str) -> None:
             data = Dataset.open(folder)
             data = data if part is None else data.part(part)
             conditions = DomainOptions(where=where).conditions()
-            say(write(data.where(*conditions) if conditions else data, form, output, level=level, progress=tell))
+            say(write(data.where(*conditions) if conditions else data, form, output, progress=tell, **kinds))
 
 
 _add_dataset_form(
     "lerobot",
     "Write a dataset's episodes as a LeRobotDataset v3.0.\n\n"
-    "It has tables of frames, AV1 videos and subtasks; without cameras, states and actions only. Depth and "
-    "segmentation images are not exported.",
+    "It has tables of frames, AV1 videos and subtasks. Segmentation images are not exported.",
     "DIR",
 )
 _add_dataset_form(
     "minari",
     "Write a dataset's episodes for Minari.\n\n"
-    "Minari finds them with MINARI_DATASETS_PATH=DIR. Observation and action spaces are stored, because there is no "
-    "environment.",
+    "Minari finds them with MINARI_DATASETS_PATH=DIR. It recovers an environment with the same actions, for tasks "
+    "of the same space.",
     "DIR",
 )
 _add_dataset_form(
     "robomimic",
     "Write a dataset's episodes as an HDF5 file for robomimic.\n\n"
-    "Actions are scaled to -1..1 by the joint limits; the parts of the dataset become masks.",
+    "Actions are scaled to -1..1 by their bounds, which env_args holds; the parts of the dataset become masks.",
     "FILE",
 )
 _add_dataset_form(

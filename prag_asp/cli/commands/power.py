@@ -36,7 +36,7 @@ def power(
     power. The power is exact: of McNemar's exact test if both policies run in the same scenarios (--paired or
     --discordant), otherwise of Fisher's exact test.
     """
-    from prag_asp.analysis.power import ComparisonDesign
+    from prag_asp.evaluation.power import ComparisonDesign
 
     if effect is None and scenarios is None:
         raise QueryError("nothing to compute; give --effect E for the scenarios it needs, or --scenarios N")

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +15,12 @@ from prag_asp.dataset.store.entry import DatasetEntry
 from prag_asp.dataset.store.instructions import LEVELS, PLAIN
 from prag_asp.domain.load import load_scene
 from prag_asp.errors import QueryError
+from prag_asp.physics.control.control import Control
+from prag_asp.physics.control.names import ControlName
+from prag_asp.physics.control.recorded_actions import recorded_actions, recorded_states, state_names
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration
 from prag_asp.physics.demonstration.footage import NOTHING, CameraVideo
+from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.variation import table_of
@@ -31,9 +36,9 @@ class ExportEpisode:
     """A recording as N time steps, each of a camera image or a frame, and the actions between them, for R robots.
 
     `frames` (N,) are the frames of the recording at these steps; `state` (N, 8R) has the joint angles in radians and
-    the gripper opening in metres of each robot, in the order of `EpisodeSource.joints`; `action` (N, 8R) has the motor
-    commands that are active at the next step, or at the end of the recording. `subgoal` (N,) is the index of the action
-    of the task that is being executed; `subgoals` has a sentence for each.
+    the gripper opening in metres of each robot, in the order of `EpisodeSource.joints`; `commands` (N + 1, R, 8) has
+    the motor commands at these steps and at the end of the recording. `subgoal` (N,) is the index of the action of the
+    task that is being executed; `subgoals` has a sentence for each.
     """
 
     entry: DatasetEntry
@@ -65,16 +70,20 @@ class ExportEpisode:
     @property
     def state(self) -> Floats:
         """The joint angles and gripper openings at each step, shape (N, 8R)."""
+        return self.arms.reshape(self.length, -1)
+
+    @property
+    def arms(self) -> Floats:
+        """The joint angles and gripper openings of each robot at each step, shape (N, R, 8)."""
         demonstration = self.demonstration
-        joints = np.concatenate([demonstration.joints, demonstration.widths[..., None]], axis=2)
-        result: Floats = joints[self.frames].reshape(self.length, -1)
+        arms = np.concatenate([demonstration.joints, demonstration.widths[..., None]], axis=2)
+        result: Floats = arms[self.frames]
         return result
 
     @property
-    def action(self) -> Floats:
-        """The motor commands at the next step, shape (N, 8R)."""
-        after = np.append(self.frames[1:], len(self.demonstration.times) - 1)
-        result: Floats = self.demonstration.commands[after].reshape(self.length, -1)
+    def commands(self) -> Floats:
+        """The motor commands of each robot at each step and at the end of the recording, shape (N + 1, R, 8)."""
+        result: Floats = self.demonstration.commands[np.append(self.frames, len(self.demonstration.times) - 1)]
         return result
 
     @property
@@ -93,14 +102,20 @@ class ExportEpisode:
 
 @dataclass(frozen=True)
 class EpisodeSource:
-    """A dataset to export; `level` is the level of detail of the instructions, one of `LEVELS`."""
+    """A dataset to export.
+
+    `level` is the level of detail of the instructions, one of `LEVELS`; `action` the convention of actions, one of
+    `CONTROLS`.
+    """
 
     data: Dataset
     level: str = "default"
+    action: str = "joint_position"
 
     def __post_init__(self) -> None:
         if self.level not in LEVELS:
             raise QueryError(f"there are no instructions {self.level}; {did_you_mean(self.level, LEVELS)}")
+        assert self.control.rate == self.rate  # report a wrong name at once
 
     @cached_property
     def scene(self) -> Scene:
@@ -115,16 +130,12 @@ class EpisodeSource:
     @property
     def joints(self) -> list[str]:
         """The names of the 8R components of a state or an action: ``panda/joint_1`` to ``panda/gripper``."""
-        names = (*(f"joint_{number}" for number in range(1, 8)), "gripper")
-        return [f"{robot}/{name}" for robot in self.robots for name in names]
+        return state_names(["joint_position"], self.scene)
 
     @cached_property
-    def limits(self) -> tuple[Floats, Floats]:
-        """The minimum and maximum values of an action, shapes (8R,), by the limits of the robots."""
-        robots = [robot_of(self.scene, name) for name in self.robots]
-        lower = [value for robot in robots for value in (*robot.lower, 0.0)]
-        upper = [value for robot in robots for value in (*robot.upper, robot.opening)]
-        return np.array(lower, dtype=np.float32), np.array(upper, dtype=np.float32)
+    def control(self) -> Control:
+        """The convention of actions, for the robots and the rate of the recordings."""
+        return Control.of(self.action, self.scene, self.rate)
 
     @cached_property
     def cameras(self) -> Mapping[str, tuple[int, int]]:
@@ -207,6 +218,28 @@ class EpisodeSource:
         """Return the instruction of a task at this level, or the plain one if it has no levels."""
         return entry.instruction.get(self.level, entry.instruction.get(PLAIN, ""))
 
+    def actions_of(self, episode: ExportEpisode) -> Floats:
+        """Return the actions of an episode, each from a time step to the next or the end; shape (N, size).
+
+        Raises:
+            QueryError: the convention cannot express the recording.
+        """
+        try:
+            return recorded_actions(self.control, self.scene, episode.commands).astype(np.float32)
+        except QueryError as error:
+            where = f"{self.data.folder}: the recording of task {episode.entry.number} of {episode.entry.part}"
+            raise QueryError(f"{where}: {error}") from None
+
+    def tools_of(self, episode: ExportEpisode) -> Floats:
+        """Return the pose of each tool at each time step, shape (N, R, 7): x, y, z in metres, and a quaternion."""
+        tools = np.empty((episode.length, len(self.robots), len(POSE)), dtype=np.float32)
+        for i, name in enumerate(self.robots):
+            robot = robot_of(self.scene, name)
+            for step, row in enumerate(episode.arms[:, i].tolist()):
+                tool = tool_pose(robot, tuple(row[:7]))
+                tools[step, i] = *tool.position, *tool.quaternion
+        return tools
+
     def objects_of(self, episode: ExportEpisode) -> Floats:
         """Return the poses of objects, shape (N, objects, 8): 1 and the pose, or zeros for objects not in the task."""
         demonstration = episode.demonstration
@@ -223,6 +256,30 @@ class EpisodeSource:
         for number, entity in enumerate(demonstration.furniture):
             openings[:, self.furniture.index(entity)] = demonstration.openings[episode.frames, number]
         return openings
+
+    @property
+    def body_names(self) -> list[str]:
+        """The names of the numbers of `bodies_of`."""
+        poses = [f"{entity}/{number}" for entity in self.objects for number in ("there", *POSE)]
+        return [*poses, *(f"{entity}/opening" for entity in self.furniture)]
+
+    def bodies_of(self, episode: ExportEpisode) -> Floats:
+        """Return the poses of objects and the openings of furniture at each time step, shape (N, numbers)."""
+        poses = self.objects_of(episode).reshape(episode.length, -1)
+        return np.concatenate([poses, self.openings_of(episode)], axis=1)
+
+    def states_of(self, episode: ExportEpisode, names: Sequence[ControlName]) -> Floats:
+        """Return the states of the robots at each time step in some conventions, shape (N, numbers).
+
+        The numbers are those of `state_names`.
+        """
+        columns: dict[str, NDArray[Any]] = {}
+        for name in names:
+            values = recorded_states(name, self.scene, episode.arms)
+            columns = dict(zip(state_names([name], self.scene), values.T, strict=True)) | columns
+        rows = [columns[name] for name in state_names(names, self.scene)]
+        result: Floats = np.column_stack(rows).astype(np.float32)
+        return result
 
     def segmentation_of(self, episode: ExportEpisode, camera: str) -> NDArray[np.unsignedinteger]:
         """Return the entity at each pixel as its position in `legend`, shape (N, H, W)."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 
@@ -13,6 +14,9 @@ from prag_asp.missing import require_packages
 from prag_asp.safe_reading import is_inside
 from prag_asp.wording import unknown
 
+UNCHANGED = {"state": ("joint_position",), "objects": None, "depth": False}
+"""The options that only LeRobot has, with their defaults."""
+
 
 def export(
     data: Dataset | str | Path,
@@ -20,16 +24,23 @@ def export(
     target: str | Path,
     *,
     level: str = "default",
+    action: str = "joint_position",
+    state: Sequence[str] = ("joint_position",),
+    objects: bool | None = None,
+    depth: bool = False,
     progress: Progress = lambda words, done, total: None,
 ) -> Path:
     """Export a dataset, or a part or subset of one, and return the path of the export.
 
     `form` is one of ``lerobot``, ``minari``, ``robomimic`` and ``bddl``; `target` is a new folder, for ``robomimic`` a
     new file. It is written atomically, and with the same bytes for the same dataset. `level` is the level of detail of
-    the instructions: ``vague``, ``default`` or ``exact``.
+    the instructions: ``vague``, ``default`` or ``exact``. `action` is the convention of actions, one of
+    `prag_asp.physics.control.control.CONTROLS`. The rest is for ``lerobot``, as other formats have all observations:
+    `state` are the conventions of the state, ``joint_position`` and ``ee_position``; with `objects`, the default
+    without cameras, there are the poses of objects, with `depth` the depth images.
 
     Raises:
-        QueryError: there is no such format, or the dataset has no recordings, or has no task.
+        QueryError: there is no such format or convention, or the dataset has no recordings, or has no task.
         DomainError: the domain of the dataset differs from the record in dataset.json.
         OutputError: the export cannot be written, or the target exists.
         DatasetsMissingError: a package that the format needs is not installed.
@@ -38,12 +49,19 @@ def export(
         raise QueryError(unknown(form, FORMS, "form"))
     info = FORMS[form]
     require_packages(form, info.packages)
-    source = EpisodeSource(data if isinstance(data, Dataset) else Dataset.open(data), level)
+    source = EpisodeSource(data if isinstance(data, Dataset) else Dataset.open(data), level, action)
     if info.recorded:
         source.require_recordings()
     path = Path(target)
     if is_inside(path, source.data.folder):
         raise OutputError(f"{path}: lies in the dataset {source.data.folder}; choose another place")
-    writer: ExportFormat = getattr(import_module(f"prag_asp.dataset.formats.{form}"), info.title)()
+    maker = getattr(import_module(f"prag_asp.dataset.formats.{form}"), info.title)
+    options = {"state": tuple(state), "objects": objects, "depth": depth}
+    if form == "lerobot":
+        writer: ExportFormat = maker(**options)
+    elif options == UNCHANGED:
+        writer = maker()
+    else:
+        raise QueryError(f"state, objects and depth are for lerobot: {form} has all observations")
     writer.write(source, path, progress)
     return path

@@ -140,12 +140,9 @@ def group_in(group: h5py.Group, name: str) -> h5py.Group:
 
 
 def numbers_of(source: EpisodeSource, episode: ExportEpisode) -> dict[str, NDArray[np.float32]]:
-    """Return the numeric observations of an episode; `tools` only with cameras, `openings` only with furniture."""
-    observations = {"state": episode.state, "objects": source.objects_of(episode)}
-    if source.furniture:
-        observations["openings"] = source.openings_of(episode)
-    footage = episode.demonstration.footage
-    return observations if footage is None else {**observations, "tools": footage.tools}
+    """Return the numeric observations of an episode; `openings` only with furniture."""
+    observations = {"state": episode.state, "objects": source.objects_of(episode), "tools": source.tools_of(episode)}
+    return observations | ({"openings": source.openings_of(episode)} if source.furniture else {})
 
 
 def pictures_of(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[str, str, NDArray[Any]]]:

@@ -1,7 +1,7 @@
 """LeRobotDataset v3.0: chunked tables of frames, videos of many episodes, and the metadata of both in ``meta``.
 
 The layout is that of https://huggingface.co/docs/lerobot/lerobot-dataset-v3; subtasks are as in
-https://huggingface.co/docs/lerobot/dataset_subtask. Depth and segmentation are not exported.
+https://huggingface.co/docs/lerobot/dataset_subtask. Segmentation is not exported.
 """
 
 from __future__ import annotations
@@ -31,13 +31,19 @@ from prag_asp.dataset.formats.feature_statistics import (
 )
 from prag_asp.dataset.formats.provenance import write_provenance
 from prag_asp.dataset.formats.video import Video, video_info
+from prag_asp.errors import QueryError
 from prag_asp.output import make_folder, new_folder, replace_file
-from prag_asp.wording import plural
+from prag_asp.physics.control.names import STATES, ControlName
+from prag_asp.physics.control.recorded_actions import state_names
+from prag_asp.wording import plural, unknown
 
 VERSION = "v3.0"
 PLACE = "chunk-{chunk_index:03d}/file-{file_index:03d}"
 DATA, EPISODES = f"data/{PLACE}.parquet", f"meta/episodes/{PLACE}.parquet"
 VIDEOS = f"videos/{{video_key}}/{PLACE}.mp4"
+
+DEPTH = "depth."
+"""The features of depth images: policies of LeRobot would take those named ``observation...`` as inputs."""
 
 CARD = """---
 tags: [LeRobot]
@@ -55,10 +61,31 @@ A LeRobotDataset {version}: {episodes} of `{name}`, written by prag_asp. `subtas
 
 @dataclass(frozen=True)
 class LeRobot:
-    """Writes LeRobotDatasets; a data or video file that reaches its size limit in megabytes gets no more episodes."""
+    """Writes LeRobotDatasets; a data or video file that reaches its size limit in megabytes gets no more episodes.
 
+    `state` has the conventions of ``observation.state``; with `objects`, ``observation.environment_state`` has the
+    poses of objects, by default if there are no cameras; with `depth`, ``depth.CAMERA`` has the depth images.
+
+    Raises:
+        QueryError: there is no such convention of states.
+    """
+
+    state: tuple[ControlName, ...] = ("joint_position",)
+    objects: bool | None = None
+    depth: bool = False
     data_megabytes: int = 100
     video_megabytes: int = 200
+
+    def __post_init__(self) -> None:
+        for name in self.state:
+            if name not in STATES:
+                raise QueryError(unknown(name, STATES, "state"))
+        if not self.state:
+            raise QueryError(f"a state needs a convention; give {' or '.join(STATES)}")
+
+    def has_objects(self, source: EpisodeSource) -> bool:
+        """Return whether the poses of objects are exported."""
+        return not source.cameras if self.objects is None else self.objects
 
     def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
         """Write a folder with ``meta``, ``data`` and, if there are cameras, ``videos``.
@@ -85,12 +112,9 @@ class _LeRobotWriter:
         self._subtasks: dict[str, int] = {}
         self._splits: dict[str, tuple[int, int]] = {}
         self._statistics: dict[str, Aggregate] = {}
-        self._features = _features(source)
-        columns = []  # of the table of frames: all features except videos
-        for name, feature in self._features.items():
-            if feature["dtype"] != "video":
-                kind, (size,) = pa.type_for_alias(feature["dtype"]), feature["shape"]
-                columns.append((name, kind if feature["names"] is None else pa.list_(kind, size)))
+        self._features = _features(form, source)
+        # Of the table of frames: all features except videos.
+        columns = [(name, _column(each)) for name, each in self._features.items() if each["dtype"] != "video"]
         self._data = ChunkedTable(folder, DATA, pa.schema(columns), form.data_megabytes)
         self._rows = ChunkedTable(folder, EPISODES, _episode_schema(self._features), form.data_megabytes)
         self._videos = {
@@ -100,15 +124,10 @@ class _LeRobotWriter:
     def add(self, episode: ExportEpisode) -> None:
         """Write an episode."""
         values = self._values(episode)
-        statistics: dict[str, Statistics] = {name: statistics_of(value) for name, value in values.items()}
-        arrays = []
-        for column in self._data.schema:
-            value = values[column.name]
-            if value.ndim == 1:
-                arrays.append(pa.array(value, column.type))
-            else:
-                flat = pa.array(value.ravel(), column.type.value_type)
-                arrays.append(pa.FixedSizeListArray.from_arrays(flat, value.shape[1]))
+        statistics: dict[str, Statistics] = {
+            name: statistics_of(value) for name, value in values.items() if has_statistics(name)
+        }
+        arrays = [_nested(values[column.name], column.type) for column in self._data.schema]
         chunk, file = self._data.add(pa.Table.from_arrays(arrays, schema=self._data.schema))
         row: dict[str, Any] = {
             "episode_index": self.episodes,
@@ -159,9 +178,9 @@ class _LeRobotWriter:
         frame = np.arange(length)
         task = self._tasks.setdefault(episode.instruction, len(self._tasks))
         subtasks = [self._subtasks.setdefault(text, len(self._subtasks)) for text in episode.subgoals]
-        return {
-            "observation.state": episode.state,
-            "action": episode.action,
+        values = {
+            "observation.state": self._source.states_of(episode, self._form.state),
+            "action": self._source.actions_of(episode),
             "subtask_index": np.array(subtasks)[episode.subgoal],
             "subgoal_index": episode.subgoal,
             "next.reward": episode.rewards,
@@ -172,6 +191,12 @@ class _LeRobotWriter:
             "index": frame + self._frames,
             "task_index": np.full(length, task),
         }
+        if self._form.has_objects(self._source):
+            values["observation.environment_state"] = self._source.bodies_of(episode)
+        if self._form.depth:
+            for camera, video in episode.videos.items():
+                values[DEPTH + camera] = np.round(1000 * video.depth.astype(np.float32)).astype(np.uint16)
+        return values
 
     def _info(self) -> dict[str, Any]:
         source, form = self._source, self._form
@@ -230,10 +255,21 @@ class _VideoFeature:
             video.close()
 
 
-def _features(source: EpisodeSource) -> dict[str, Any]:
-    """Return the features as info.json describes them."""
-    joints = source.joints
-    vector = {"dtype": "float32", "shape": [len(joints)], "names": joints}
+def _features(form: LeRobot, source: EpisodeSource) -> dict[str, Any]:
+    """Return the features as info.json describes them; those of LeRobot ignore `prag_asp`, an addition."""
+    control = source.control
+    action = {
+        "control": control.name,
+        "rate": control.rate,
+        "units": list(control.units),
+        "lower": control.lower.tolist(),
+        "upper": control.upper.tolist(),
+    }
+    vectors = {
+        "observation.state": state_names(form.state, source.scene),
+        "action": list(control.names),
+        **({"observation.environment_state": source.body_names} if form.has_objects(source) else {}),
+    }
     kinds = {
         **dict.fromkeys(("subtask_index", "subgoal_index"), "int64"),
         "next.reward": "float32",
@@ -241,7 +277,11 @@ def _features(source: EpisodeSource) -> dict[str, Any]:
         "timestamp": "float32",
         **dict.fromkeys(("frame_index", "episode_index", "index", "task_index"), "int64"),
     }
-    features: dict[str, Any] = {"observation.state": vector, "action": vector}
+    features: dict[str, Any] = {
+        name: {"dtype": "float32", "shape": [len(names)], "names": names} for name, names in vectors.items()
+    }
+    features["action"]["prag_asp"] = action
+    features["observation.state"]["prag_asp"] = {"states": list(form.state)}
     features |= {name: {"dtype": kind, "shape": [1], "names": None} for name, kind in kinds.items()}
     for name, (width, height) in source.cameras.items():
         features[f"observation.images.{name}"] = {
@@ -250,7 +290,34 @@ def _features(source: EpisodeSource) -> dict[str, Any]:
             "names": ["height", "width", "channels"],
             "info": video_info((width, height), source.rate),
         }
+        if form.depth:
+            shape = {"shape": [height, width], "names": ["height", "width"]}
+            features[DEPTH + name] = {"dtype": "uint16", **shape, "prag_asp": {"unit": "mm"}}
     return features
+
+
+def has_statistics(name: str) -> bool:
+    """Return whether a feature has statistics: those of depth images, by pixel, would be as large as an image."""
+    return not name.startswith(DEPTH)
+
+
+def _column(feature: Mapping[str, Any]) -> pa.DataType:
+    """Return the type of the column of a feature."""
+    kind, shape = pa.type_for_alias(feature["dtype"]), feature["shape"]
+    if feature["names"] is None:
+        return kind
+    return pa.list_(kind, shape[0]) if len(shape) == 1 else pa.list_(pa.list_(kind))
+
+
+def _nested(values: NDArray[Any], kind: pa.DataType) -> pa.Array:
+    """Return the column of an array of N values, lists or images."""
+    if values.ndim == 1:
+        return pa.array(values, kind)
+    if values.ndim == 2:
+        return pa.FixedSizeListArray.from_arrays(pa.array(values.ravel(), kind.value_type), values.shape[1])
+    count, height, width = values.shape
+    rows = pa.ListArray.from_arrays(np.arange(0, values.size + 1, width, dtype=np.int32), pa.array(values.ravel()))
+    return pa.ListArray.from_arrays(np.arange(0, count * height + 1, height, dtype=np.int32), rows)
 
 
 def _episode_schema(features: Mapping[str, Any]) -> pa.Schema:
@@ -261,6 +328,8 @@ def _episode_schema(features: Mapping[str, Any]) -> pa.Schema:
         (f"{room}/{each}_index", pa.int64()) for room in ("data", "meta/episodes") for each in ("chunk", "file")
     ]
     for name, feature in features.items():
+        if not has_statistics(name):
+            continue
         value = pa.list_(pa.float64())
         if feature["dtype"] == "video":
             columns += [(f"videos/{name}/{each}_index", pa.int64()) for each in ("chunk", "file")]

@@ -1,6 +1,6 @@
 """Minari: a local dataset for `minari.load_dataset`, in the layout of https://minari.farama.org.
 
-The dataset names no environment, so its metadata includes the spaces.
+The environment of its metadata has the same actions, but its own observations, so the metadata includes the spaces.
 """
 
 from __future__ import annotations
@@ -21,7 +21,10 @@ from prag_asp.dataset.formats.episode_source import POSE, EpisodeSource, ExportE
 from prag_asp.dataset.formats.export_format import Progress
 from prag_asp.dataset.formats.hdf5 import group_in, note, numbers_of, origin, pictures_of, put, require_steps, written
 from prag_asp.dataset.formats.provenance import write_provenance
+from prag_asp.dataset.store.domain_snapshot import snapshot_of
+from prag_asp.domain.load import load_domain
 from prag_asp.output import make_folder, new_folder, replace_file
+from prag_asp.program.paths import shipped_domains
 from prag_asp.wording import plural
 
 LAYOUT = "0.5.0"
@@ -46,7 +49,7 @@ class Minari:
             QueryError: there are no recordings.
             OutputError: the folder cannot be written.
         """
-        name = dataset_name(source)
+        name, control = dataset_name(source), source.control
         with new_folder(target) as folder:
             inner = make_folder(folder / name / "data")
             steps = count = 0
@@ -62,15 +65,21 @@ class Minari:
                 "data_format": "hdf5",
                 "jpeg_encoding": True,
                 "observation_space": json.dumps({"type": "Dict", "subspaces": dict(_observation_spaces(source))}),
-                "action_space": json.dumps(_box(source.limits, len(source.joints), "float32")),
+                "action_space": json.dumps(_box((control.low, control.high), len(control.names), "float32")),
+                "env_spec": json.dumps(environment_of(source)),
                 "minari_version": LAYOUT,
                 "dataset_size": round((inner / MAIN).stat().st_size / 1e6, 1),
-                "description": f"Demonstrations of {source.data.domain.name} by prag_asp, without an environment.",
+                "description": f"Demonstrations of {source.data.domain.name} by prag_asp.",
                 "joints": source.joints,
                 "objects": source.objects,
                 "furniture": source.furniture,
                 "legend": source.legend,
                 "rate": source.rate,
+                "control": control.name,
+                "action_names": control.names,
+                "action_units": control.units,
+                "action_lower": control.lower.tolist(),
+                "action_upper": control.upper.tolist(),
             }
             replace_file(inner / "metadata.json", json.dumps(content, ensure_ascii=False).encode())
             write_provenance(folder, source, "minari")
@@ -79,6 +88,30 @@ class Minari:
 def dataset_name(source: EpisodeSource) -> str:
     """Return the name of a dataset in Minari; characters that it does not allow become ``_``."""
     return f"prag_asp/{re.sub(r'[^-a-zA-Z0-9_]', '_', source.data.domain.name)}-v0"
+
+
+def environment_of(source: EpisodeSource) -> dict[str, Any]:
+    """Return the specification of the environment of a dataset, as Gymnasium writes it.
+
+    It samples tasks of the space of the dataset. A domain that is not shipped has no name, so the environment takes
+    the dataset, as the argument ``dataset=`` of ``recover_environment``.
+    """
+    manifest, kwargs = source.data.manifest, dict[str, Any]()
+    name = manifest.domain.name
+    if name in shipped_domains() and manifest.domain == snapshot_of(load_domain(name))[0]:
+        kwargs = {"domain": name, "length": manifest.lengths, "where": manifest.where}
+    return {
+        "id": "prag_asp/Task-v0",
+        "entry_point": "prag_asp.rl.environment:TaskEnv",
+        "reward_threshold": None,
+        "nondeterministic": False,
+        "max_episode_steps": None,
+        "order_enforce": True,
+        "disable_env_checker": False,
+        "kwargs": kwargs | {"control": source.control.name, "rate": source.rate},
+        "additional_wrappers": [],
+        "vector_entry_point": None,
+    }
 
 
 def _write(group: h5py.Group, source: EpisodeSource, episode: ExportEpisode, number: int) -> int:
@@ -91,7 +124,7 @@ def _write(group: h5py.Group, source: EpisodeSource, episode: ExportEpisode, num
     note(group, {"id": number, "total_steps": steps, **attributes})
     last = np.arange(steps) == steps - 1
     done = episode.rewards[1:] == 1
-    put(group, "actions", episode.action[:-1])
+    put(group, "actions", source.actions_of(episode)[:-1])
     put(group, "rewards", episode.rewards[1:].astype(np.float64))
     put(group, "terminations", last & done)
     put(group, "truncations", last & ~done)
@@ -128,8 +161,7 @@ def _observation_spaces(source: EpisodeSource) -> Iterator[tuple[str, dict[str, 
     yield "objects", _free(len(source.objects), 1 + len(POSE))
     if source.furniture:
         yield "openings", _free(len(source.furniture))
-    if source.cameras:
-        yield "tools", _free(len(source.robots), len(POSE))
+    yield "tools", _free(len(source.robots), len(POSE))
     for camera, (width, height) in source.cameras.items():
         entities = len(source.legend)
         yield f"{camera}_rgb", _between(0, 255, (height, width, 3), "uint8")

@@ -23,6 +23,7 @@ def provenance_of(source: EpisodeSource, form: str) -> dict[str, object]:
         "parts": list(source.data.parts),
         "conditions": list(source.data.conditions),
         "level": source.level,
+        "action": source.action,
         "versions": versions(),
     }
 

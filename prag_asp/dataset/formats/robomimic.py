@@ -56,10 +56,11 @@ class Robomimic:
 def _write(demo: h5py.Group, source: EpisodeSource, episode: ExportEpisode) -> int:
     """Write an episode, and return the number of its samples."""
     steps = require_steps(source, episode)
-    lower, upper = source.limits
-    action = episode.action[:-1]
-    put(demo, "actions", np.clip(2 * (action - lower) / (upper - lower) - 1, -1, 1).astype(np.float32))
-    put(demo, "action_dict/targets", action)
+    control = source.control
+    action = source.actions_of(episode)[:-1]
+    values = control.values(action.astype(float))
+    put(demo, "actions", np.clip(control.to_unit(values), -1, 1).astype(np.float32))
+    put(demo, "action_dict/targets", values.astype(np.float32))
     put(demo, "rewards", episode.rewards[1:])
     put(demo, "dones", (np.arange(steps) == steps - 1).astype(np.int64))
     put(demo, "subgoals", episode.subgoal[:-1])
@@ -81,9 +82,8 @@ def _observed(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[s
         own = numbers["state"].reshape(episode.length, len(source.robots), -1)[:, at]
         yield f"{robot}_joint_pos", own[:, :-1]
         yield f"{robot}_gripper_width", own[:, -1:]
-        if "tools" in numbers:
-            yield f"{robot}_eef_pos", numbers["tools"][:, at, :3]
-            yield f"{robot}_eef_quat", numbers["tools"][:, at, 3:]
+        yield f"{robot}_eef_pos", numbers["tools"][:, at, :3]
+        yield f"{robot}_eef_quat", numbers["tools"][:, at, 3:]
     yield "object", numbers["objects"].reshape(episode.length, -1)
     if "openings" in numbers:
         yield "openings", numbers["openings"]
@@ -94,13 +94,16 @@ def _observed(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[s
 
 def _environment(source: EpisodeSource) -> dict[str, Any]:
     """Return the description of the environment; there is none, so its arguments have the metadata instead."""
-    lower, upper = source.limits
+    control = source.control
     values = {
         **provenance_of(source, "robomimic"),
         "rate": source.rate,
         "joints": source.joints,
-        "lower": lower.tolist(),
-        "upper": upper.tolist(),
+        "control": control.name,
+        "names": list(control.names),
+        "units": list(control.units),
+        "lower": control.lower.tolist(),
+        "upper": control.upper.tolist(),
         "objects": source.objects,
         "furniture": source.furniture,
         "legend": source.legend,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 Literal = int
 """A variable from 1 upwards, negative if it is negated."""
@@ -11,8 +12,24 @@ TRUE: Literal = 1
 """The first variable is always true, so that constants are literals and no clause is empty."""
 
 
+MANY = 16
+"""The number of literals from which a sum is recorded; the nodes of a shorter one are gates like others."""
+
+
+class Sum(NamedTuple):
+    """A literal that is true if the weights of the true literals reach a bound; all weights are positive."""
+
+    output: Literal
+    bound: int
+    literals: tuple[Literal, ...]
+    weights: tuple[int, ...]
+
+
 class ClauseBuilder:
     """A growing set of clauses.
+
+    `sums` are the sums that clauses define by several nodes of a diagram; `nodes` are the variables of nodes that are
+    not the output of a sum, so that no other clause contains them.
 
     Every method that returns a literal adds clauses that fix its value for each assignment of the given literals, so no
     method changes the number of models.
@@ -21,7 +38,10 @@ class ClauseBuilder:
     def __init__(self) -> None:
         self.variables = 1
         self.clauses: list[tuple[Literal, ...]] = [(TRUE,)]
-        self._gates: dict[Hashable, Literal] = {}
+        self.sums: dict[Literal, Sum] = {}
+        self.nodes: set[Literal] = set()
+        self._gates: dict[frozenset[Literal], Literal] = {}
+        self._choices: dict[tuple[Literal, Literal, Literal], Literal] = {}
 
     def fresh(self) -> Literal:
         """Return a variable that no clause contains."""
@@ -78,6 +98,7 @@ class ClauseBuilder:
             target = {below for above in open_bounds[-1] for below in (above, above - weight)}
             open_bounds.append({each for each in target if 0 < each <= remaining[place + 1]})
         nodes: dict[int, Literal] = {}
+        every: set[Literal] = set()
         for place in reversed(range(len(terms))):
             weight, literal = terms[place]
 
@@ -91,23 +112,31 @@ class ClauseBuilder:
                 for target in sorted(open_bounds[place])
                 if 0 < target <= remaining[place]
             }
+            every.update(nodes.values())
         if bound <= 0:
             return TRUE
-        return nodes.get(bound, -TRUE)
+        output = nodes.get(bound, -TRUE)
+        self.nodes.discard(output)
+        if len(terms) < MANY:
+            self.nodes -= every
+        elif not self.nodes.isdisjoint(every):
+            self.sums[output] = Sum(output, bound, tuple(literals), tuple(weights))
+        return output
 
     def _reached(self, literal: Literal, high: Literal, low: Literal) -> Literal:
         """Return the literal of a node, given those of its `high` and `low` children; `low` implies `high`."""
-        if high in (low, -TRUE):
+        if high == low or literal == -TRUE:
             return low
-        if low == -TRUE:
-            return self.all_of((literal, high))
-        if high == TRUE:
-            return self.any_of((literal, low))
+        if literal == TRUE:
+            return high
+        if (high, low) == (TRUE, -TRUE):
+            return literal
         key = (literal, high, low)
-        if key not in self._gates:
-            output = self._gates[key] = self.fresh()
+        if key not in self._choices:
+            output = self._choices[key] = self.fresh()
+            self.nodes.add(output)
             self.add(-output, high)
             self.add(-output, literal, low)
             self.add(output, -literal, -high)
             self.add(output, -low)
-        return self._gates[key]
+        return self._choices[key]

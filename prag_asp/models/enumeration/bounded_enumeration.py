@@ -1,20 +1,19 @@
-"""Enumeration by clingo up to a deterministic limit of work, and an estimate of the required work.
-
-Models and conflicts are limited, so that the result does not depend on the machine.
-"""
+"""Enumeration by clingo up to a limit of work, and a prediction of the processor time for all answer sets."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from statistics import median
+from math import inf
+from statistics import fmean
+from time import process_time
 from typing import Any
 
 from prag_asp.models.enumeration.enumeration import POLL, project_on_shown
 from prag_asp.models.ground_program import GroundModels
 from prag_asp.processes.progress_events import stage
 
-DIVES = 8
-"""The number of random searches for a model; the median of their depths varies by about two bits between seeds."""
+DIVES = 16
+"""The number of random searches for a model, about 20 ms; few predictions are wrong by more than a factor of four."""
 
 DIVE_CONFLICTS = 200
 """The number of conflicts after which a random search is abandoned: some milliseconds."""
@@ -38,6 +37,7 @@ class BoundedEnumeration:
         self._control = ground.grounder.control
         configuration: Any = self._control.configuration  # attributes are created at run time
         self._solve, self._solver = configuration.solve, configuration.solver[0]
+        self._rate = 0.0  # models a second of processor time in the latest search
         if project:
             if ground.projected is None:
                 project_on_shown(self._control, ground.shown)
@@ -45,35 +45,60 @@ class BoundedEnumeration:
 
     def count(self, effort: Effort) -> int | None:
         """Return the number of answer sets, or None if counting exceeds the effort."""
-        stage("enumerating answer sets")
-        self._solve.models, self._solve.solve_limit = str(effort.models + 1), f"{effort.conflicts},{UNLIMITED}"
-        exhausted = self._search()
-        # clasp counts in doubles, which are exact up to 2**53
-        return int(self._control.statistics["summary"]["models"]["enumerated"]) if exhausted else None
+        return self._count(effort, inf)
 
-    def depth(self) -> float:
-        """Return the median number of decisions of random searches for a model, minus those that conflicts undid.
+    def count_within(self, seconds: float) -> int | None:
+        """Return the number of answer sets, or None if counting takes more processor time of this process."""
+        return self._count(None, seconds)
 
-        A tree of binary decisions of this depth has about ``2 ** depth`` leaves (Knuth 1975).
+    def predicted_seconds(self) -> float | None:
+        """Return the processor time that counting is likely to take, or None if too few models were found to tell.
+
+        A random search for a model that makes d decisions finds it with a probability of ``2 ** -d``, so the mean of
+        ``2 ** d`` estimates the number of models (Knuth 1975). A decision that a conflict reverts is none
+        (Gogate and Dechter 2011).
         """
-        before = self._solver.rand_freq, self._solver.sign_def, self._solver.seed
+        depths = self._depths()
+        if self._rate == 0 or not depths:
+            return None
+        return fmean(2.0 ** min(depth, 1000) for depth in depths) / self._rate
+
+    def _depths(self) -> list[float]:
+        """Return the number of decisions in each random search that finds a model."""
+        before = self._solver.rand_freq, self._solver.sign_def, self._solver.restarts, self._solver.seed
         self._solve.models, self._solve.solve_limit = "1", f"{DIVE_CONFLICTS},{UNLIMITED}"
-        self._solver.rand_freq, self._solver.sign_def = "1", "rnd"
+        self._solver.rand_freq, self._solver.sign_def, self._solver.restarts = "1", "rnd", "no"
         depths: list[float] = []
         for seed in range(1, DIVES + 1):
             self._solver.seed = str(seed)
-            self._search()
-            work = self._control.statistics["solving"]["solvers"]
-            depths.append(work["choices"] - work["conflicts"])
-        self._solver.rand_freq, self._solver.sign_def, self._solver.seed = before
-        return median(depths)
+            self._search(inf)
+            found = self._control.statistics["solving"]["solvers"]["extra"]
+            if found["models"]:
+                depths.append(found["models_level"] - 1)  # the lowest level has no decision
+        self._solver.rand_freq, self._solver.sign_def, self._solver.restarts, self._solver.seed = before
+        return depths
 
-    def _search(self) -> bool:
+    def _count(self, effort: Effort | None, seconds: float) -> int | None:
+        stage("enumerating answer sets")
+        self._solve.models, self._solve.solve_limit = "0", f"{UNLIMITED},{UNLIMITED}"
+        if effort is not None:
+            self._solve.models, self._solve.solve_limit = str(effort.models + 1), f"{effort.conflicts},{UNLIMITED}"
+        begun = process_time()
+        exhausted = self._search(seconds)
+        # clasp counts in doubles, which are exact up to 2**53
+        number = int(self._control.statistics["summary"]["models"]["enumerated"])
+        self._rate = number / max(process_time() - begun, 1e-6)
+        return number if exhausted else None
+
+    def _search(self, seconds: float) -> bool:
         """Search up to a limit; return whether all models were found. Ctrl-C is handled between two polls."""
+        until = process_time() + seconds
         with self._control.solve(async_=True) as handle:
             try:
                 while not handle.wait(POLL):
-                    pass
+                    if process_time() > until:
+                        handle.cancel()
+                        return False
                 return bool(handle.get().exhausted)
             finally:
                 handle.cancel()

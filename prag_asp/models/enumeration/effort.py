@@ -1,11 +1,12 @@
-"""The time that each engine counts before the next one: a rule derived from measurements of eighty diverse programs.
+"""The time that each engine counts before the next one: a rule derived from measurements of a hundred diverse programs.
 
-The measurements are in ``benchmarks/model_engines.py``. The rule reads the size of the program, the depth of random
-searches and the width of the clauses, so that it does not depend on the machine.
+The measurements are in ``benchmarks/model_engines.py``. The rule reads the predicted time of an enumeration, and the
+width of the clauses.
 """
 
 from __future__ import annotations
 
+from enum import Enum
 from typing import NamedTuple
 
 from prag_asp.logic.formula.counter import D4, GANAK, Counter
@@ -18,24 +19,28 @@ FIRST = Effort(models=30_000, conflicts=5_000)
 ASSIGNMENTS = 3_000_000
 """The total number of atoms in the models of the first round, because the time for a model grows with its atoms."""
 
-SECOND = Effort(models=4_000_000, conflicts=400_000)
-"""The work of the second round: ten to twenty seconds."""
-
 NARROW = 24
 """The width of a tree decomposition up to which counting by cases is fast for any number of models."""
 
-DEEPEST = 21.0
-"""The depth of random searches beyond which enumeration is too slow: about 2**21 models."""
+QUICK = 0.2
+"""The predicted seconds of an enumeration that begins at once, before clauses are written."""
+
+SOON = 0.5
+"""The predicted seconds of an enumeration that begins before a diagram is compiled."""
+
+LATER = 4.0
+"""The predicted seconds of an enumeration that begins before counters: they seldom need as long."""
+
+LAST = 40.0
+"""The predicted seconds of an enumeration beyond which clingo does not enumerate."""
+
+FEW = 2.0
+"""The seconds of an enumeration if too few models are known to predict them: is there an answer set at all?"""
 
 
 def first_effort(ground: GroundModels) -> Effort:
     """Return the work limit of the first round, which small programs seldom exceed."""
     return Effort(max(min(FIRST.models, ASSIGNMENTS // max(len(ground.names), 1)), 100), FIRST.conflicts)
-
-
-def is_worth_enumerating(depth: float, width: int) -> bool:
-    """Return whether clingo is likely to list all answer sets before a counter counts them."""
-    return width > NARROW and depth <= DEEPEST
 
 
 SLIM = 8
@@ -45,19 +50,55 @@ PATIENCE = 500
 """The number of calls of `look` by the compiler, each after 64 node visits, before a counter joins: about 1 s."""
 
 
-class Turn(NamedTuple):
-    """A counter, the processor seconds of its turn, and the number of compiler looks after which it runs in parallel.
+COMPILATION = 0.5
+"""The seconds of a compilation that is likely to be short."""
 
-    Without seconds, it only runs in parallel.
+
+class Own(Enum):
+    """The engines that run in this process."""
+
+    CLINGO = "clingo"
+    DIAGRAM = "the diagram compiler"
+
+
+class Turn(NamedTuple):
+    """An engine, the processor seconds of its turn, and the number of compiler looks after which it runs in parallel.
+
+    Without seconds, it only runs in parallel; engines of this process do not.
     """
 
-    counter: Counter
+    engine: Counter | Own
     seconds: float
     looks: int = 0
 
 
-def turns_of_counters(width: int, *, tight: bool, whole: bool) -> tuple[Turn, ...]:
-    """Return the turns of counters before and during the compilation of a diagram.
+def seconds_of_enumeration(predicted: float) -> float:
+    """Return the seconds after which an enumeration has taken so long that its prediction was wrong."""
+    return max(5.0, 3 * predicted)
+
+
+def turns_of_engines(predicted: float | None, width: int, *, tight: bool, whole: bool, swept: bool) -> tuple[Turn, ...]:
+    """Return the turns of engines before a diagram is compiled without a limit.
+
+    `predicted` are the seconds of an enumeration, if known. A formula that is `swept` from one end to the other suits
+    the diagram compiler.
+    """
+    counters = _turns_of_counters(width, tight=tight, whole=whole)
+    compilation = (Turn(Own.DIAGRAM, COMPILATION),) if swept and (tight or width > NARROW) else ()
+    if width <= NARROW:
+        return (*compilation, *counters)
+    if predicted is None:
+        return (*compilation, Turn(Own.CLINGO, FEW), *counters, Turn(Own.CLINGO, 5 * FEW))
+    enumeration = (Turn(Own.CLINGO, seconds_of_enumeration(predicted)),)
+    if predicted <= SOON:
+        return (*enumeration, *compilation, *counters)
+    if predicted <= LATER:
+        return (*compilation, *enumeration, *counters)
+    return (*compilation, *counters, *(enumeration if predicted <= LAST else ()))
+
+
+def _turns_of_counters(width: int, *, tight: bool, whole: bool) -> tuple[Turn, ...]:
+    """Return the turns of counters.
 
     d4 splits clauses into parts, and counts most narrow formulas immediately; it only accepts formulas without
     projection.

@@ -11,12 +11,12 @@ import numpy as np
 from prag_asp.physics.demonstration.planning import Action, Angles, Leg, action_legs, plan_path, plan_pull
 from prag_asp.physics.demonstration.recording import FRAME_STEPS, Recorder
 from prag_asp.physics.motion.trajectory import blend_paths, joint_limits
-from prag_asp.physics.predicates.grip_friction import finger_force
 from prag_asp.physics.search.attempt import NO_PATH
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm, Moment, Waypoint
-from prag_asp.physics.world.dynamics import STILL, TIME_STEP, ArmCommand, Dynamics
+from prag_asp.physics.world.dynamics import STILL, ArmCommand, Dynamics
 from prag_asp.physics.world.simulator import Simulator
+from prag_asp.physics.world.time_step import TIME_STEP
 from prag_asp.scene.robots import robot_of
 
 SQUEEZE = 0.008
@@ -43,7 +43,6 @@ class Actor:
         self._world, self._planner, self._recorder = world, planner, recorder
         self._arms = dict(first.arms)
         self._commands: dict[str, ArmCommand] = {}
-        self._forces = {robot: finger_force(world.scene, arm.held, robot) for robot, arm in first.arms.items()}
         self._steps, self._still = 0, False
         for robot, arm in first.arms.items():
             squeeze = SQUEEZE if arm.held is not None else 0.0
@@ -81,10 +80,7 @@ class Actor:
                 self._drive(robot, ways)
                 self._arms[robot] = replace(arm, held=waypoint.held)
                 squeeze = SQUEEZE if waypoint.held is not None else 0.0
-                # Fingers that release an object squeeze it until they are as wide open as it is.
-                self._forces[robot] = finger_force(self._world.scene, waypoint.held or arm.held, robot)
                 self._move_fingers(robot, waypoint.width - squeeze)
-                self._forces[robot] = finger_force(self._world.scene, waypoint.held, robot)
                 self.rest()
         self._drive(robot, ways)
 
@@ -132,7 +128,7 @@ class Actor:
     def _command(self, robot: str, command: ArmCommand, speeds: Sequence[float] = STILL) -> None:
         """Set the targets of an arm's motors, with target speeds of the joints in rad/s."""
         self._commands[robot] = command
-        self._world.drive(robot, command, speeds, self._forces[robot])
+        self._world.drive(robot, command, speeds)
 
     def _step(self) -> None:
         """Simulate one time step, and record a frame if one ends."""

@@ -27,8 +27,8 @@ from prag_asp.physics.robot.kinematics import adjust_joints, tool_pose
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import ActionEffect
 from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint
-from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator
+from prag_asp.physics.world.time_step import TIME_STEP
 from prag_asp.scene.geometry import Pose, compose, invert, multiply, raised, rotate, wrap, yaw_of, yaw_quaternion
 from prag_asp.scene.robots import Joints, Robot
 

@@ -11,7 +11,8 @@ from prag_asp.physics.demonstration.contacts import Touch
 from prag_asp.physics.demonstration.demonstration import Demonstration, situation_of
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Arm
-from prag_asp.physics.world.dynamics import NO_PRESSING, TIME_STEP, ArmCommand, Dynamics, Pressing
+from prag_asp.physics.world.dynamics import NO_PRESSING, ArmCommand, Dynamics, Pressing
+from prag_asp.physics.world.time_step import TIME_STEP
 
 FRAME_STEPS = 6
 """Time steps per frame, for 20 frames per second."""

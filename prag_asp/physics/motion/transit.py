@@ -12,8 +12,8 @@ from prag_asp.physics.search.moving import with_riders
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import ActionEffect, PhysicalTask, physical_task
 from prag_asp.physics.witness import TRANSIT, Arm, Moment, Waypoint, Witness
-from prag_asp.physics.world.dynamics import TIME_STEP
 from prag_asp.physics.world.simulator import Simulator, open_simulator
+from prag_asp.physics.world.time_step import TIME_STEP
 from prag_asp.scene.geometry import compose
 from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene

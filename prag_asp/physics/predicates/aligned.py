@@ -1,6 +1,7 @@
 """``aligned``: two bodies side by side with parallel sides, in a row along an axis of the scene.
 
-Their yaws differ by a multiple of 90 degrees within `TURN`; cylinders and balls are parallel to everything. Their
+The yaws of their sides differ by a multiple of 90 degrees within `TURN`; cylinders and balls are parallel to
+everything. The sides of a body with a model are those of the smallest rectangle around it, seen from above. Their
 centres are at most `OFFSET` metres apart along one of the axes x and y of the scene, and their bounding boxes at least
 `GAP` metres apart along the other. The predicate is symmetric.
 """
@@ -10,10 +11,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from prag_asp.physics.extent import extent, side_yaw
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
-from prag_asp.physics.predicates.volume import Volume, Yaws
+from prag_asp.physics.predicates.volume import Volume, Yaws, opposite
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import Quaternion, extents, wrap, yaw_of
+from prag_asp.scene.geometry import Quaternion, wrap, yaw_of
 
 TURN, TURN_MARGIN = math.radians(5), math.radians(0.5)
 OFFSET, GAP, MARGIN = 0.01, 0.005, 0.003
@@ -25,6 +27,11 @@ def _parallel(situation: Situation, arguments: Arguments) -> bool:
     return not any(situation.shape(entity).traits.round for entity in arguments)
 
 
+def _side_yaw(situation: Situation, entity: str) -> float:
+    """Return the yaw of the sides of a body in radians."""
+    return yaw_of(situation.pose(entity).quaternion) + side_yaw(situation.shape(entity))
+
+
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres the bodies miss the nearest row, and by how many radians they miss parallel yaws."""
     one, two = situation.body(arguments[0]), situation.body(arguments[1])
@@ -32,7 +39,8 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     close = [one.half[axis] + two.half[axis] + GAP for axis in (0, 1)]
     yield min(max(apart[1 - axis] - OFFSET, close[axis] - apart[axis]) for axis in (0, 1))
     if _parallel(situation, arguments):
-        off = wrap(4 * (yaw_of(one.pose.quaternion) - yaw_of(two.pose.quaternion))) / 4
+        yaws = [_side_yaw(situation, entity) for entity in arguments]
+        off = wrap(4 * (yaws[0] - yaws[1])) / 4
         yield abs(off) - TURN
 
 
@@ -40,7 +48,7 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
     """Return the strips to the four sides of the other body, and the four ranges of parallel yaws."""
     subject, other = arguments
     at, half = situation.body(other).centre, situation.half(other)
-    own = extents(situation.shape(subject), quaternion)
+    centre, own = extent(situation.shape(subject), quaternion)
     strips = []
     for axis in (0, 1):
         for sign in (1.0, -1.0):
@@ -51,9 +59,9 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
             strips.append(Volume((low[0], low[1], low[2]), (high[0], high[1], high[2])))
     yaws = None
     if _parallel(situation, arguments):
-        yaw = yaw_of(situation.pose(other).quaternion)
+        yaw = _side_yaw(situation, other) - side_yaw(situation.shape(subject))
         yaws = tuple(Yaws(yaw + turn * QUARTER, TURN - TURN_MARGIN) for turn in range(4))
-    return Volume(yaws=yaws, unions=(tuple(strips),))
+    return Volume(yaws=yaws, unions=(tuple(strips),)).moved(opposite(centre))
 
 
 ALIGNED = Predicate(

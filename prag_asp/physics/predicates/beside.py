@@ -11,12 +11,13 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
+from prag_asp.physics.extent import extent
 from prag_asp.physics.predicates.gaps import Demand, Gap, centre, thinnest
 from prag_asp.physics.predicates.predicate import Arguments, Direction, Predicate, states
-from prag_asp.physics.predicates.volume import Side, Volume
+from prag_asp.physics.predicates.volume import Side, Volume, opposite
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.geometry import Quaternion, extents
+from prag_asp.scene.geometry import Quaternion
 from prag_asp.scene.scene import Scene
 
 GAP = 0.005
@@ -55,7 +56,8 @@ def _volume(name: str, situation: Situation, arguments: Arguments, quaternion: Q
     """Return the wedge on the predicate's side of the other body."""
     subject, other = arguments
     side = SIDES[name].in_frame(situation.scene.frame)
-    return wedge(situation, side, other, extents(situation.shape(subject), quaternion), GAP + MARGIN)
+    centre, half = extent(situation.shape(subject), quaternion)
+    return wedge(situation, side, other, half, GAP + MARGIN).moved(opposite(centre))
 
 
 def wedge(situation: Situation, side: Direction, other: str, half: Vector, gap: float) -> Volume:

@@ -8,23 +8,29 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from typing import NamedTuple
 
+from prag_asp.physics.extent import extent_along
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Volume, over_rectangle
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.geometry import Quaternion, width_along
+from prag_asp.scene.geometry import Quaternion
 
 GAP = 0.005
 MARGIN = 0.003
 
 
-def _half_along(situation: Situation, entity: str, quaternion: Quaternion, direction: Vector) -> float:
-    """Return half the width of a body along a direction in metres; for furniture, that of its bounding box."""
+def _ends(situation: Situation, entity: str, direction: Vector) -> tuple[float, float]:
+    """Return how far a body reaches from the centre of its bounding box against and along a direction, in metres."""
+    body = situation.body(entity)
     if situation.shape(entity).traits.furniture:
-        half_x, half_y, _ = situation.half(entity)
-        return abs(direction[0]) * half_x + abs(direction[1]) * half_y
-    return width_along(situation.shape(entity), quaternion, direction) / 2
+        half = abs(direction[0]) * body.half[0] + abs(direction[1]) * body.half[1]
+        return half, half
+    middle, half = extent_along(situation.shape(entity), body.pose.quaternion, direction)
+    offset = zip(body.pose.position, body.centre, direction, strict=True)
+    middle += sum((at - centre) * axis for at, centre, axis in offset)
+    return half - middle, half + middle
 
 
 def _line(situation: Situation, arguments: Arguments) -> tuple[float, Vector]:
@@ -34,43 +40,53 @@ def _line(situation: Situation, arguments: Arguments) -> tuple[float, Vector]:
     return length, ((bx - ax) / length, (by - ay) / length, 0.0) if length > 0.0 else (1.0, 0.0, 0.0)
 
 
-def _room(
-    situation: Situation, arguments: Arguments, quaternion: Quaternion, line: tuple[float, Vector]
-) -> tuple[float, float, float]:
-    """Return the range of the body's centre along the line, and its maximum distance from the line.
+class _Room(NamedTuple):
+    """The range of the middle of a body along a line, its maximum distance from the line, and offsets, in metres.
 
-    The range is in metres from the centre of the first of the two others.
+    The range begins at the centre of the first of the two others. The offsets are those of the middle from the origin
+    of the body, along the line and to its left.
     """
+
+    begin: float
+    end: float
+    aside: float
+    offset: tuple[float, float]
+
+
+def _room(situation: Situation, arguments: Arguments, quaternion: Quaternion, line: tuple[float, Vector]) -> _Room:
+    """Return the room for a rotated body between the two others."""
     subject, one, two = arguments
     length, along = line
-    own = _half_along(situation, subject, quaternion, along) + GAP
-    begin = own + _half_along(situation, one, situation.pose(one).quaternion, along)
-    end = length - own - _half_along(situation, two, situation.pose(two).quaternion, along)
-    return begin, end, _half_along(situation, subject, quaternion, (-along[1], along[0], 0.0))
+    shape = situation.shape(subject)
+    middle, half = extent_along(shape, quaternion, along)
+    left, aside = extent_along(shape, quaternion, (-along[1], along[0], 0.0))
+    begin = half + GAP + _ends(situation, one, along)[1]
+    return _Room(begin, length - (half + GAP) - _ends(situation, two, along)[0], aside, (middle, left))
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield by how many metres the body misses the line, and each of the two gaps."""
     line = _line(situation, arguments)
     pose, (x, y, _) = situation.pose(arguments[0]), situation.body(arguments[1]).centre
-    begin, end, aside = _room(situation, arguments, pose.quaternion, line)
+    begin, end, aside, (middle, left) = _room(situation, arguments, pose.quaternion, line)
     dx, dy, (ux, uy, _) = pose.position[0] - x, pose.position[1] - y, line[1]
-    yield abs(ux * dy - uy * dx) - aside
-    yield begin - (ux * dx + uy * dy)
-    yield ux * dx + uy * dy - end
+    yield abs(ux * dy - uy * dx + left) - aside
+    yield begin - (ux * dx + uy * dy + middle)
+    yield ux * dx + uy * dy + middle - end
 
 
 def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the rectangle around the line between the others."""
     line = _line(situation, arguments)
-    begin, end, aside = _room(situation, arguments, quaternion, line)
+    begin, end, aside, (middle, left) = _room(situation, arguments, quaternion, line)
     x, y, _ = situation.body(arguments[1]).centre
     along, across = (end - begin) / 2 - MARGIN, aside - min(MARGIN, aside / 2)
     if along < 0.0:
         return Volume((x, y, 0.0), (x, y, -1.0))
     ux, uy, _ = line[1]
-    middle = (x + ux * (begin + end) / 2, y + uy * (begin + end) / 2, 0.0)
-    return over_rectangle(middle, (ux, uy), (along, across), (-math.inf, math.inf))
+    at = (x + ux * (begin + end) / 2, y + uy * (begin + end) / 2, 0.0)
+    region = over_rectangle(at, (ux, uy), (along, across), (-math.inf, math.inf))
+    return region.moved((uy * left - ux * middle, -ux * left - uy * middle, 0.0))
 
 
 BETWEEN = Predicate(

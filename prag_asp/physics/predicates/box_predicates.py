@@ -11,15 +11,16 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
+from prag_asp.physics.extent import ORIGIN, Extent, extent
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
-from prag_asp.physics.predicates.volume import Side, Volume
+from prag_asp.physics.predicates.volume import Side, Volume, opposite
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.geometry import Quaternion, extents, heading, multiply, to_local
+from prag_asp.scene.geometry import Quaternion, heading, multiply, rotate, to_local
 from prag_asp.scene.scene import BoxBounds, Own
 
 TOLERANCE, SLIVER = 0.002, 1e-6
-CENTRE: Vector = (0.0, 0.0, 0.0)
+CENTRE = Extent(ORIGIN, (0.0, 0.0, 0.0))
 
 
 def box_predicate(own: Own) -> Predicate:
@@ -33,12 +34,12 @@ def box_predicate(own: Own) -> Predicate:
     )
 
 
-def _half(own: Own, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Vector:
-    """Return the half-extents of the subject, or of its centre, in the axes of the boxes, in metres."""
+def _extent(own: Own, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Extent:
+    """Return the bounding box of the subject, or of its centre, in the axes of the boxes."""
     if not own.whole:
         return CENTRE
     x, y, z, w = situation.pose(arguments[1]).quaternion
-    return extents(situation.shape(arguments[0]), multiply((-x, -y, -z, w), quaternion))
+    return extent(situation.shape(arguments[0]), multiply((-x, -y, -z, w), quaternion))
 
 
 def _violations(own: Own, situation: Situation, arguments: Arguments) -> Iterator[float]:
@@ -46,8 +47,8 @@ def _violations(own: Own, situation: Situation, arguments: Arguments) -> Iterato
     subject, other = arguments
     pose = situation.pose(subject)
     x, y = to_local(situation.pose(other), pose.position[0], pose.position[1])
-    at = (x, y, pose.position[2] - situation.bottom(other))
-    half = _half(own, situation, arguments, pose.quaternion)
+    (dx, dy, dz), half = _extent(own, situation, arguments, pose.quaternion)
+    at = (x + dx, y + dy, pose.position[2] + dz - situation.bottom(other))
     boxes = (zip(box.low, box.high, at, half, strict=True) for box in own.boxes)
     missed = (max(max(a - x + reach, x + reach - b) for a, b, x, reach in box) for box in boxes)
     yield min(missed) - TOLERANCE
@@ -55,8 +56,9 @@ def _violations(own: Own, situation: Situation, arguments: Arguments) -> Iterato
 
 def _volume(own: Own, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the union of the boxes."""
-    half = _half(own, situation, arguments, quaternion)
-    return Volume(unions=(tuple(_room(box, situation, arguments[1], half) for box in own.boxes),))
+    middle, half = _extent(own, situation, arguments, quaternion)
+    rooms = tuple(_room(box, situation, arguments[1], half) for box in own.boxes)
+    return Volume(unions=(rooms,)).moved(opposite(rotate(situation.pose(arguments[1]).quaternion, middle)))
 
 
 def _room(box: BoxBounds, situation: Situation, other: str, half: Vector) -> Volume:

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
+from prag_asp.physics.extent import extent, least_reach
 from prag_asp.scene.geometry import extents, yaw_quaternion
 from prag_asp.scene.scene import Scene, Shape
 
@@ -63,9 +64,12 @@ def top(entity: str) -> Node:
 
 
 def thinnest(entity: str, axis: int, scene: Scene) -> float:
-    """Return the smallest half-extent of a body's bounding box along an axis over all orientations, in metres."""
+    """Return the smallest reach of a body from its origin along an axis over all orientations, in metres."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
-    return min(shape.half) if place is None else extents(shape, yaw_quaternion(place[2]))[axis]
+    if place is None:
+        return least_reach(shape)
+    middle, half = extent(shape, yaw_quaternion(place[2]))
+    return half[axis] - abs(middle[axis])
 
 
 def above(scene: Scene, entity: str, support: str, half: tuple[float, float]) -> Iterator[Demand]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from prag_asp.physics.extent import silhouette
 from prag_asp.physics.grasps.opposite_faces import is_never_spanned
 from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates.gaps import ROUNDING, Demand, Gap, Z, along, between, bottom, centre, top
@@ -21,9 +22,9 @@ from prag_asp.physics.predicates.grip_geometry import (
     rise_over_flat,
 )
 from prag_asp.physics.predicates.predicate import Arguments, Gripper, Predicate, states, words
-from prag_asp.physics.predicates.volume import Ring, Volume, over_rectangle
+from prag_asp.physics.predicates.volume import Ring, Volume, over_polygon, over_rectangle
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import Quaternion, compose, heading, invert, to_local, turn_between
+from prag_asp.scene.geometry import Quaternion, compose, heading, inside_by, invert, to_local, turn_between
 from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight
@@ -181,6 +182,9 @@ def _over_violations(situation: Situation, arguments: Arguments) -> Iterator[flo
     robot, entity = arguments
     x, y, z = situation.tool(robot).position
     yield situation.top(entity) - z
+    if situation.shape(entity).model is not None:
+        yield -inside_by(silhouette(situation.shape(entity), situation.pose(entity)), (x, y))
+        return
     places = to_local(situation.pose(entity), x, y)
     yield from (abs(at) - half for at, half in zip(places, situation.own_half(entity), strict=False))
 
@@ -190,6 +194,8 @@ def _over_volume(situation: Situation, arguments: Arguments, quaternion: Quatern
     pose, half = situation.pose(arguments[1]), situation.own_half(arguments[1])
     dx, dy = (max(0.0, side - OVER_MARGIN) for side in half[:2])
     heights = (situation.top(arguments[1]) + MARGIN, math.inf)
+    if situation.shape(arguments[1]).model is not None:
+        return over_polygon(silhouette(situation.shape(arguments[1]), pose), OVER_MARGIN, heights)
     return over_rectangle(pose.position, heading(pose.quaternion), (dx, dy), heights)
 
 

@@ -1,5 +1,8 @@
 """``inside`` and ``located``: a body is in the cavity of a container or, for ``located``, right above it.
 
+All of the body has to be between the walls. A body with a model is measured by its solids,
+along the axes of the cavity.
+
 Furniture is a container, too: the cavity of a drawer is that of its tray, and moves with it. ``located`` at the table
 means on the table or right above it, but not over a hollow body.
 """
@@ -10,14 +13,25 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
+from prag_asp.physics.extent import Extent, extent, least_reach, silhouette
 from prag_asp.physics.predicates.gaps import Demand, Z, above, along, between, bottom
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states, words
-from prag_asp.physics.predicates.volume import Volume, over_rectangle
+from prag_asp.physics.predicates.volume import Volume, opposite, over_rectangle
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.forms import Outline, rectangle
 from prag_asp.scene.furniture import cavity
-from prag_asp.scene.geometry import Pose, Quaternion, extents, heading, inside_by, multiply, to_local, yaw_of
+from prag_asp.scene.geometry import (
+    Pose,
+    Quaternion,
+    heading,
+    hull,
+    inside_by,
+    multiply,
+    rotate,
+    to_local,
+    yaw_of,
+)
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.surfaces import least_extent
 
@@ -46,8 +60,12 @@ def floor_height(situation: Situation, container: str) -> float:
 
 
 def rims(situation: Situation, container: str, margin: float = 0.0) -> Iterator[Outline]:
-    """Yield the rectangles that a container covers from above, enlarged by a margin in metres on each side."""
+    """Yield the convex outlines that a container covers from above, enlarged by a margin in metres on each side."""
     shape, pose = situation.shape(container), situation.pose(container)
+    if shape.model is not None:
+        covered = silhouette(shape, pose)
+        yield hull([(x + dx, y + dy) for x, y in covered for dx in (-margin, margin) for dy in (-margin, margin)])
+        return
     half_x, half_y, _ = shape.half
     yield rectangle(*pose.position[:2], half_x + margin, half_y + margin, yaw_of(pose.quaternion))
     if shape.traits.furniture:
@@ -56,19 +74,20 @@ def rims(situation: Situation, container: str, margin: float = 0.0) -> Iterator[
         yield rectangle(*middle.position[:2], half_x, half_y, yaw_of(middle.quaternion))
 
 
-def _half_within(situation: Situation, subject: str, container: str, quaternion: Quaternion) -> Vector:
-    """Return the half-extents of the bounding box of a rotated body in the container's frame, in metres."""
+def _extent_within(situation: Situation, subject: str, container: str, quaternion: Quaternion) -> Extent:
+    """Return the bounding box of a rotated body in the axes of a container."""
     x, y, z, w = situation.pose(container).quaternion
-    return extents(situation.shape(subject), multiply((-x, -y, -z, w), quaternion))
+    return extent(situation.shape(subject), multiply((-x, -y, -z, w), quaternion))
 
 
 def _lateral(situation: Situation, subject: str, container: str) -> Iterator[float]:
     """Yield by how many metres the bounding box of a body extends beyond the container, in the container's frame."""
     pose, (outer, inner) = situation.pose(subject), hollow(situation, container)
     dx, dy = to_local(outer, pose.position[0], pose.position[1])
+    middle, half = _extent_within(situation, subject, container, pose.quaternion)
+    dx, dy = dx + middle[0], dy + middle[1]
     yield abs(dx) - inner[0] / 2
     yield abs(dy) - inner[1] / 2
-    half = _half_within(situation, subject, container, pose.quaternion)
     yield abs(dx) + half[0] - inner[0] / 2
     yield abs(dy) + half[1] - inner[1] / 2
 
@@ -120,13 +139,14 @@ def _room(
     """Return the region for the centre of a body in a cavity, from the floor it stands on to `height` metres higher."""
     subject, container = arguments
     pose, inner = hollow(situation, container)
-    half = _half_within(situation, subject, container, quaternion)
+    middle, half = _extent_within(situation, subject, container, quaternion)
     dx, dy = (_spare(inner[axis] / 2 - half[axis], margin) for axis in (0, 1))
     z = floor_height(situation, container) + half[2]
     if min(dx, dy) < 0.0:
         x, y, _ = pose.position
         return Volume((x, y, z), (x, y, z - 1.0))
-    return over_rectangle(pose.position, heading(pose.quaternion), (dx, dy), (z, z + height))
+    room = over_rectangle(pose.position, heading(pose.quaternion), (dx, dy), (z, z + height))
+    return room.moved(opposite(rotate(situation.pose(container).quaternion, middle)))
 
 
 def _spare(room: float, margin: float) -> float:
@@ -140,7 +160,8 @@ def _located_volume(situation: Situation, arguments: Arguments, quaternion: Quat
     if not situation.is_table(place):
         return _room(situation, arguments, quaternion, hollow(situation, place)[1][2] + HOVER - MARGIN)
     (x, y, _), (half_x, half_y, _) = situation.pose(place).position, situation.half(place)
-    z = extents(situation.shape(subject), quaternion)[2]
+    (_, _, middle), (_, _, tall) = extent(situation.shape(subject), quaternion)
+    z = tall - middle
     others = _hollow_others(situation, subject)
     return Volume(
         (x - half_x + MARGIN, y - half_y + MARGIN, z),
@@ -185,7 +206,7 @@ def _cavity_demands(scene: Scene, arguments: Arguments, room: float) -> Iterator
     entity, container = arguments
     if scene.shapes[container].model is not None:
         return
-    inner, own = cavity(scene.shapes[container]), min(scene.shapes[entity].half)
+    inner, own = cavity(scene.shapes[container]), least_reach(scene.shapes[entity])
     half = (max(0.0, inner[0] / 2 - own), max(0.0, inner[1] / 2 - own))
     yield from above(scene, entity, container, half)
     wall = scene.shapes[container].wall

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import math
 
+from prag_asp.physics.extent import extent
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Ring, Volume
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import Quaternion, extents
+from prag_asp.scene.geometry import Quaternion
 
 NEAR, FAR = 0.10, 0.25
 MARGIN = 0.003
@@ -29,8 +30,8 @@ def _around(situation: Situation, arguments: Arguments, quaternion: Quaternion, 
     """Return the region of the subject where the gap is between two bounds in metres."""
     subject, other = arguments
     (x, y, _), half = situation.body(other).centre, situation.half(other)
-    own = extents(situation.shape(subject), quaternion)
-    return Ring(x, y, *gaps, own[0] + half[0], own[1] + half[1])
+    (dx, dy, _), own = extent(situation.shape(subject), quaternion)
+    return Ring(x - dx, y - dy, *gaps, own[0] + half[0], own[1] + half[1])
 
 
 def _near_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:

@@ -1,15 +1,19 @@
-"""``on_top``: a body stands on another, with its centre above the other's top; nothing rests on a ball."""
+"""``on_top``: a body stands on another, with its centre above the other's top; nothing rests on a ball.
+
+The top of a body with a model is the convex outline of its highest points.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator
 
+from prag_asp.physics.extent import extent
 from prag_asp.physics.predicates.gaps import ORIGIN, Demand, Z, above, along, between, bottom, centre, top
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states, words
-from prag_asp.physics.predicates.volume import Ring, Volume, over_rectangle
+from prag_asp.physics.predicates.volume import Ring, Volume, over_polygon, over_rectangle
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import Quaternion, extents, heading, to_local, yaw_quaternion
+from prag_asp.scene.geometry import Quaternion, crown, extents, heading, inside_by, to_local, yaw_quaternion
 from prag_asp.scene.scene import Scene
 
 TOLERANCE = 0.002
@@ -22,6 +26,9 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     above, below = situation.body(subject), situation.body(support)
     yield abs(above.low[2] - below.high[2]) - TOLERANCE
     x, y, _ = above.pose.position
+    if situation.shape(support).model is not None:
+        yield -inside_by(crown(situation.shape(support), below.pose), (x, y))
+        return
     dx, dy = to_local(below.pose, x, y)
     half = situation.own_half(support)
     if situation.shape(support).traits.round:
@@ -35,7 +42,10 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
     """Return the region above the support's top, at the height of the centre of a body that stands on it."""
     subject, support = arguments
     pose, half = situation.pose(support), situation.own_half(support)
-    z = situation.top(support) + extents(situation.shape(subject), quaternion)[2]
+    middle, (_, _, tall) = extent(situation.shape(subject), quaternion)
+    z = situation.top(support) + tall - middle[2]
+    if situation.shape(support).model is not None:
+        return over_polygon(crown(situation.shape(support), pose), MARGIN, (z, z))
     dx, dy = (side - min(MARGIN, side / 2) for side in half[:2])
     if situation.shape(support).traits.round:
         x, y, _ = pose.position

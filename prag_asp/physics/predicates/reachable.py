@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from prag_asp.physics.extent import least_reach
 from prag_asp.physics.predicates.gaps import ORIGIN, ROUNDING, Demand, Gap, Z, along, between, bottom, centre
 from prag_asp.physics.predicates.predicate import Arguments, Gripper, Predicate, states
 from prag_asp.physics.predicates.volume import Ring, Volume
@@ -42,7 +43,7 @@ def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
     for axis in (0, 1):
         base, reach = robot.base.position[axis], robot.reach[1]
         yield from along(axis, between(centre(entity), ORIGIN, base - reach, base + reach))
-    yield Z, Gap(bottom(entity), ORIGIN, min(scene.shapes[entity].half) - robot.reach_height)
+    yield Z, Gap(bottom(entity), ORIGIN, least_reach(scene.shapes[entity]) - robot.reach_height)
 
 
 def _nowhere(scene: Scene, arguments: Arguments, low: Point, high: Point) -> bool:

@@ -1,9 +1,10 @@
 """``touching``: the gap between two bodies is at most `TOLERANCE`, and so is their penetration depth.
 
 The gap is the distance between the bodies; if they overlap, it is minus the penetration depth. It is exact for
-upright boxes, cylinders and balls with any yaw. Other bodies, and bodies with a tilt of more than `LEAN`, count as
-their bounding boxes, so that a body inside a container overlaps it and does not touch it. A body touches another if it
-stands on it or leans against its side. The predicate is symmetric.
+upright boxes, cylinders and balls with any yaw. A body with a model counts as the upright prism around it. Other
+bodies, and bodies with a tilt of more than `LEAN`, count as their bounding boxes. So a body inside a container overlaps
+it and does not touch it. A body touches another if it stands on it or leans against its side. The predicate is
+symmetric.
 """
 
 from __future__ import annotations
@@ -12,13 +13,14 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from prag_asp.physics.extent import extent, silhouette
 from prag_asp.physics.predicates.gaps import Demand, Gap, Z, along, between, bottom, centre, top
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, words
 from prag_asp.physics.predicates.volume import Ring, Side, Volume, turned_box
 from prag_asp.physics.situation import Situation
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.forms import Outline, Point, rectangle
-from prag_asp.scene.geometry import Quaternion, extents, hull, inside_by, turn_between, wrap, yaw_of, yaw_quaternion
+from prag_asp.scene.geometry import Pose, Quaternion, hull, inside_by, turn_between, wrap, yaw_of, yaw_quaternion
 from prag_asp.scene.scene import Scene, Shape
 
 TOLERANCE, MARGIN, HEIGHT_MARGIN = 0.002, 0.0005, 0.0002
@@ -31,7 +33,7 @@ Heights = tuple[float, float]
 
 
 class Core(NamedTuple):
-    """A body as the Minkowski sum of a core, a rectangle or a point in the x-y plane, and a disc or a ball.
+    """A body as the Minkowski sum of a core, a convex outline or a point in the x-y plane, and a disc or a ball.
 
     The `corners` of the core are counter-clockwise, and it extends from `low` to `high`. `disc` is the radius of a
     cylinder, `ball` that of a ball, 0 otherwise. All lengths are in metres.
@@ -50,6 +52,9 @@ def _core(shape: Shape, at: Vector, half: Vector, quaternion: Quaternion) -> Cor
     if traits.round and not traits.flat:
         return Core(((x, y),), z, z, ball=half[2])
     low, high = z - half[2], z + half[2]
+    if shape.model is not None:
+        (dx, dy, _), _ = extent(shape, quaternion)
+        return Core(silhouette(shape, Pose((x - dx, y - dy, 0.0), quaternion)), low, high)
     if traits.furniture or not traits.body or turn_between(quaternion, yaw_quaternion(yaw)) > LEAN:
         return Core(rectangle(x, y, half[0], half[1], 0.0), low, high)
     if traits.round:
@@ -99,7 +104,7 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
     """
     subject, other = arguments
     shape, there = situation.shape(subject), _placed(situation, other)
-    own = _core(shape, (0.0, 0.0, 0.0), extents(shape, quaternion), quaternion)
+    own = _core(shape, *extent(shape, quaternion), quaternion)
     ways = _difference(there.corners, own.corners)
     disc, ball = there.disc + own.disc, there.ball + own.ball
     low, high = there.low - own.high, there.high - own.low
@@ -180,10 +185,11 @@ def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
 
 
 def _broadest(entity: str, axis: int, scene: Scene) -> float:
-    """Return the largest half-extent of a body's bounding box along an axis over all orientations, in metres."""
+    """Return the largest reach of a body from its origin along an axis over all orientations, in metres."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     if place is not None:
-        return extents(shape, yaw_quaternion(place[2]))[axis]
+        middle, half = extent(shape, yaw_quaternion(place[2]))
+        return abs(middle[axis]) + half[axis]
     return math.hypot(shape.breadth(widest=True) / 2, shape.half[2]) if shape.traits.flat else shape.half[2]
 
 

@@ -95,6 +95,21 @@ class Volume(NamedTuple):
             self.unions + other.unions,
         )
 
+    def moved(self, offset: Vector) -> Volume:
+        """Return the region moved by an offset in metres."""
+        dx, dy, dz = offset
+        if dx == dy == dz == 0.0:
+            return self
+        (ax, ay, az), (bx, by, bz) = self.low, self.high
+        return self._replace(
+            low=(ax + dx, ay + dy, az + dz),
+            high=(bx + dx, by + dy, bz + dz),
+            sides=tuple(side._replace(c=side.c + side.a * dx + side.b * dy) for side in self.sides),
+            rings=tuple(ring._replace(x=ring.x + dx, y=ring.y + dy) for ring in self.rings),
+            holes=tuple(tuple((x + dx, y + dy) for x, y in hole) for hole in self.holes),
+            unions=tuple(tuple(option.moved(offset) for option in union) for union in self.unions),
+        )
+
     def parts(self) -> tuple[Volume, ...]:
         """Return volumes without unions, none known to be empty, whose union is this volume."""
         if not self.unions:
@@ -218,6 +233,27 @@ def over_rectangle(
     reach_x, reach_y = abs(cosine) * dx + abs(sine) * dy, abs(sine) * dx + abs(cosine) * dy
     sides = turned_box((centre, heading), half)
     return Volume((x - reach_x, y - reach_y, low), (x + reach_x, y + reach_y, high), sides=sides)
+
+
+def over_polygon(polygon: Outline, margin: float, heights: tuple[float, float]) -> Volume:
+    """Return the region between two heights over a convex counter-clockwise polygon, with a margin to its border.
+
+    The margin, in metres, is at most half the distance of the mean of the corners from the border.
+    """
+    xs, ys = zip(*polygon, strict=True)
+    margin = max(0.0, min(margin, inside_by(polygon, (sum(xs) / len(xs), sum(ys) / len(ys))) / 2))
+    sides = []
+    for (ax, ay), (bx, by) in zip(polygon, polygon[1:] + polygon[:1], strict=True):
+        length = math.dist((ax, ay), (bx, by))
+        if length > 0.0:
+            a, b = (by - ay) / length, (ax - bx) / length
+            sides.append(Side(a, b, a * ax + b * ay - margin))
+    return Volume((min(xs), min(ys), heights[0]), (max(xs), max(ys), heights[1]), sides=tuple(sides))
+
+
+def opposite(vector: Vector) -> Vector:
+    """Return a vector of the opposite direction and the same length."""
+    return (-vector[0], -vector[1], -vector[2])
 
 
 def turned_box(pose: tuple[Vector, tuple[float, float]], half: tuple[float, float]) -> tuple[Side, ...]:

@@ -8,6 +8,7 @@ from itertools import chain
 from prag_asp.physics.predicates.gaps import ORIGIN, Demand, Z, between, bottom, centre, top
 from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.scene.scene import Scene
+from prag_asp.scene.surfaces import least_extent
 
 
 def demands(fact: Fact, scene: Scene) -> tuple[Demand, ...]:
@@ -23,7 +24,9 @@ def body_demands(entity: str, scene: Scene) -> tuple[Demand, ...]:
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     if shape.traits.furniture:
         return ()
-    tall = (2 * min(shape.half), 2 * math.hypot(*shape.half)) if place is None else (shape.size[2],) * 2
+    # The box of a body that is oblique in its file is thicker than the body.
+    thin = 2 * min(shape.half) if shape.model is None else least_extent(shape).width
+    tall = (thin, 2 * math.hypot(*shape.half)) if place is None else (shape.size[2],) * 2
     demands = [(Z, gap) for gap in between(top(entity), bottom(entity), *tall)]
     if place is not None:
         demands += [(axis, gap) for axis in (0, 1) for gap in between(centre(entity), ORIGIN, place[axis], place[axis])]

@@ -8,7 +8,7 @@ nothing.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from operator import mul
 
@@ -30,6 +30,9 @@ CAUTION, POSTURE_GAIN = 1e-3, 0.02
 """The damping of a step near singularities, and the gain of the null-space motion towards the robot's posture."""
 DAMPED = CAUTION * np.eye(6)
 
+TRACKING, TRACKING_DAMPED = 8, 1e-5 * np.eye(6)
+"""The maximum number of steps towards a target pose, and their damping, which is lower because steps are repeated."""
+
 MAX_SOLUTIONS = 4
 EVEN: tuple[float, ...] = (1.0,) * 7
 
@@ -46,7 +49,7 @@ def tool_matrix(robot: Robot, joints: Joints) -> Rows:
 def tool_pose(robot: Robot, joints: Joints) -> Pose:
     """Return the pose of a robot's tool."""
     at = tool_matrix(robot, joints)
-    pose = Pose((at[0][3], at[1][3], at[2][3]), _quaternion(at))
+    pose = Pose((at[0][3], at[1][3], at[2][3]), quaternion_of(at))
     return pose if robot.base is ORIGIN else compose(robot.base, pose)
 
 
@@ -114,13 +117,7 @@ def nudge_joints(
     "Manipulator inverse kinematic solutions based on vector formulations and damped least-squares methods", 1986), so
     the arm does not jump near singularities. The null space is used to move the arm towards the robot's posture.
     """
-    # The Jacobian by finite differences, for all joints at once.
-    near = np.array(list(map(robot.solver.forward, joints + DIFFERENCES)))
-    turns = (near[:, :3, :3] @ here[:3, :3].T).reshape(-1, 9)
-    jacobian = np.empty((6, len(joints)))
-    jacobian[:3] = (near[:, :3, 3] - here[:3, 3]).T
-    jacobian[3:] = (turns.take(BELOW, 1) - turns.take(ABOVE, 1)).T / 2
-    jacobian /= DIFFERENCE
+    jacobian = _jacobian(robot, joints, here)
     if robot.base is not ORIGIN:
         turn = matrix(robot.base)[:3, :3].T
         twist = np.concatenate([turn @ twist[:3], turn @ twist[3:]])
@@ -129,6 +126,36 @@ def nudge_joints(
     posture_step[0] = 0.0
     result: NDArray[np.float64] = joints + posture_step + inverse @ (twist - jacobian @ posture_step)
     return result
+
+
+def track_joints(robot: Robot, joints: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return joint angles within their limits that bring the tool as close to a nearby pose as possible.
+
+    `target` is a homogeneous matrix in the frame of the base. The method is that of `nudge_joints`, repeated.
+    """
+    posture_step = POSTURE_GAIN * (np.array(robot.posture) - joints)
+    posture_step[0] = 0.0
+    for _ in range(TRACKING):
+        here = robot.solver.forward(joints)
+        twist = _twist(here, target)
+        if np.abs(twist).max() < ACCURACY:
+            break
+        jacobian = _jacobian(robot, joints, here)
+        inverse = jacobian.T @ np.linalg.inv(jacobian @ jacobian.T + TRACKING_DAMPED)
+        joints = np.clip(joints + posture_step + inverse @ (twist - jacobian @ posture_step), robot.lower, robot.upper)
+        posture_step = np.zeros_like(joints)
+    return joints
+
+
+def _jacobian(robot: Robot, joints: NDArray[np.float64], here: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the Jacobian of the pose of the tool in the frame of the base, by finite differences; shape (6, 7)."""
+    near = np.array(list(map(robot.solver.forward, joints + DIFFERENCES)))
+    turns = (near[:, :3, :3] @ here[:3, :3].T).reshape(-1, 9)
+    jacobian = np.empty((6, len(joints)))
+    jacobian[:3] = (near[:, :3, 3] - here[:3, 3]).T
+    jacobian[3:] = (turns.take(BELOW, 1) - turns.take(ABOVE, 1)).T / 2
+    jacobian /= DIFFERENCE
+    return jacobian
 
 
 def _twist(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -143,9 +170,9 @@ def _from_base(robot: Robot, tool: Pose) -> Pose:
     return tool if robot.base is ORIGIN else compose(invert(robot.base), tool)
 
 
-def _quaternion(r: Rows) -> Quaternion:
-    """Return the unit quaternion of the rotation in a homogeneous matrix, by Shepperd's method."""
-    (a, b, c, _), (d, e, f, _), (g, h, i, _) = r[:3]
+def quaternion_of(r: Sequence[Sequence[float]]) -> Quaternion:
+    """Return the unit quaternion of a rotation matrix, or of that in a homogeneous matrix, by Shepperd's method."""
+    (a, b, c), (d, e, f), (g, h, i) = (row[:3] for row in r[:3])
     squares = (1 + a - e - i, 1 - a + e - i, 1 - a - e + i, 1 + a + e + i)
     largest = squares.index(max(squares))
     x, y, z, w = (

@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.physics.extent import ORIGIN, extent, side_yaw
 from prag_asp.physics.search.allowed_region import shapes_volume, yaw_ranges
 from prag_asp.physics.search.attempt import OBJECTS_COLLIDE, Failure, Search
 from prag_asp.physics.search.placement import (
@@ -35,7 +36,7 @@ from prag_asp.physics.world.simulator import COLLISION
 from prag_asp.physics.world.support import TABLE
 from prag_asp.scene.boxes import Vector, box_of
 from prag_asp.scene.furniture import swept
-from prag_asp.scene.geometry import Pose, Quaternion, extents, multiply, yaw_of, yaw_quaternion
+from prag_asp.scene.geometry import Pose, Quaternion, compose, multiply, rotate, yaw_of, yaw_quaternion
 
 SPACINGS = (FINGER_ROOM, FINGER_ROOM / 2, SPACING, 0.005, 0.002, 0.0)
 """The spacings to try between objects in metres, the largest first: they touch if nothing else leaves room for all."""
@@ -233,13 +234,14 @@ def _taken(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], list[Callable[[Vector, float], bool]]]:
     """Return the places where an object at a height overlaps others, those where it touches them, and further tests.
 
-    A row of places (n, 4) has their centre and their half-extents along x and y, seen from above in a frame rotated by
-    a yaw: they apply to the bounding boxes of the bodies in this frame. If one of two bodies has a model, they touch
-    there, and a function returns whether their parts overlap.
+    A row of places (n, 4) has their centre, for the origin of the object, and their half-extents along x and y, seen
+    from above in a frame rotated by a yaw: they apply to the bounding boxes of the bodies in this frame. If one of two
+    has a model, they touch there, and a function returns whether their parts overlap.
     """
-    back = yaw_quaternion(-frame)
+    back, forth = yaw_quaternion(-frame), yaw_quaternion(frame)
     entity = situation.shape(request.entity)
-    own = extents(entity, multiply(back, quaternion))
+    middle, own = extent(entity, multiply(back, quaternion))
+    ahead, aside, over = rotate(forth, middle)
     taken, touching, close = [], [], list[Callable[[Vector, float], bool]]()
     for other in kept_apart(situation, request.facts):
         shape, pose = situation.scene.shapes[other], situation.pose(other)
@@ -249,12 +251,14 @@ def _taken(
         if shape.traits.furniture:
             boxes = [(box_of(corners), frame) for corners in swept(shape, pose)]
         else:
-            boxes = [((pose.position, extents(shape, multiply(back, pose.quaternion))), 0.0)]
+            centre, half = extent(shape, multiply(back, pose.quaternion))
+            at = pose.position if centre == ORIGIN else compose(Pose(pose.position, forth), Pose(centre)).position
+            boxes = [((at, half), 0.0)]
         for ((x, y, other_z), (half_x, half_y, half_z)), turn in boxes:
-            if abs(z - other_z) < own[2] + half_z + COLLISION:
+            if abs(z + over - other_z) < own[2] + half_z + COLLISION:
                 cosine, sine = abs(math.cos(turn)), abs(math.sin(turn))
                 reach_x, reach_y = cosine * half_x + sine * half_y, sine * half_x + cosine * half_y
-                touching.append((x, y, own[0] + reach_x, own[1] + reach_y))
+                touching.append((x - ahead, y - aside, own[0] + reach_x, own[1] + reach_y))
                 if by_parts:
                     close.append(partial(parts_meet, entity, quaternion, shape, pose, z))
                 else:
@@ -279,8 +283,9 @@ def _orientations(situation: Situation, entity: str, about: Iterable[Fact], fram
         yield from (yaw_quaternion(allowed.centre) for allowed in ranges)
         return
     shape = situation.shape(entity)
-    yield yaw_quaternion(frame)
+    own = side_yaw(shape)
+    yield yaw_quaternion(frame - own)
     if shape.model is not None:
-        yield from (yaw_quaternion(frame + turn * math.pi / 2) for turn in (2, 1, 3))
+        yield from (yaw_quaternion(frame - own + turn * math.pi / 2) for turn in (2, 1, 3))
     elif not shape.traits.round and shape.half[0] != shape.half[1]:
         yield yaw_quaternion(frame + math.pi / 2)

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from prag_asp.physics.extent import Extent, extent, side_yaw
 from prag_asp.physics.predicates import Gripper, Ring, Volume
 from prag_asp.physics.predicates.inside import INSIDE
 from prag_asp.physics.predicates.on_top import ON_TOP
@@ -32,7 +33,7 @@ from prag_asp.physics.world.simulator import COLLISION
 from prag_asp.physics.world.support import TABLE
 from prag_asp.scene.boxes import Vector, box_of
 from prag_asp.scene.furniture import swept
-from prag_asp.scene.geometry import Pose, Quaternion, extents, yaw_of, yaw_quaternion
+from prag_asp.scene.geometry import Pose, Quaternion, yaw_of, yaw_quaternion
 from prag_asp.scene.scene import Shape
 from prag_asp.scene.surfaces import part_boxes, part_outlines
 
@@ -45,10 +46,11 @@ EDGE = 0.02  # metres to the edge of the table
 
 
 class Neighbour(NamedTuple):
-    """A body that another can meet: its centre seen from above, and the distances along x and y at which boxes touch.
+    """A body that another can meet: where the other's origin has boxes with the same centre, seen from above.
 
-    If one of the two has a model, `parts` returns whether their parts are nearer than a spacing with the other at a
-    place, because boxes alone do not decide. All lengths are in metres.
+    `dx` and `dy` are the distances from there along x and y at which the boxes touch. If one of the two has a model,
+    `parts` returns whether their parts are nearer than a spacing with the other at a place, because boxes alone do not
+    decide. All lengths are in metres.
     """
 
     x: float
@@ -123,13 +125,13 @@ def sample_pose(search: Search, situation: Situation, request: PlacementRequest)
     # These also go through objects that are not placed yet.
     between = spacing_chains(situation, entity, every_fact)
     quaternion, volume, everything = _place(search, situation, request, between)
-    half = extents(situation.shape(entity), quaternion)
+    box_within = extent(situation.shape(entity), quaternion)
     preferred = _close(situation, entity, volume, about)
     room = TABLE_ROOM if support == TABLE else FINGER_ROOM
     favourite = preferred.floor(room) or preferred.floor() or everything
     checked = [fact for fact in about if not shapes_volume(fact, entity)]
     others = kept_apart(situation, about)
-    turned = (situation.shape(entity), quaternion, half)
+    turned = (situation.shape(entity), quaternion, box_within)
     below = _neighbours(situation, others, support, turned, volume.low[2] - height)
     beside = _neighbours(situation, others, support, turned, volume.low[2]) if height > 0.0 else below
     failed = Failure(RELATION, entity)
@@ -189,10 +191,10 @@ def _place(
         volume, floor = next(((part, floor) for part in parts if (floor := part.floor()) is not None), (whole, None))
         if floor is None:
             continue
-        dx, dy, _ = extents(situation.shape(request.entity), quaternion)
+        (x, y, _), (dx, dy, _) = extent(situation.shape(request.entity), quaternion)
         for room in ahead:
             (ax, ay, az), (bx, by, bz) = room.low, room.high
-            inner = room._replace(low=(ax + dx, ay + dy, az), high=(bx - dx, by - dy, bz))
+            inner = room._replace(low=(ax + dx - x, ay + dy - y, az), high=(bx - dx - x, by - dy - y, bz))
             preferred_volume = volume.meet(inner)
             preferred_floor = preferred_volume.floor()
             if preferred_floor and (
@@ -243,10 +245,12 @@ def placement_volume(
         allowed = rests.tight_volume if tight and rests.tight_volume is not None else rests.volume
         volume = allowed(situation, (entity, support), quaternion)
     else:
-        half_x, half_y, z = extents(situation.shape(entity), quaternion)
+        (middle_x, middle_y, middle_z), (half_x, half_y, half_z) = extent(situation.shape(entity), quaternion)
+        z = half_z - middle_z
         low_x, high_x, low_y, high_y = situation.scene.workspace
         if out_of_reach:
             (x, y), (size_x, size_y) = situation.scene.table.centre, situation.scene.table.size
+            x, y = x - middle_x, y - middle_y
             low_x, high_x = x - size_x / 2 + half_x + EDGE, x + size_x / 2 - half_x - EDGE
             low_y, high_y = y - size_y / 2 + half_y + EDGE, y + size_y / 2 - half_y - EDGE
         volume = Volume((low_x, low_y, z), (high_x, high_y, z))
@@ -276,15 +280,15 @@ def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fa
 
 
 def _neighbours(
-    situation: Situation, others: Iterable[str], support: str, turned: tuple[Shape, Quaternion, Vector], z: float
+    situation: Situation, others: Iterable[str], support: str, turned: tuple[Shape, Quaternion, Extent], z: float
 ) -> list[Neighbour]:
     """Return the other bodies that an object at a height can meet, without containers that it is put into.
 
-    `turned` has the shape of the object, its orientation, and the half-extents of its bounding box. Furniture has the
+    `turned` has the shape of the object, its orientation, and its bounding box at the origin. Furniture has the
     bounding boxes of its body and of the swept moving part.
     """
     neighbours = []
-    own, quaternion, half = turned
+    own, quaternion, (middle, half) = turned
     for other in others:
         shape, boxes = situation.scene.shapes[other], [box(situation, other)]
         if support != TABLE and (shape.traits.hollow or (other == support and shape.hollow)):
@@ -294,12 +298,14 @@ def _neighbours(
         elif shape.model is not None or own.model is not None:
             parts = partial(parts_meet, own, quaternion, shape, situation.pose(other), z)
             ((x, y, other_z), (half_x, half_y, half_z)) = boxes[0]
-            if abs(z - other_z) < half[2] + half_z + COLLISION:
-                neighbours.append(Neighbour(x, y, half_x + half[0], half_y + half[1], parts))
+            if abs(z + middle[2] - other_z) < half[2] + half_z + COLLISION:
+                at = (x - middle[0], y - middle[1])
+                neighbours.append(Neighbour(*at, half_x + half[0], half_y + half[1], parts))
             continue
         for (x, y, other_z), (half_x, half_y, half_z) in boxes:
-            if abs(z - other_z) < half[2] + half_z + COLLISION:
-                neighbours.append(Neighbour(x, y, half_x + half[0], half_y + half[1]))
+            if abs(z + middle[2] - other_z) < half[2] + half_z + COLLISION:
+                at = (x - middle[0], y - middle[1])
+                neighbours.append(Neighbour(*at, half_x + half[0], half_y + half[1]))
     return neighbours
 
 
@@ -321,7 +327,11 @@ def parts_meet(
 
 
 def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> Iterator[float]:
-    """Yield yaws in radians: in required ranges, else random and then axis-aligned; on a support, aligned with it."""
+    """Yield yaws in radians: in required ranges, else random and then axis-aligned; on a support, aligned with it.
+
+    The sides of a body with a model are aligned, and where they do not fit into a container, its diagonals.
+    """
+    own = side_yaw(situation.shape(request.entity))
     ranges = yaw_ranges(situation, request.entity, request.facts)
     if ranges is not None:
         yield from sample_yaws(search, ranges)
@@ -329,7 +339,10 @@ def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> It
     if request.support == TABLE:
         yield search.uniform(-math.pi, math.pi)
         along = int(search.rng.integers(2)) * math.pi / 2
-        yield from (along, math.pi / 2 - along)
+        yield from (along - own, math.pi / 2 - along - own)
         return
-    quarter = int(search.rng.integers(4)) * math.pi / 2
-    yield yaw_of(situation.pose(request.support).quaternion) + quarter + search.uniform(-JITTER, JITTER)
+    quarter = int(search.rng.integers(4)) * math.pi / 2 - own
+    aligned = yaw_of(situation.pose(request.support).quaternion) + quarter
+    yield aligned + search.uniform(-JITTER, JITTER)
+    if situation.shape(request.entity).model is not None and situation.shape(request.support).hollow:
+        yield from (aligned + turn * math.pi / 4 for turn in (0, 2, 1, 3))

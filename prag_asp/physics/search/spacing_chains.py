@@ -9,11 +9,13 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
+from prag_asp.physics.extent import extent
 from prag_asp.physics.predicates import Direction, Volume
 from prag_asp.physics.predicates.beside import GAP, MARGIN, SIDES, wedge
+from prag_asp.physics.predicates.volume import opposite
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact
-from prag_asp.scene.geometry import Quaternion, extents
+from prag_asp.scene.geometry import Quaternion
 
 
 class SpacingChain(NamedTuple):
@@ -52,10 +54,10 @@ def spacing_chains(situation: Situation, entity: str, facts: Iterable[Fact]) -> 
 def spacing_volume(situation: Situation, entity: str, quaternion: Quaternion, chains: Iterable[SpacingChain]) -> Volume:
     """Return the volume in which an oriented object leaves room for the objects between it and others."""
     volume = Volume()
-    half = extents(situation.shape(entity), quaternion)
+    centre, half = extent(situation.shape(entity), quaternion)
     for end, side, between in chains:
         volume = volume.meet(wedge(situation, side, end, half, GAP + MARGIN + between))
-    return volume
+    return volume.moved(opposite(centre))
 
 
 def _follow(

@@ -10,7 +10,7 @@ from itertools import combinations
 from typing import NamedTuple
 
 from prag_asp.physics.bullet import STDOUT, mute_output, pybullet
-from prag_asp.physics.predicates.grip_friction import FINGER_FRICTION
+from prag_asp.physics.predicates.grip_friction import FINGER_FRICTION, finger_force
 from prag_asp.physics.robot.robot_files import robot_file
 from prag_asp.physics.witness import ROBOT_PARTS, Arm, Moment
 from prag_asp.physics.world.bodies import body_pose, make_body, make_table, parking_place, put_body
@@ -18,12 +18,10 @@ from prag_asp.physics.world.collisions import BASE_LINK
 from prag_asp.physics.world.furniture_bodies import JOINT, UPRIGHT, read_opening, set_opening
 from prag_asp.physics.world.simulated_arm import load_robot_files, set_joints
 from prag_asp.physics.world.simulator import open_client, read_pose, start_world
+from prag_asp.physics.world.time_step import TIME_STEP
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.robots import Joints, Robot, robot_of
 from prag_asp.scene.scene import Scene
-
-TIME_STEP = 1 / 120
-"""The time step in seconds; halving it doubles the cost and does not raise the share of tasks that succeed."""
 
 SOLVER_ITERATIONS = 200
 """The number of solver iterations. With PyBullet's default of 50, a joint sometimes exceeds its acceleration limit; 200
@@ -40,6 +38,9 @@ SLEEP_FRAMES = 4
 
 PyBullet itself waits for two seconds.
 """
+
+BETWEEN = 0.002
+"""The distance from both fingers in metres within which a body is between them; they close by 1.3 mm in a step."""
 
 FORGETTING = 2
 """The number of steps for which bodies have to be far apart until PyBullet has discarded their contacts."""
@@ -89,6 +90,7 @@ class Dynamics:
         self._bodies: dict[str, int] = {}
         self._furniture: dict[str, int] = {}
         self._quiet: dict[str, int] = {}
+        self._gentle: dict[str, dict[str, float]] = {}
         self._parts: dict[tuple[int, int], int] = {}
 
     def begin(self, objects: Sequence[str], moment: Moment, scene: Scene | None = None) -> None:
@@ -118,6 +120,10 @@ class Dynamics:
             )
         self._place(moment)
         self._parts = self._numbered(table)
+        for name, loaded in self._arms.items():
+            forces = {entity: finger_force(self.scene, entity, name) for entity in objects}
+            most = loaded.robot.grip_force
+            self._gentle[name] = forces if min(forces.values(), default=most) < most else {}
 
     def restore(self, moment: Moment) -> None:
         """Reset the world to a moment, at rest; only held objects are awake.
@@ -152,16 +158,14 @@ class Dynamics:
             set_joints(self.client, loaded.body, loaded.robot, arm.joints, arm.width)
         self._quiet = dict.fromkeys(self._bodies, 0)
 
-    def drive(
-        self, robot: str, command: ArmCommand, speeds: Sequence[float] = STILL, force: float | None = None
-    ) -> None:
-        """Set the targets of the motors of an arm from now on.
+    def drive(self, robot: str, command: ArmCommand, speeds: Sequence[float] = STILL) -> None:
+        """Set the targets of the motors of an arm for the next step.
 
         `speeds` are the target speeds of the joints in rad/s. An opening smaller than the width of an object between
-        the fingers squeezes it with the `force` of each finger in newtons, by default the grip force of the robot.
+        the fingers squeezes it with `finger_force`.
         """
         arm = self._arms[robot]
-        squeeze = arm.robot.grip_force if force is None else force
+        squeeze = self._squeeze(robot)
         pybullet.setJointMotorControlArray(
             arm.body,
             arm.driven,
@@ -171,6 +175,23 @@ class Dynamics:
             forces=[*arm.robot.torques, squeeze, squeeze],
             positionGains=[POSITION_GAIN] * len(arm.driven),
             physicsClientId=self.client,
+        )
+
+    def _squeeze(self, robot: str) -> float:
+        """Return the largest force of each finger in newtons: that for the bodies between both fingers."""
+        arm, forces = self._arms[robot], self._gentle[robot]
+        most = arm.robot.grip_force
+        light = [entity for entity, force in forces.items() if force < most]
+        if not any(self._is_between(arm, entity) for entity in light):
+            return most
+        return max(force for entity, force in forces.items() if self._is_between(arm, entity))
+
+    def _is_between(self, arm: LoadedArm, entity: str) -> bool:
+        """Return whether both fingers are close to a body."""
+        body = self._bodies[entity]
+        return all(
+            pybullet.getClosestPoints(arm.body, body, BETWEEN, link, physicsClientId=self.client)
+            for link in arm.robot.finger_links
         )
 
     def step(self) -> None:

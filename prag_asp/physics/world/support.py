@@ -80,7 +80,7 @@ def unsupported(situation: Situation, entities: Iterable[str], needs_margin: boo
         # The usual case is checked first: a body that stands on the table, with its centre over it, is stable. A body
         # with a model, whose base may be at its side, has to be entirely over the table.
         measured = situation.body(body)
-        x, y, _ = measured.pose.position
+        x, y, _ = measured.centre
         dx, dy = (0.0, 0.0) if situation.scene.shapes[body].model is None else measured.half[:2]
         over = abs(x - at_x) + dx <= half_x and abs(y - at_y) + dy <= half_y
         if not (abs(measured.low[2]) <= CONTACT and over):

@@ -3,14 +3,18 @@
 The heights of the surface are measured on a grid from above. Water runs off at the border and through holes, and fills
 any other point up to the lowest rim over which it can run off: the minimum, over all paths to the border, of the
 greatest height on the path (Barnes, Lehman and Mulla, "Priority-flood", 2014). Gaps and holes too narrow for objects to
-fall through are closed first: a basket is a container. Parts over a cavity that do not close it, such as the handle of
-a basket, are ignored: the surface is also measured from several heights, without the parts above.
+fall through are closed first: a basket is a container, and cracks between the triangles of a mesh do not matter. If
+there is no cavity, walls that are thinner than a cell of the grid are added to it. Parts over a cavity that do not
+close it, such as the handle of a basket, are ignored: the surface is also measured from several heights, without the
+parts above.
 """
 
 from __future__ import annotations
 
 import heapq
+import math
 from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,14 +23,18 @@ from prag_asp.scene.scene import Cavity
 
 Floats = NDArray[np.float64]
 
-CELLS = 64
-"""The number of cells of the grid along the longest horizontal side of a body."""
+CELLS, WIDEST = 64, 0.004
+"""The smallest number of cells of the grid along the longest horizontal side of a body, and the largest width of a cell
+in metres: half of `GAP`, so that gaps are closed in the grid of any body."""
 
 SHALLOW, NARROW = 0.012, 0.02
 """The smallest depth and the smallest width of a cavity in metres: nothing stands in a smaller one."""
 
 GAP = 0.008
-"""The approximate width in metres of gaps and holes that are closed; the grid has whole cells."""
+"""The approximate width in metres of gaps and holes that are closed; the grid has whole cells.
+
+Gaps of up to 5 mm are always closed.
+"""
 
 LEVELS, OPEN = 12, 0.6
 """The number of heights from which a body is viewed, and the smallest share of a cavity's floor visible from above.
@@ -38,25 +46,38 @@ LEVEL = 0.004
 UPRIGHT = 1e-12
 """Twice the projected area in square metres below which a triangle counts as vertical."""
 
+STEEP = 0.2
+"""The largest share of a triangle's area in its projection from above for which it belongs to a wall: 78 degrees."""
+
 
 def find_cavity(triangles: Floats) -> Cavity | None:
     """Return the largest cavity of a body, given by triangles (n, 3, 3) in metres, None if there is none."""
     points = triangles.reshape(-1, 3)
     low, high = points.min(0), points.max(0)
-    cell = float((high - low)[:2].max()) / CELLS
+    cell = min(float((high - low)[:2].max()) / CELLS, WIDEST)
     xs, ys = (np.arange(low[i] - cell / 2, high[i] + cell, cell) for i in (0, 1))
     shape = (LEVELS, len(xs), len(ys))
     cuts = np.append(np.linspace(low[2], high[2], LEVELS + 1)[1:-1], np.inf)
     heights, solid = np.full(shape, -np.inf), np.zeros(shape, dtype=int)
     for triangle in triangles:
         _raise(heights, solid, cuts, triangle, xs, ys)
-    found: list[tuple[float, Cavity]] = []
-    for cut, seen, within in zip(cuts, heights, solid, strict=True):
-        # Without an overhang over a surface, the view of the whole body shows the same.
-        if cut == np.inf or ((heights[-1] > cut) & (within <= 0) & (seen > -np.inf)).any():
-            surface = _closed(np.where((within > 0) & (cut < np.inf), cut, seen), round(GAP / 2 / cell))
-            found += _cavities(surface, heights[-1], float(low[2]), (xs, ys))
-    return max(found, key=lambda row: row[0])[1] if found else None
+    # Thin walls are added only if there is no cavity without them: they take whole cells.
+    for thin in (False, True):
+        walls = _Walls.of(triangles, cell / 2) if thin else None
+        found: list[tuple[float, Cavity]] = []
+        for cut, seen, within in zip(cuts, heights, solid, strict=True):
+            # Without an overhang over a surface, the view of the whole body shows the same.
+            if cut == np.inf or ((heights[-1] > cut) & (within <= 0) & (seen > -np.inf)).any():
+                surface = np.where((within > 0) & (cut < np.inf), cut, seen)
+                if walls is not None:
+                    raised = walls.added(surface, cut, (xs, ys))
+                    if raised is surface:
+                        continue
+                    surface = raised
+                found += _cavities(_closed(surface, round(GAP / 2 / cell)), heights[-1], float(low[2]), (xs, ys))
+        if found:
+            return max(found, key=lambda row: row[0])[1]
+    return None
 
 
 def _cavities(surface: Floats, top: Floats, low: float, grid: tuple[Floats, Floats]) -> Iterator[tuple[float, Cavity]]:
@@ -102,6 +123,56 @@ def _raise(heights: Floats, solid: NDArray[np.int_], cuts: Floats, triangle: Flo
     there = heights[:, rows, columns]
     heights[:, rows, columns] = np.where(covered, np.maximum(there, own), there)
     solid[:, rows, columns] += np.where(covered, -1 if area > 0.0 else 1, 0)
+
+
+class _Walls(NamedTuple):
+    """Points (n, 3) on steep triangles, and the horizontal unit normals (n, 2) of these triangles."""
+
+    points: Floats
+    normals: Floats
+
+    @classmethod
+    def of(cls, triangles: Floats, spacing: float) -> _Walls:
+        """Return points on the steep triangles among some (n, 3, 3), at most about `spacing` metres apart."""
+        one, two = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+        normals = np.cross(one, two)
+        lengths = np.linalg.norm(normals, axis=1)
+        steep = (np.abs(normals[:, 2]) <= STEEP * lengths) & (lengths > 0.0)
+        points, across = [np.empty((0, 3))], [np.empty((0, 2))]
+        for corner, u, v, normal in zip(triangles[steep, 0], one[steep], two[steep], normals[steep, :2], strict=True):
+            longest = max(np.linalg.norm(u), np.linalg.norm(v), np.linalg.norm(u - v))
+            shares = np.linspace(0.0, 1.0, math.ceil(float(longest) / spacing) + 1)
+            first, second = np.nonzero(np.add.outer(shares, shares) <= 1.0 + 1e-9)
+            points.append(corner + shares[first, None] * u + shares[second, None] * v)
+            across.append(np.broadcast_to(normal / np.linalg.norm(normal), (len(first), 2)))
+        return cls(np.concatenate(points), np.concatenate(across))
+
+    def added(self, heights: Floats, cut: float, grid: tuple[Floats, Floats]) -> Floats:
+        """Return the heights of a surface on a grid with the parts of walls below a cut that fall between its points.
+
+        They are the same array if no part is missing.
+
+        A wall is missing at a point if the surface is lower there, and a cell away on either side of the wall.
+        """
+        cell = float(grid[0][1] - grid[0][0])
+        below = self.points[:, 2] <= cut
+        points, normals = self.points[below], self.normals[below]
+        beside = np.full(len(points), -np.inf)
+        for side in (-cell, 0.0, cell):
+            places = points[:, :2] + side * normals
+            i, j = (
+                np.clip(np.round((places[:, axis] - line[0]) / cell).astype(int), 0, len(line) - 1)
+                for axis, line in enumerate(grid)
+            )
+            beside = np.maximum(beside, heights[i, j])
+            if side == 0.0:
+                own = (i, j)
+        missing = points[:, 2] > beside + LEVEL
+        if not missing.any():
+            return heights
+        raised: Floats = heights.copy()
+        np.maximum.at(raised, (own[0][missing], own[1][missing]), points[missing, 2])
+        return raised
 
 
 def _closed(heights: Floats, reach: int) -> Floats:

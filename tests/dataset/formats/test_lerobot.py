@@ -7,6 +7,7 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from numpy.typing import NDArray
 
@@ -18,6 +19,7 @@ from prag_asp.dataset.formats.feature_statistics import Aggregate, Colours, stat
 from prag_asp.dataset.formats.lerobot import LeRobot
 from prag_asp.dataset.formats.video import Video
 from prag_asp.dataset.scenes import scene_of
+from prag_asp.errors import QueryError
 from prag_asp.physics import Staging, render_cameras
 from tests.dataset.formats.conftest import RATE, SIZE, of
 from tests.dataset.formats.published import Published
@@ -105,8 +107,47 @@ def test_two_robots_without_cameras_have_states_and_actions_of_each_joint(arms: 
     info = Published(folder).info
     names = [f"{robot}/{joint}" for robot in ("left", "right") for joint in JOINTS]
     assert info["features"]["observation.state"]["names"] == info["features"]["action"]["names"] == names
+    poses = np.stack(Published(folder).frames(0)["observation.environment_state"].to_numpy())
+    (_, _, shown), *_ = arms.demonstrations()
+    names = info["features"]["observation.environment_state"]["names"]
+    for at, name in enumerate(names):
+        entity, _, number = name.partition("/")
+        assert number != "there" or (poses[:, at] == (entity in shown.objects)).all()
+    assert poses.shape[1] == len(names)
     assert (info["fps"], info["video_path"], info["total_episodes"]) == (20, None, 2)
     assert not (folder / "videos").exists()
+
+
+def test_actions_states_objects_and_depth_are_those_that_were_chosen(filmed: Dataset, tmp_path: Path) -> None:
+    chosen = {"action": "ee_delta", "state": ("ee_position", "joint_position"), "objects": True, "depth": True}
+    folder = export(filmed, "lerobot", tmp_path / "out", **chosen)
+    info = json.loads((folder / "meta/info.json").read_text())["features"]
+    told = info["action"]["prag_asp"]
+    assert (told["control"], told["rate"], told["units"]) == ("ee_delta", RATE, [*("m",) * 3, *("rad",) * 3, "m"])
+    tool = [f"panda/{name}" for name in ("x", "y", "z", "rx", "ry", "rz")]
+    assert info["action"]["names"] == [*tool, "panda/gripper"]
+    assert info["observation.state"]["names"] == [*tool, "panda/gripper", *(f"panda/{each}" for each in JOINTS[:7])]
+    rows = pd.concat(map(pd.read_parquet, sorted((folder / "data").glob("*/*.parquet"))))
+    rows = rows[rows["episode_index"] == 0]
+    states, actions = (np.stack(rows[name].to_numpy()) for name in ("observation.state", "action"))
+    lower, upper = np.array(told["lower"]), np.array(told["upper"])
+    (_, _, shown), *_ = filmed.demonstrations()
+    footage = shown.footage
+    assert footage is not None
+    assert np.allclose(states[:, :3], footage.tools[:, 0, :3], atol=1e-6)
+    assert np.array_equal(states[:, 7:], shown.joints[footage.frames, 0])
+    moved = np.cumsum((lower + (actions + 1) / 2 * (upper - lower))[:, :3], axis=0)
+    assert np.abs(moved[:-1] - (states[1:, :3] - states[0, :3])).max() < 0.1, "the tool follows what it is told to"
+    depth = np.array([np.stack(image) for image in rows["depth.front"]])
+    assert depth.shape == (len(rows), *SIZE[::-1]) and depth.dtype == np.uint16
+    assert np.abs(depth / 1000 - footage.videos["front"].depth.astype(float)).max() <= 0.00051
+    assert info["depth.front"] == {
+        "dtype": "uint16", "shape": [*SIZE[::-1]], "names": ["height", "width"], "prag_asp": {"unit": "mm"},
+    }  # fmt: skip
+    with pytest.raises(QueryError, match="minari has all observations"):
+        export(filmed, "minari", tmp_path / "other", depth=True)
+    with pytest.raises(QueryError, match="no state 'ee_delta'"):
+        export(filmed, "lerobot", tmp_path / "other", state=["ee_delta"])
 
 
 def test_statistics_are_those_of_all_frames_and_of_each_episode(filmed: Dataset, written: Path) -> None:

@@ -14,7 +14,9 @@ import pytest
 from prag_asp import Dataset
 from prag_asp.dataset import export
 from prag_asp.dataset.formats.episode_source import EpisodeSource
-from prag_asp.scene.robots import PANDA
+from prag_asp.dataset.scenes import scene_of
+from prag_asp.physics.robot.kinematics import tool_pose
+from prag_asp.scene.robots import PANDA, robot_of
 from tests.dataset.formats.conftest import RATE, SIZE
 
 
@@ -50,8 +52,8 @@ def test_each_sample_is_that_of_the_recording(filmed: Dataset, written: Path) ->
                 expected[f"{camera}_image"] = seen.rgb
                 expected[f"{camera}_depth"] = seen.depth.astype(np.float32)[..., None]
             for name, values in expected.items():
-                assert np.array_equal(demo[f"obs/{name}"], values[:-1]), name
-                assert np.array_equal(demo[f"next_obs/{name}"], values[1:]), name
+                assert np.allclose(demo[f"obs/{name}"], values[:-1], rtol=0, atol=1e-6), name
+                assert np.array_equal(demo[f"next_obs/{name}"][:-1], demo[f"obs/{name}"][1:]), name
             assert {*demo["obs"]} == {*demo["next_obs"]} == {
                 *expected, "object", "front_segmentation", "wrist_segmentation"
             }  # fmt: skip
@@ -107,11 +109,29 @@ def test_two_robots_without_cameras_have_their_own_keys(arms: Dataset, tmp_path:
         demo = file["data/demo_1"]
         assert {*demo["obs"]} == {
             "left_joint_pos", "left_gripper_width", "right_joint_pos", "right_gripper_width", "object",
+            "left_eef_pos", "left_eef_quat", "right_eef_pos", "right_eef_quat",
         }  # fmt: skip
         assert np.array_equal(demo["obs/right_joint_pos"], second.joints[:-1, second.robots.index("right")])
         assert demo["actions"].shape[1] == 16
+        joints = second.joints[0, second.robots.index("right")].tolist()
+        tool = tool_pose(robot_of(scene_of(arms.domain), "right"), tuple(joints))
+        assert demo["obs/right_eef_pos"][0] == pytest.approx(tool.position, abs=1e-6)
 
 
 def test_the_same_data_set_gives_the_same_bytes_at_another_time(filmed: Dataset, written: Path, tmp_path: Path) -> None:
     time.sleep(max(0.0, 1.1 - (time.time() - written.stat().st_mtime)))
     assert export(filmed, "robomimic", tmp_path / "again.hdf5").read_bytes() == written.read_bytes()
+
+
+def test_other_actions_are_scaled_by_the_bounds_in_the_file(filmed: Dataset, tmp_path: Path) -> None:
+    with h5py.File(export(filmed, "robomimic", tmp_path / "out.hdf5", action="ee_position")) as file:
+        told = json.loads(file["data"].attrs["env_args"])["env_kwargs"]
+        lower, upper = np.array(told["lower"]), np.array(told["upper"])
+        demo = file["data/demo_0"]
+        assert (told["control"], told["names"][:2], told["units"][2:4]) == (
+            "ee_position", ["panda/x", "panda/y"], ["m", "rad"],
+        )  # fmt: skip
+        assert np.abs(demo["actions"][()]).max() <= 1
+        scaled = lower + (demo["actions"][()] + 1) / 2 * (upper - lower)
+        assert np.allclose(scaled, demo["action_dict/targets"], atol=1e-6)
+        assert np.abs(demo["action_dict/targets"][:-1, :3] - demo["obs/panda_eef_pos"][1:]).max() < 0.1

@@ -163,7 +163,7 @@ FAULTS: tuple[tuple[str, str, Spoil, str], ...] = (
     ("too wide open at a rim", BASIN, held(wider=0.004), GRIPS),
     ("too narrow", BOX, held(wider=-0.005), GRIPS),
     ("too narrow at a knob", KNOB, held(wider=-0.003), GRIPS),
-    ("a rim below the pads", BASIN, held((0.0, 0.0, 0.03)), GRIPS),
+    ("a rim below the pads", BASIN, held((0.0, 0.0, 0.06)), GRIPS),
     ("a knob below the pads", KNOB, held((0.0, 0.0, 0.05)), GRIPS),
     ("a box far below the pads", BOX, held((0.0, 0.0, 0.08)), GRIPS),
     ("a knob beside the pads", KNOB, held((0.045, 0.0, 0.0)), GRIPS),

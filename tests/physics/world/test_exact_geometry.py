@@ -16,9 +16,10 @@ import numpy as np
 import pybullet
 import pytest
 
+from prag_asp.physics.extent import extent
 from prag_asp.physics.world.simulator import Simulator, open_simulator
 from prag_asp.scene.furniture import bounds, cavity, mechanism
-from prag_asp.scene.geometry import Pose, extents, yaw_quaternion
+from prag_asp.scene.geometry import Pose, yaw_quaternion
 from prag_asp.scene.scene import Scene, Solid
 from prag_asp.scene.scene_loader import parse_scene
 from prag_asp.scene.solids import solids
@@ -178,14 +179,14 @@ def test_sizes_are_those_of_exact_corners_and_of_the_simulator(
                 shape = scene.shapes[entity]
                 assert shape.size == pytest.approx(np.ptp(exact, axis=0), abs=ROUND)
                 for quaternion in axes(rng):
-                    _, _, half = extents(shape, quaternion)
-                    assert lowest_in(simulator, entity, quaternion) == pytest.approx(half, abs=SIMULATED), entity
+                    (_, _, middle), (_, _, half) = extent(shape, quaternion)
+                    lowest = lowest_in(simulator, entity, quaternion)
+                    assert lowest == pytest.approx(half - middle, abs=SIMULATED), entity
                 yaw = rng.uniform(-math.pi, math.pi)
-                around = np.abs(turned(exact, [0.0, 0.0, yaw], [0.0, 0.0, 0.0])).max(axis=0)
-                reach = np.array(extents(shape, yaw_quaternion(yaw)))
-                assert (around <= reach + ROUND).all()
-                if shape.kind != "urdf":
-                    assert reach == pytest.approx(around, abs=ROUND)
+                placed = turned(exact, [0.0, 0.0, yaw], [0.0, 0.0, 0.0])
+                middle, half = extent(shape, yaw_quaternion(yaw))
+                assert np.add(middle, half) == pytest.approx(placed.max(axis=0), abs=ROUND)
+                assert np.subtract(middle, half) == pytest.approx(placed.min(axis=0), abs=ROUND)
 
 
 def test_cavities_and_furniture_are_those_of_their_boxes(chance: Chance) -> None:

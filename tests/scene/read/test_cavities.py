@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -11,8 +12,10 @@ from prag_asp.physics import check_witness, validate_task
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.support import riders, unsupported
 from prag_asp.scene.geometry import Pose
+from prag_asp.scene.read.cavities import find_cavity
 from prag_asp.scene.read.urdf import read_urdf
-from prag_asp.scene.scene import Scene, Shape
+from prag_asp.scene.scene import BodyModel, Scene, Shape, Solid
+from prag_asp.scene.surfaces import surface
 from tests.physics.random_tasks import scene_with
 from tests.physics.scenarios import state, task
 
@@ -129,3 +132,76 @@ def test_a_floor_of_slats_holds_things_if_its_gaps_are_narrow(tmp_path, gap, hol
 def test_a_box_with_a_lid_is_no_container(tmp_path):
     lid = (0, 0, 0.043, 0, 0.076, 0.076, 0.006)
     assert read(tmp_path, cup().replace("</link>", PART.format(*lid) + "</link>")).model.cavity is None
+
+
+def lathe(profile: list[tuple[float, float]], sides: int = 40) -> np.ndarray:
+    """Return the triangles of the surface that a profile of radii and heights describes about the z axis."""
+    steps = np.linspace(0.0, 1.0, 6)[:-1, None]
+    fine = np.concatenate([[*(a + steps * (b - a)), b] for a, b in pairwise(np.array(profile))])
+    angles = np.arange(sides + 1) * 2 * np.pi / sides
+    rings = [np.stack([r * np.cos(angles), r * np.sin(angles), np.full(sides + 1, z)], 1) for r, z in fine]
+    quads = [(a[:-1], a[1:], b[1:], b[:-1]) for a, b in pairwise(rings)]
+    return np.concatenate([np.stack(three, 1) for a, b, c, d in quads for three in ((a, b, c), (a, c, d))])
+
+
+def bowl(width: float, wall: float = 0.03) -> np.ndarray:
+    r, t = width / 2, wall * width
+    return lathe([(0, 0), (r / 2, 0), (r, 0.8 * r), (r - t, 0.8 * r), (r / 2 - t / 2, t), (0, t)])
+
+
+def split(triangles: np.ndarray, gap: float) -> np.ndarray:
+    """Return triangles with a crack in a plane through the axis."""
+    aside = np.where(triangles.mean(1)[:, 1:2] > 0.0, gap / 2, -gap / 2)
+    return triangles + np.insert(np.zeros((len(triangles), 2)), [1], aside, axis=1)[:, None]
+
+
+def cracked(triangles: np.ndarray, gap: float = 0.001) -> np.ndarray:
+    """Return triangles with cracks between all of them: each corner is moved towards the middle."""
+    inward = triangles.mean(1, keepdims=True) - triangles
+    far = np.linalg.norm(inward, axis=2, keepdims=True)
+    return triangles + inward / np.maximum(far, 1e-9) * np.minimum(gap / 2, far / 2)
+
+
+def tangled(triangles: np.ndarray) -> np.ndarray:
+    """Return a shell twice, 0.5 mm apart, with every second triangle turned over: not a manifold."""
+    double = np.concatenate([triangles, triangles + np.array([0.0, 0.0, 0.0005])])
+    return np.where(np.arange(len(double))[:, None, None] % 2 == 0, double, double[:, ::-1])
+
+
+@pytest.mark.parametrize(
+    ("width", "broken"),
+    [
+        (0.08, lambda t: split(t, 0.003)),
+        (0.15, lambda t: cracked(tangled(split(t, 0.002)))),
+        (0.08, cracked),
+        (0.6, cracked),
+    ],
+)
+def test_cracks_of_3_mm_and_doubled_walls_leave_a_bowl_its_cavity(width, broken):
+    whole, found = find_cavity(bowl(width)), find_cavity(broken(bowl(width)))
+    slack = 0.004 + width / 32
+    assert whole.sides == pytest.approx((0.94 * width, 0.94 * width, 0.37 * width), abs=slack)
+    assert found is not None and found.sides == pytest.approx(whole.sides, abs=slack)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+def test_walls_thinner_than_a_cell_of_the_grid_hold_a_cavity(turn):
+    parts = [(0, 0, 0.001, 0.4, 0.3, 0.002), *((s * 0.19925, 0, 0.06, 0.0015, 0.3, 0.12) for s in (1, -1))]
+    parts += [(0, s * 0.14925, 0.06, 0.4, 0.0015, 0.12) for s in (1, -1)]
+    shape = Shape("mesh", model=BodyModel(tuple(Solid("box", part[3:], part[:3]) for part in parts), 1.0))
+    cosine, sine = math.cos(turn), math.sin(turn)
+    cavity = find_cavity(surface(shape) @ np.array([(cosine, sine, 0), (-sine, cosine, 0), (0, 0, 1)]))
+    wide, long = 0.397 * cosine + 0.297 * sine, 0.397 * sine + 0.297 * cosine
+    # The walls take the cells at the corners of a turned cavity, which are 4 mm wide.
+    assert cavity.sides == pytest.approx((wide, long, 0.118), abs=0.016)
+
+
+@pytest.mark.parametrize("broken", [cracked, tangled])
+def test_a_torus_a_stool_a_tube_and_a_plate_3_mm_deep_have_no_cavity_even_if_broken(broken):
+    ring = [(0.06 + 0.02 * math.cos(a), 0.02 + 0.02 * math.sin(a)) for a in np.linspace(0, 2 * math.pi, 9)]
+    tube = [(0.037, 0), (0.04, 0), (0.04, 0.08), (0.037, 0.08), (0.037, 0)]
+    plate = [(0, 0), (0.1, 0), (0.1, 0.006), (0.096, 0.006), (0.094, 0.003), (0, 0.003)]
+    legs = [Solid("box", (0.02, 0.02, 0.2), (x * 0.09, y * 0.09, 0.1)) for x in (1, -1) for y in (1, -1)]
+    stool = BodyModel((Solid("box", (0.2, 0.2, 0.01), (0, 0, 0.205)), *legs), 1.0)
+    for triangles in (lathe(ring), lathe(tube), lathe(plate), surface(Shape("mesh", model=stool))):
+        assert find_cavity(broken(triangles)) is None

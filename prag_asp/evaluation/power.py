@@ -1,6 +1,6 @@
 """How many scenarios a claim about two policies needs, and what a number of scenarios can show.
 
->>> from prag_asp.analysis import ComparisonDesign
+>>> from prag_asp.evaluation import ComparisonDesign
 >>> design = ComparisonDesign(correlation=0.5)
 >>> design.scenarios(effect=0.1, power=0.8)
 211
@@ -16,8 +16,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from statistics import NormalDist
 
-from prag_asp.analysis.exact_power import CLOSE, paired_power, unpaired_power
 from prag_asp.errors import QueryError
+from prag_asp.evaluation.exact_power import CLOSE, paired_power, unpaired_power
 
 Number = int | float | str | Fraction
 """A probability; a float means its shortest decimal."""

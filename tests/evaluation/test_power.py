@@ -9,9 +9,9 @@ from fractions import Fraction
 
 import pytest
 
-from prag_asp.analysis import ComparisonDesign
-from prag_asp.analysis.exact_power import paired_power, unpaired_power
 from prag_asp.errors import QueryError
+from prag_asp.evaluation import ComparisonDesign
+from prag_asp.evaluation.exact_power import paired_power, unpaired_power
 from tests.cli.conftest import Told, told  # noqa: F401 - a fixture
 
 
@@ -135,7 +135,7 @@ def test_impossible_designs_are_refused(design: dict[str, float], words: str) ->
 
 
 def test_impossible_effects_and_numbers_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("prag_asp.analysis.power.MOST", 300)
+    monkeypatch.setattr("prag_asp.evaluation.power.MOST", 300)
     for design, effect, words in (
         (ComparisonDesign(0.9), 0.2, "leads from the rate 0.9 to 1.1"),
         (ComparisonDesign(0.9, correlation=0.9), 0.1, "correlation 0.9 is impossible for rates of 0.9 and 1"),
