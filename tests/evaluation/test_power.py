@@ -7,11 +7,17 @@ import json
 import math
 from fractions import Fraction
 
+import numpy as np
 import pytest
 
 from prag_asp.errors import QueryError
 from prag_asp.evaluation import ComparisonDesign
-from prag_asp.evaluation.exact_power import paired_power, unpaired_power
+from prag_asp.evaluation.exact_power import (
+    fisher_critical_values,
+    paired_power,
+    sign_test_critical_values,
+    unpaired_power,
+)
 from tests.cli.conftest import Told, told  # noqa: F401 - a fixture
 
 
@@ -68,6 +74,14 @@ def test_power_is_the_sum_over_all_results_of_small_samples(size: int) -> None:
         one, two = first / 2, second / 2
         expected = float(mcnemar_power(size, one, two, alpha))
         assert paired_power(size, float(one), float(two), alpha) == pytest.approx(expected, abs=1e-12)
+
+
+def test_integers_and_floats_reject_the_same_results(monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes, level = np.arange(1, 81), Fraction(1, 20)
+    fisher, mcnemar = fisher_critical_values(40, sizes, level), sign_test_critical_values(sizes, level)
+    monkeypatch.setattr("prag_asp.evaluation.exact_power.CLOSE", 0.99)  # integers decide nearly everywhere
+    assert (fisher_critical_values(40, sizes, level) == fisher).all()
+    assert (sign_test_critical_values(sizes, level) == mcnemar).all()
 
 
 def test_powers_and_numbers_of_scenarios_are_the_published_ones() -> None:
