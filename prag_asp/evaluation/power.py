@@ -29,7 +29,8 @@ AHEAD = 30
 """How many further numbers of scenarios must reach the power too, because exact power is not monotone.
 
 Critical values are integers, so power falls where one changes. It is most uneven if all results differ; then, for
-effects of 0.06 to 0.3, numbers that reach a power of 0.8 and others mix over 7 to 39 numbers, and the next 200 reach it.
+effects of 0.06 to 0.3, numbers that reach a power of 0.8 and others mix over 7 to 39 numbers, and the next 200 reach
+it.
 """
 
 STEP = Fraction(1, 10_000)

@@ -19,11 +19,13 @@ from prag_asp.errors import QueryError
 @click.option("--power", metavar="P", default="0.8", show_default=True, help="Probability of finding the effect.")
 @click.option("--rate", metavar="P", default="0.5", show_default=True, help="Rate of success of the first policy.")
 @click.option("--alpha", metavar="A", default="0.05", show_default=True, help="Two-sided level of significance.")
-@click.option("--paired", "correlation", metavar="RHO", help="Same scenarios; correlation of the two results of one.")
-@click.option("--discordant", metavar="D", help="Same scenarios; share of them in which the two results differ.")
-@click.option("--of", "tasks", type=whole(1), metavar="N", help="Sample without replacement from N tasks.")
 @click.option(
-    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="Format."
+    "--paired", "correlation", metavar="RHO", help="Both run in the same scenarios; correlation of their results."
+)
+@click.option("--discordant", metavar="D", help="Both run in the same scenarios; share of those in which one succeeds.")
+@click.option("--of", "tasks", type=whole(1), metavar="N", help="Scenarios are distinct tasks of a space of N.")
+@click.option(
+    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="A table, or JSON."
 )
 def power(
     *, effect: str | None, scenarios: int | None, power: str, rate: str, alpha: str, correlation: str | None,
