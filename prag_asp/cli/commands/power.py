@@ -22,7 +22,9 @@ from prag_asp.errors import QueryError
 @click.option(
     "--paired", "correlation", metavar="RHO", help="Both run in the same scenarios; correlation of their results."
 )
-@click.option("--discordant", metavar="D", help="Both run in the same scenarios; share of those where only one succeeds.")
+@click.option(
+    "--discordant", metavar="D", help="Both run in the same scenarios; share of those where only one succeeds."
+)
 @click.option("--of", "tasks", type=whole(1), metavar="N", help="Scenarios are distinct tasks of a space of N.")
 @click.option(
     "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="A table, or JSON."
