@@ -75,10 +75,11 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "physics": GROUND | {"program", "scene", "domain"},
     "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
     "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
+    "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
     "analysis": GROUND | {"domain", "space"},
     "cli": GROUND
     | {"program", "scene", "grammar", "pddl", "reduction", "domain", "logic", "space", "models", "planners"}
-    | {"physics", "dataset", "analysis", "versions"},
+    | {"physics", "dataset", "evaluation", "analysis", "versions"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""

@@ -19,6 +19,7 @@ from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
+    from prag_asp.dataset.scenario import Scenario
     from prag_asp.domain.load import Domain
     from prag_asp.program.sources import Source
     from prag_asp.space.task_space import TaskSpace
@@ -54,6 +55,14 @@ class DomainOptions:
         recorded = record if record.task.constants else None
         names = self.names or (named_domain(record.task.domain, record.place, folder),)
         return replace(self, names=names, recorded=recorded)
+
+    def of_scenario(self, scenario: Scenario) -> DomainOptions:
+        """Return the options for a scenario: its domain if none is named, and its constants."""
+        from prag_asp.dataset.task_origin import named_domain
+
+        names = self.names or (named_domain(scenario.domain, f"scenario {scenario}", Path()),)
+        constants = tuple(f"{name}={value}" for name, value in scenario.constants.items())
+        return replace(self, names=names, constants=(*constants, *self.constants))
 
     def domain(self, *, tell: bool = True) -> Domain:
         """Load the domain; with `tell`, print the number of warnings about it.

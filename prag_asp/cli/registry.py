@@ -20,10 +20,12 @@ PROGRAM, COMPLETION = "prag-asp", "_PRAG_ASP_COMPLETE"
 
 COMMANDS = {
     "check": "check",
+    "compare": "evaluate",
     "completion": "completion",
     "count": "count",
     "domains": "domains",
     "enumerate": "enumerate",
+    "evaluate": "evaluate",
     "explain": "explain",
     "export": "export",
     "generate": "generate",
@@ -32,6 +34,7 @@ COMMANDS = {
     "merge": "merge",
     "models": "models",
     "new": "domains",
+    "power": "power",
     "render": "render",
     "sample": "sample",
     "scenario": "scenario",
@@ -48,6 +51,7 @@ GROUPS = {
     "Domains": ("domains", "new", "check", "explain", "learn", "import"),
     "Task spaces": ("count", "task", "sample", "enumerate", "scenario", "split", "stats", "validate", "render"),
     "Datasets": ("generate", "merge", "verify", "suite", "export"),
+    "Policies": ("evaluate", "compare", "power"),
     "Other": ("models", "completion"),
 }
 """The commands in the order of the help."""

@@ -167,7 +167,7 @@ class TaskEnv(GoalEnv):
         self._over = True
         bounds = self.control.low.astype(np.float32), self.control.high.astype(np.float32)
         self.action_space = spaces.Box(bounds[0], bounds[1], dtype=np.float32)
-        self._has_goals = bool(goals)
+        self.has_goals = bool(goals)
         seen: spaces.Space[Any] = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
         if goals or cameras:
             goal = spaces.Box(-np.inf, np.inf, (2 * PLACES,), np.float32)
@@ -399,7 +399,7 @@ class TaskEnv(GoalEnv):
         )
         if isinstance(self.observation_space, spaces.Box):
             return seen
-        goals = dict(zip(("achieved_goal", "desired_goal"), self._goals(here), strict=True)) if self._has_goals else {}
+        goals = dict(zip(("achieved_goal", "desired_goal"), self._goals(here), strict=True)) if self.has_goals else {}
         return {"observation": seen, **goals, **self._viewer.images(situation)}
 
     def _info(self, measured: list[float], *, success: bool) -> dict[str, Any]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from types import MethodType
 from typing import Any
 
 import gymnasium
@@ -16,26 +18,45 @@ Observation = NDArray[np.float32] | dict[str, Any]
 """An observation: one array, or arrays by their names."""
 
 
+class GoalMethod:
+    """A method that only environments with goals have, because tools recognise a goal environment by its methods."""
+
+    def __init__(self, method: Callable[..., Any]) -> None:
+        self._method, self.__doc__ = method, method.__doc__
+
+    def __get__(self, env: GoalEnv | None, owner: type | None = None) -> Callable[..., Any]:
+        if env is None:
+            return self._method
+        if not env.has_goals:
+            raise AttributeError(f"{self._method.__name__} needs goals in the observations; give goals=True")
+        return MethodType(self._method, env)
+
+
 class GoalEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """An environment whose rewards and episode ends follow from goal vectors, as hindsight replay needs.
 
     A goal has the shape (2 * `PLACES`,): the vector of the moment, then the vector of one step before. `discount` is
-    the discount of the potentials, `share` the weight of the dense reward.
+    the discount of the potentials, `share` the weight of the dense reward. Only environments that `has_goals` in their
+    observations have the methods ``compute_...``.
     """
 
+    has_goals: bool
     discount: float
     share: float
 
+    @GoalMethod
     def compute_reward(self, achieved_goal: Floats, desired_goal: Floats, info: Any) -> Any:
         """Return the rewards of steps that lead to `achieved_goal`, shape (..., 2 * `PLACES`); `info` is ignored."""
         reward, _ = self.rewards(np.asarray(achieved_goal), np.asarray(desired_goal))
         return float(reward) if reward.ndim == 0 else reward
 
+    @GoalMethod
     def compute_terminated(self, achieved_goal: Floats, desired_goal: Floats, info: Any) -> Any:
         """Return whether steps that lead to `achieved_goal` reach their goals; `info` is ignored."""
         is_reached = _reached(achieved_goal, desired_goal)
         return bool(is_reached) if is_reached.ndim == 0 else is_reached
 
+    @GoalMethod
     def compute_truncated(self, achieved_goal: Floats, desired_goal: Floats, info: Any) -> Any:
         """Return whether steps end an episode without reaching their goals: `steps_left` in `info` is 0.
 

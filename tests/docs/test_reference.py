@@ -13,6 +13,7 @@ import pytest
 
 import prag_asp
 import prag_asp.dataset
+import prag_asp.evaluation
 import prag_asp.physics
 import prag_asp.rl
 from prag_asp import TaskSpace, load_domain
@@ -48,7 +49,7 @@ def test_the_options_name_every_rule() -> None:
     assert {path.stem for path in (ROOT / "encodings" / "rules").glob("*.lp") if f"`{path.stem}" not in text} == set()
 
 
-PACKAGES = (prag_asp, prag_asp.dataset, prag_asp.physics, prag_asp.rl)
+PACKAGES = (prag_asp, prag_asp.dataset, prag_asp.physics, prag_asp.rl, prag_asp.evaluation)
 
 
 @pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.__name__)

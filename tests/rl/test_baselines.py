@@ -80,5 +80,5 @@ def test_hindsight_replay_learns_from_an_episode_that_has_failed(reward: Any, gi
     if reward == "sparse":
         assert np.array_equal(gains, reached)
     else:
-        assert gains[reached].min() > 0.0
+        assert gains[reached].mean() > 0.0 > gains[~reached].mean()
     env.close()

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import ExitStack
-from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
@@ -65,14 +63,14 @@ def _lines(
 ) -> Iterator[str]:
     """Yield the text of each scenario in a format; `resources` closes the simulators of the domains."""
     from prag_asp.dataset.jsonl import Record
-    from prag_asp.dataset.scenarios import searched
+    from prag_asp.dataset.scenarios import Scenarios, searched
 
     known: dict[tuple[str, Mapping[str, str]], Scenarios] = {}
     validators: dict[str, Validator] = {}
     for each in given:
         key = each.domain, each.constants
         if key not in known:
-            known[key] = _scenarios(each, request)
+            known[key] = Scenarios(request.of_scenario(each).domain())
         task, space = known[key].task(each), known[key].space(each.where, each.length)
         if task_format.form == "full":
             search = [] if each.start is None else [f"search {each.start}"]
@@ -85,16 +83,6 @@ def _lines(
                     validators[each.digest] = _open(known[key].domain, resources)
                 record = searched(task, each.start, validators[each.digest])
             yield task_format.line(space)(record)
-
-
-def _scenarios(scenario: Scenario, request: DomainOptions) -> Scenarios:
-    """Return the scenarios of the domain that a scenario or the command line names."""
-    from prag_asp.dataset.scenarios import Scenarios
-    from prag_asp.dataset.task_origin import named_domain
-
-    names = request.names or (named_domain(scenario.domain, f"scenario {scenario}", Path()),)
-    constants = tuple(f"{name}={value}" for name, value in scenario.constants.items())
-    return Scenarios(replace(request, names=names, constants=(*constants, *request.constants)).domain())
 
 
 def _open(domain: Domain, resources: ExitStack) -> Validator:

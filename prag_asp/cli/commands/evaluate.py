@@ -1,0 +1,198 @@
+"""``prag-asp evaluate`` and ``prag-asp compare``: the success of a policy, and the difference of two."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from prag_asp.cli import options, shell_completion
+from prag_asp.cli.arguments import parse_lengths
+from prag_asp.cli.domain_options import PROGRAM, WHERE, DomainOptions, domain_options
+from prag_asp.cli.options import whole
+from prag_asp.cli.physics_options import BUDGET, parse_pixels
+from prag_asp.cli.terminal import progress, say, tell_line
+from prag_asp.errors import QueryError
+from prag_asp.tables.json_fields import decoded
+
+if TYPE_CHECKING:
+    from prag_asp.evaluation.sources import ScenarioSource
+
+COUNT = 100
+"""The default number of fresh scenarios."""
+
+
+@click.command()
+@click.argument("policy", metavar="POLICY")
+@click.argument("names", metavar="[DOMAIN]...", nargs=-1, shell_complete=shell_completion.domains)
+@domain_options(*PROGRAM, WHERE, options.trust)
+@click.option(
+    "-n", "--length", "lengths", type=parse_lengths, metavar="N|A..B",
+    help="With DOMAIN: sample feasible tasks with N actions, or with A to B, each once.",
+)  # fmt: skip
+@click.option(
+    "--data", metavar="DIR", shell_complete=shell_completion.files,
+    help="Use the tasks and initial states of a dataset or a suite.",
+)  # fmt: skip
+@click.option("--part", "parts", metavar="NAME", multiple=True, help="With --data: only this part; may be repeated.")
+@click.option(
+    "--scenarios", "ids", metavar="FILE", shell_complete=shell_completion.files,
+    help="Use the scenarios of a file of ids, one a line.",
+)  # fmt: skip
+@click.option(
+    "--count", type=whole(1), metavar="K",
+    help="Number of fresh scenarios, or of tasks of each part of --data.  [default: 100 fresh ones, or all]",
+)  # fmt: skip
+@options.seed
+@click.option(
+    "--budget", metavar="RxS", help="With DOMAIN: search effort for initial states, as in sample.  [default: 10x10]"
+)
+@click.option("--workers", type=whole(1, 4096), default=1, show_default=True, help="Number of processes.")
+@click.option("--control", metavar="NAME", help="Control of the environment.  [default: the environment's]")
+@click.option("--steps", type=whole(1), metavar="K", help="Step limit for each subgoal.  [default: the environment's]")
+@click.option("--everything", is_flag=True, help="Observe all bodies, not only those of the current action.")
+@click.option("--cameras", metavar="A,B,...", shell_complete=shell_completion.cameras, help="Cameras to observe.")
+@click.option("--size", metavar="WxH", help="With --cameras: pixels of the images.")
+@click.option("--language", metavar="LANGUAGE", help="Language of the instructions.  [default: en]")
+@click.option(
+    "--env", "others", metavar="NAME=VALUE", multiple=True,
+    help="Another option of the environment, as in training, such as goals=true or action_scale=0.5.",
+)  # fmt: skip
+@click.option("--wrapper", metavar="MODULE:CALLABLE", help="Wrap the environment, as in training.")
+@click.option(
+    "--videos", type=whole(0), default=0, show_default=True, metavar="K", help="Write videos of the first K failures."
+)
+@click.option(
+    "-o", "--output", metavar="DIR", required=True, shell_complete=shell_completion.files, help="Folder of the results."
+)
+def evaluate(
+    *,
+    policy: str,
+    request: DomainOptions,
+    lengths: Any,
+    data: str | None,
+    parts: tuple[str, ...],
+    ids: str | None,
+    count: int | None,
+    seed: int,
+    budget: str | None,
+    workers: int,
+    control: str | None,
+    steps: int | None,
+    everything: bool,
+    cameras: str | None,
+    size: str | None,
+    language: str | None,
+    others: tuple[str, ...],
+    wrapper: str | None,
+    videos: int,
+    output: str,
+) -> None:
+    """Evaluate a policy: its success by part, length, action and class.
+
+    POLICY is `oracle`, `random` or `zeros`; MODULE:CALLABLE, a Python function of an observation or a class; a zip of
+    Stable-Baselines3; or ws://HOST:PORT, a policy server with the protocol of openpi. Modules and zips run code. DIR
+    holds a Parquet table with a row for each episode. If the command is interrupted, run it again: it continues.
+    """
+    from prag_asp.evaluation import evaluate as evaluated
+    from prag_asp.physics import require_physics
+
+    require_physics()
+    given = {
+        "control": control, "steps": steps, "everything": everything or None, "language": language,
+        "cameras": tuple(cameras.split(",")) if cameras else None, "size": parse_pixels(size) if size else None,
+    }  # fmt: skip
+    environment = {name: value for name, value in given.items() if value is not None} | _options(others)
+    with progress() as tell:
+        request = replace(request, length=lengths if lengths is not None else 0)
+        source = _source(request, data, parts, ids, count, seed, budget, with_length=lengths is not None)
+        results = evaluated(
+            policy, source, output, workers=workers, seed=seed, wrapper=_imported(wrapper), videos=videos,
+            progress=tell, **environment,
+        )  # fmt: skip
+    causes = ", ".join(f"{number} {cause}" for cause, number in results.causes().items())
+    tell_line(f"{results.record.policy} on {results.record.source}: {causes}")
+    say(results.table())
+
+
+@click.command()
+@click.argument("first", metavar="DIR", shell_complete=shell_completion.files)
+@click.argument("second", metavar="DIR", shell_complete=shell_completion.files)
+@click.option("--across", is_flag=True, help="Compare although the domains, controls or step limits differ.")
+def compare(*, first: str, second: str, across: bool) -> None:
+    """Compare two evaluations by the scenarios that both have.
+
+    Prints both rates of success, their difference, first minus second, with an interval of 95 % (Newcombe's for pairs),
+    and the p-value of McNemar's exact test.
+    """
+    from prag_asp.evaluation import Results
+    from prag_asp.evaluation import compare as compared
+
+    comparison = compared(Results.open(first), Results.open(second), across=across)
+    say(comparison.table())
+    if comparison.unpaired():
+        tell_line(comparison.unpaired())
+
+
+def _source(
+    request: DomainOptions, data: str | None, parts: tuple[str, ...], ids: str | None, count: int | None, seed: int,
+    budget: str | None, *, with_length: bool,
+) -> ScenarioSource:  # fmt: skip
+    """Return the scenarios of a command line.
+
+    Raises:
+        QueryError: it names no scenarios, or contradicts itself.
+    """
+    from prag_asp.dataset.scenarios import read_scenarios
+    from prag_asp.evaluation.sources import FreshScenarios, NamedScenarios, StoredScenarios
+    from prag_asp.physics import Budget
+
+    kinds = {"--length": with_length, "--data": data is not None, "--scenarios": ids is not None}
+    named = [name for name, is_given in kinds.items() if is_given]
+    if len(named) != 1:
+        what = " and ".join(named) or "nothing"
+        raise QueryError(f"{what} names the scenarios; give one of DOMAIN --length N, --data DIR and --scenarios FILE")
+    if parts and data is None:
+        raise QueryError(f"--part {parts[0]} is one of a dataset; give --data DIR")
+    if data is not None:
+        if request.names or request.where:
+            raise QueryError("a dataset has its own domain and conditions; leave DOMAIN and --where out")
+        return StoredScenarios.open(data, parts, count, trust=request.trust)
+    if ids is not None:
+        if request.where or count is not None:
+            raise QueryError("a file of ids has its conditions and number; leave --where and --count out")
+        scenarios = tuple(read_scenarios(ids))
+        if not scenarios:
+            raise QueryError(f"{ids}:1: no scenario ids in it; prag-asp sample --format scenario prints some")
+        return NamedScenarios(request.of_scenario(scenarios[0]).domain(), scenarios)
+    if not request.names:
+        raise QueryError("--length is that of the tasks of a domain; give DOMAIN, such as tabletop")
+    return FreshScenarios(request.spaces(), count or COUNT, seed, Budget.parse(budget or BUDGET))
+
+
+def _options(texts: tuple[str, ...]) -> dict[str, Any]:
+    """Return the options of the environment in texts; a value is JSON, or a text.
+
+    Raises:
+        QueryError: a text is not of the form NAME=VALUE.
+    """
+    options = {}
+    for text in texts:
+        name, equals, value = text.partition("=")
+        if not name or not equals:
+            raise QueryError(f"--env {text}: write NAME=VALUE, such as goals=true")
+        try:
+            options[name] = decoded(value)
+        except QueryError:
+            options[name] = value
+    return options
+
+
+def _imported(wrapper: str | None) -> Any:
+    """Return the callable MODULE:CALLABLE, or None without a name."""
+    if wrapper is None:
+        return None
+    from prag_asp.evaluation.policies.python_callable import imported
+
+    return imported(wrapper, "wrapper")

@@ -1,0 +1,123 @@
+"""Compare two evaluations by the scenarios that both have."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from prag_asp.errors import QueryError
+from prag_asp.evaluation.episode import EpisodeResult
+from prag_asp.evaluation.paired import Pairs
+from prag_asp.evaluation.results import GROUPINGS, Results
+from prag_asp.wording import plural
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The pairs of episodes of two evaluations with the same scenario.
+
+    `only_first` and `only_second` count episodes without a counterpart, `other_states` the scenarios whose initial
+    states differ, because other versions have searched for them; none of these are compared.
+    """
+
+    pairs: tuple[tuple[EpisodeResult, EpisodeResult], ...]
+    only_first: int = 0
+    only_second: int = 0
+    other_states: int = 0
+
+    def whole(self) -> Pairs:
+        """Return the numbers of all pairs."""
+        return _counted(self.pairs)
+
+    def by(self, what: str) -> Mapping[str, Pairs]:
+        """Return the numbers of the pairs by ``part``, ``length`` or ``class``.
+
+        Raises:
+            QueryError: there is no such grouping.
+        """
+        if what not in PAIRED:
+            raise QueryError(f"pairs are grouped by {', '.join(PAIRED)}, not by {what}")
+        groups: dict[int | str, list[tuple[EpisodeResult, EpisodeResult]]] = {}
+        for pair in self.pairs:
+            first = pair[0]
+            keys: Sequence[int | str] = (
+                first.classes if what == "class" else [first.length if what == "length" else first.part]
+            )
+            for key in keys:
+                groups.setdefault(key, []).append(pair)
+        return {str(key): _counted(groups[key]) for key in sorted(groups, key=lambda key: (str(type(key)), key))}
+
+    def table(self) -> str:
+        """Return the rates of both, the difference with its interval of 95 %, and the p-value, of all and by groups."""
+        rows: list[tuple[str, ...]] = [("", "pairs", "first", "second", "difference", "p")]
+        groups = [("all", self.whole())]
+        for what in PAIRED:
+            found = self.by(what)
+            groups += [(f"{what} {name}", pairs) for name, pairs in found.items()] if len(found) > 1 else []
+        for name, pairs in groups:
+            (one, two), (low, high) = pairs.rates, pairs.interval()
+            difference = f"{100 * float(pairs.difference):+.0f} ({100 * low:+.0f} to {100 * high:+.0f})"
+            shares = (f"{100 * float(each.share):.0f} %" for each in (one, two))
+            rows.append((name, str(pairs.total), *shares, difference, f"{float(pairs.p_value()):.2g}"))
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+        return "\n".join(
+            "  ".join(
+                [f"{row[0]:<{widths[0]}}", *(f"{cell:>{wide}}" for cell, wide in zip(row[1:], widths[1:], strict=True))]
+            )
+            for row in rows
+        )
+
+    def unpaired(self) -> str:
+        """Return a line about the episodes that are not compared, or ""."""
+        notes = [
+            f"{plural(number, 'episode')} only in the {which}"
+            for number, which in ((self.only_first, "first"), (self.only_second, "second"))
+            if number
+        ]
+        if self.other_states:
+            notes.append(f"{plural(self.other_states, 'scenario')} with different initial states")
+        return f"not compared: {', '.join(notes)}" if notes else ""
+
+
+PAIRED = tuple(what for what in GROUPINGS if what != "action")
+"""The groupings of pairs; the subgoals that two policies pursue are not paired."""
+
+
+def compare(first: Results, second: Results, *, across: bool = False) -> Comparison:
+    """Pair the episodes of two evaluations by their scenarios.
+
+    With `across`, evaluations of different controls or step limits are compared, too.
+
+    Raises:
+        QueryError: the domain, the control or the step limit differs, a scenario occurs twice, or nothing pairs.
+    """
+    difference = first.record.difference(second.record)
+    if difference and not across:
+        raise QueryError(
+            f"the evaluations differ in more than the policy: {difference}; compare them all the same with --across"
+        )
+    ours, theirs = _by_scenario(first), _by_scenario(second)
+    shared = [(episode, theirs[scenario]) for scenario, episode in ours.items() if scenario in theirs]
+    pairs = tuple((one, two) for one, two in shared if one.initial == two.initial)
+    if not pairs:
+        raise QueryError("the evaluations have no scenario in common; evaluate both on the same scenarios")
+    return Comparison(pairs, len(ours) - len(shared), len(theirs) - len(shared), len(shared) - len(pairs))
+
+
+def _by_scenario(results: Results) -> dict[str, EpisodeResult]:
+    """Return the episodes of an evaluation by their scenarios.
+
+    Raises:
+        QueryError: a scenario occurs twice.
+    """
+    found: dict[str, EpisodeResult] = {}
+    for episode in results.episodes:
+        if found.setdefault(episode.scenario, episode) is not episode:
+            raise QueryError(f"scenario {episode.scenario} occurs twice in the evaluation of {results.record.policy}")
+    return found
+
+
+def _counted(pairs: Sequence[tuple[EpisodeResult, EpisodeResult]]) -> Pairs:
+    """Return the numbers of pairs by the successes of both."""
+    outcomes = [(one.success, two.success) for one, two in pairs]
+    return Pairs(*map(outcomes.count, ((True, True), (True, False), (False, True), (False, False))))

@@ -1,0 +1,208 @@
+"""Episodes of an evaluation: the scenario of each, its result, and how a policy performs it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from hashlib import blake2b
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import gymnasium
+import msgspec
+
+from prag_asp.dataset.scenario import Scenario
+from prag_asp.dataset.scenarios import Scenarios
+from prag_asp.dataset.validation_jobs import initial_state_key
+from prag_asp.errors import PragError, QueryError
+from prag_asp.evaluation.policies.policy import Policy, PolicyMaker
+from prag_asp.physics import Staging, open_validator
+from prag_asp.rl.environment import TaskEnv
+from prag_asp.space.task_space import TaskSpace
+from prag_asp.tables.json_fields import Whole
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+    from prag_asp.physics import Validator, Witness
+    from prag_asp.task import Task
+
+SUCCESS, LIMIT, GAVE_UP = "success", "step limit", "gave up"
+"""The causes with which an episode ends: the task is done, its steps are used up, or the policy returns no action."""
+
+SEED_BYTES = 6
+"""Bytes of the seed of an episode: every generator takes so many."""
+
+
+class SubgoalResult(msgspec.Struct, frozen=True):
+    """A subgoal that a policy pursued: its action, whether it was reached, and the number of steps."""
+
+    action: str
+    success: bool
+    steps: Whole
+
+
+class EpisodeResult(msgspec.Struct, frozen=True):
+    """The result of an episode.
+
+    `part` is the part of a dataset or a suite, or "". `initial` is a digest of the initial state, and `classes` are
+    those of the entities that the actions name. `reached` counts the subgoals that were reached, `subgoals` has those
+    that were pursued. `cause` is one of `SUCCESS`, `LIMIT` and `GAVE_UP`; `seconds` is the simulated time.
+    """
+
+    scenario: str
+    part: str
+    initial: str
+    length: Whole
+    task: list[str]
+    classes: list[str]
+    instruction: str
+    success: bool
+    reached: Whole
+    subgoals: list[SubgoalResult]
+    steps: Whole
+    cause: str
+    seconds: float
+
+
+class EpisodeJob(NamedTuple):
+    """An episode to run: its part, its scenario, and its task with a witness; without one, physics searches it."""
+
+    part: str
+    scenario: Scenario
+    given: tuple[Task, Witness] | None = None
+
+
+@dataclass(frozen=True)
+class EpisodeSetup:
+    """What all episodes of an evaluation have in common: `options` are arguments of the environment."""
+
+    domain: Domain
+    lengths: tuple[int, ...]
+    options: dict[str, Any]
+    maker: PolicyMaker
+    wrapper: Callable[[Any], gymnasium.Env[Any, Any]] | None
+    seed: int
+    name: str
+
+
+Watch = Callable[[gymnasium.Env[Any, Any]], None]
+"""Is called with the environment after its reset and after each step."""
+
+
+class EpisodeRunner:
+    """Runs episodes in one environment with one policy."""
+
+    def __init__(self, setup: EpisodeSetup, env: gymnasium.Env[Any, Any], policy: Policy, validator: Validator) -> None:
+        self._setup, self._env, self._policy, self._validator = setup, env, policy, validator
+        self._scenarios = Scenarios(setup.domain)
+
+    @property
+    def frame_rate(self) -> int:
+        """The number of steps per second."""
+        return int(self._env.unwrapped.metadata["render_fps"])
+
+    def run(self, job: EpisodeJob, watch: Watch = lambda env: None) -> EpisodeResult | None:
+        """Return the result of an episode, or None if the search finds no witness of its task.
+
+        The result depends on the scenario, the policy and the seed alone.
+
+        Raises:
+            QueryError: the scenario is not of the domain, or the policy fails.
+        """
+        task, witness = job.given or self._searched(job.scenario)
+        if witness is None:
+            return None
+        observation, info = self._env.reset(seed=0, options={"task": task, "witness": witness})
+        watch(self._env)
+        steps, reached, stage, cause, ended = [0] * len(task), 0, 0, LIMIT, False
+        with self._errors(job.scenario):
+            self._policy.begin(episode_seed(self._setup.seed, job.scenario))
+        while not ended:
+            with self._errors(job.scenario):
+                action = self._policy(observation, info)
+                if action is None:
+                    cause = GAVE_UP
+                    break
+                observation, _, done, late, info = self._env.step(action)
+            watch(self._env)
+            steps[stage] += 1
+            stage, ended = int(info["stage"]), bool(done or late)
+            reached = stage + bool(info["is_success"])
+            if info["is_success"]:
+                cause = SUCCESS
+        subgoals = [SubgoalResult(str(task.actions[i]), i < reached, steps[i]) for i in range(stage + 1)]
+        return EpisodeResult(
+            str(job.scenario), job.part, initial_digest(witness), len(task), [str(each) for each in task.actions],
+            classes_of(task), info["instruction"], cause == SUCCESS, reached, subgoals, sum(steps),
+            cause, sum(steps) / self.frame_rate,
+        )  # fmt: skip
+
+    def _searched(self, scenario: Scenario) -> tuple[Task, Witness | None]:
+        """Return the task of a scenario, and the witness that its search finds."""
+        task, start = self._scenarios.task(scenario), scenario.start
+        if start is None:
+            raise QueryError(f"scenario {scenario}: it has no initial state; give one that physics found feasible")
+        verdict = self._validator.validate(
+            task, seed=start.seed, index=start.index, budget=start.budget, staging=Staging(vary=start.vary)
+        )
+        return task, verdict.witness
+
+    @contextmanager
+    def _errors(self, scenario: Scenario) -> Iterator[None]:
+        """Name the policy and the scenario in an error of the policy."""
+        try:
+            yield
+        except Exception as error:  # a policy may raise anything
+            what = str(error) if isinstance(error, PragError) else f"{type(error).__name__}: {error}"
+            reason = " ".join(what.split())
+            raise QueryError(f"policy {self._setup.name}, scenario {scenario}: {reason:.500}") from error
+
+
+@contextmanager
+def open_runner(setup: EpisodeSetup, **options: Any) -> Iterator[EpisodeRunner]:
+    """Open an environment, with further `options`, and make the policy.
+
+    Raises:
+        PragError: the options are wrong, or the policy cannot be made.
+    """
+    task_env = TaskEnv(TaskSpace(setup.domain, setup.lengths), **setup.options, **options)
+    try:
+        env: gymnasium.Env[Any, Any] = task_env if setup.wrapper is None else setup.wrapper(task_env)
+        if not isinstance(getattr(env, "unwrapped", None), TaskEnv):
+            raise QueryError(f"the wrapper returns {env!r:.80}, no wrapped environment")
+        with open_validator(task_env.scene) as validator:
+            policy = setup.maker(env)
+            try:
+                yield EpisodeRunner(setup, env, policy, validator)
+            finally:
+                getattr(policy, "close", lambda: None)()
+    finally:
+        task_env.close()
+
+
+@contextmanager
+def open_episodes(setup: EpisodeSetup) -> Iterator[Callable[[int, EpisodeJob], EpisodeResult | None]]:
+    """Yield a function that runs a numbered episode, for a worker."""
+    with open_runner(setup) as runner:
+
+        def run(_: int, job: EpisodeJob) -> EpisodeResult | None:
+            return runner.run(job)
+
+        yield run
+
+
+def classes_of(task: Task) -> list[str]:
+    """Return the classes of the entities that the actions of a task name."""
+    return sorted(
+        {task.entities[name] for action in task.actions for name in action.arguments if name in task.entities}
+    )
+
+
+def episode_seed(seed: int, scenario: Scenario) -> int:
+    """Return the seed of the random choices of a policy in a scenario: the same whatever else is evaluated."""
+    return int.from_bytes(blake2b(f"{seed} {scenario}".encode(), digest_size=SEED_BYTES).digest(), "big")
+
+
+def initial_digest(witness: Witness) -> str:
+    """Return a digest of the initial state of a witness."""
+    return blake2b(initial_state_key(witness).encode(), digest_size=8).hexdigest()

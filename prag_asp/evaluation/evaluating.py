@@ -1,0 +1,204 @@
+"""Evaluate a policy on scenarios, in several processes, and resume where an interrupted evaluation stopped."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
+from functools import partial
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import gymnasium
+import msgspec
+import numpy as np
+
+from prag_asp.dataset.scenarios import Scenarios
+from prag_asp.errors import NotFound, OutputError, QueryError
+from prag_asp.evaluation.episode import EpisodeJob, EpisodeResult, EpisodeSetup, open_episodes, open_runner
+from prag_asp.evaluation.policies import load_policy
+from prag_asp.evaluation.policies.python_callable import CallablePolicy
+from prag_asp.evaluation.results import EVALUATION, EvaluationRecord, Results
+from prag_asp.missing import require_pyarrow
+from prag_asp.output import Journal, file_in, make_folder
+from prag_asp.output.digests import digest
+from prag_asp.processes.worker_pool import map_ordered
+from prag_asp.processes.workers import uninterrupted
+from prag_asp.versions import versions
+from prag_asp.wording import plural, unknown
+
+if TYPE_CHECKING:
+    from prag_asp.evaluation.policies.policy import PolicyMaker
+    from prag_asp.evaluation.sources import ScenarioSource
+
+ACTIVITY = "evaluating a policy"
+"""The name of the activity in progress displays."""
+
+ENVIRONMENT = (
+    "control", "rate", "action_scale", "observation", "everything", "goals", "steps", "language", "cameras", "size",
+)  # fmt: skip
+"""The options of the environment that an evaluation may set: those of what a policy sees and does."""
+
+JOURNAL = "journal.part"
+"""The file with the results of episodes until all have ended."""
+
+VIDEOS = "videos"
+"""The folder of the videos of failures."""
+
+Progress = Callable[[str, int, int], None]
+"""Reports progress: a message, the number of episodes so far, and the number requested."""
+
+
+def evaluate(
+    policy: str | Callable[..., Any],
+    source: ScenarioSource,
+    folder: str | Path | None = None,
+    *,
+    workers: int = 1,
+    seed: int = 0,
+    wrapper: Callable[[Any], gymnasium.Env[Any, Any]] | None = None,
+    videos: int = 0,
+    progress: Progress = lambda words, done, total: None,
+    **environment: Any,
+) -> Results:
+    """Run a policy in each scenario of a source, and return the results.
+
+    `policy` is a text that `load_policy` takes, or a function of an observation (and of `info`, if it has a parameter
+    of that name) or a class of such functions; `environment` has options of `TaskEnv` (those in `ENVIRONMENT`). A
+    `wrapper` wraps the environment, as in training. A policy that takes random numbers from the global generators of
+    Python, NumPy or PyTorch gets a seed for each episode, so results do not depend on the number of `workers`, if those
+    of the policy do not.
+
+    With a `folder`, the results are written there: evaluation.json, a table of episodes, and `videos` of the first
+    failures. An interrupted evaluation continues there; all episodes before the oldest running one are kept.
+
+    Raises:
+        QueryError: an argument is wrong, or the policy fails.
+        NotFound: fewer feasible scenarios are found than requested.
+        OutputError: the folder has other results, or cannot be written.
+        WorkerError: workers died repeatedly.
+    """
+    if workers < 1:
+        raise QueryError(f"an evaluation needs at least 1 worker; got {workers}")
+    for option in environment:
+        if option not in ENVIRONMENT:
+            raise QueryError(unknown(option, ENVIRONMENT, "option of the environment"))
+    if videos and folder is None:
+        raise QueryError(f"{plural(videos, 'video')} are written into the folder of the results; give one")
+    name = policy if isinstance(policy, str) else _name(policy)
+    maker: PolicyMaker = load_policy(policy) if isinstance(policy, str) else partial(CallablePolicy, policy)
+    domain, count = source.domain, source.count
+    setup = EpisodeSetup(domain, source.lengths, {"reward": "sparse", **environment}, maker, wrapper, seed, name)
+    options = {key: str(value) for key, value in sorted(environment.items())}
+    record = EvaluationRecord(
+        digest([name, source.identity, options, None if wrapper is None else _name(wrapper), seed]), name, source.title,
+        domain.label, Scenarios(domain).digest, options, seed, count, 0, versions(),
+    )  # fmt: skip
+    if folder is None:
+        return Results(*_evaluated(record, source, setup, workers, [], lambda line: None, progress))
+    require_pyarrow()
+    path = make_folder(folder)
+    EVALUATION.require_folder(path, JOURNAL, VIDEOS)
+    existing = EVALUATION.read(path)
+    if existing is not None:
+        if existing.identity != record.identity:
+            raise OutputError(
+                f"{path}: holds the results of another evaluation, of {existing.policy}; give a new folder"
+            )
+        return Results.open(path)
+    journal = Journal(path / JOURNAL, record.identity)
+    try:
+        results = Results(*_evaluated(record, source, setup, workers, journal.lines, journal.write, progress))
+        if videos:
+            _write_videos(results, source, setup, path, videos)
+        with uninterrupted():
+            results.write(path)
+            journal.clear()
+    finally:
+        journal.close()
+    return results
+
+
+def _evaluated(
+    record: EvaluationRecord,
+    source: ScenarioSource,
+    setup: EpisodeSetup,
+    workers: int,
+    lines: Sequence[bytes],
+    write: Callable[[bytes], None],
+    progress: Progress,
+) -> tuple[EvaluationRecord, tuple[EpisodeResult, ...]]:
+    """Return the record and the episodes, those of an interrupted evaluation first; `write` keeps each new one.
+
+    Raises:
+        NotFound: there are fewer feasible scenarios than requested.
+    """
+    episodes: list[EpisodeResult] = []
+    rejected = 0
+
+    def successes() -> str:
+        return f"{sum(each.success for each in episodes)} of {plural(len(episodes), 'episode')} succeeded"
+
+    def add(result: EpisodeResult | None) -> None:
+        nonlocal rejected
+        if result is None:
+            rejected += 1
+        else:
+            episodes.append(result)
+        progress(successes(), len(episodes), record.episodes)
+
+    for line in lines:
+        add(msgspec.json.decode(line, type=EpisodeResult | None))
+    left = enumerate(islice(source.jobs(), len(lines), None), len(lines))
+    opened = partial(open_episodes, setup)
+    if len(episodes) < record.episodes:
+        with closing(map_ordered(left, opened, workers, activity=ACTIVITY, chunk=1)) as found:
+            for result in found:
+                write(msgspec.json.encode(result))
+                add(result)
+                if len(episodes) == record.episodes:
+                    break
+    if len(episodes) < record.episodes:
+        tasks = f"only {len(episodes)} of {plural(record.episodes, 'scenario')} are feasible"
+        raise NotFound(
+            f"{tasks}, of {plural(rejected + len(episodes), 'task')}; request fewer, or give a larger budget"
+        )
+    return msgspec.structs.replace(record, rejected=rejected), tuple(episodes)
+
+
+def _write_videos(results: Results, source: ScenarioSource, setup: EpisodeSetup, folder: Path, count: int) -> None:
+    """Run the first failed episodes again, which they repeat exactly, and write a video of each."""
+    from prag_asp.dataset.formats.video import Video
+    from prag_asp.missing import require_packages
+
+    require_packages("video", ("av",))
+    failed = [number for number, episode in enumerate(results.episodes) if not episode.success][:count]
+    with open_runner(setup, render_mode="rgb_array") as runner:
+        for number, job in _jobs_of(results, source):
+            if number not in failed:
+                continue
+            frames: list[Any] = []
+            runner.run(job, lambda env: frames.append(np.asarray(env.render())))  # noqa: B023  called at once
+            name = f"{number + 1:06}.mp4"
+            height, width = frames[0].shape[:2]
+            make_folder(folder / VIDEOS)
+            video = Video(file_in(folder / VIDEOS, name), (width, height), runner.frame_rate)
+            for frame in frames:
+                video.add(frame)
+            video.close()
+            if number == failed[-1]:
+                return
+
+
+def _jobs_of(results: Results, source: ScenarioSource) -> Iterator[tuple[int, EpisodeJob]]:
+    """Yield the job of each episode with the number of the episode."""
+    number = 0
+    for job in source.jobs():
+        if number < len(results.episodes) and str(job.scenario) == results.episodes[number].scenario:
+            yield number, job
+            number += 1
+
+
+def _name(function: Any) -> str:
+    """Return the module and the name of a function or a class."""
+    return f"{getattr(function, '__module__', '')}:{getattr(function, '__qualname__', type(function).__qualname__)}"

@@ -1,0 +1,40 @@
+"""What an evaluation asks of a policy."""
+
+from __future__ import annotations
+
+import random
+import sys
+from collections.abc import Callable, Mapping
+from typing import Any, Protocol
+
+import gymnasium
+import numpy as np
+from numpy.typing import NDArray
+
+Environment = gymnasium.Env[Any, Any]
+
+
+class Policy(Protocol):
+    """Chooses the actions of episodes, each of which depends only on the observations since `begin` and on the seed.
+
+    Its method `close`, if it has one, releases its resources at the end.
+    """
+
+    def begin(self, seed: int) -> None:
+        """Begin an episode: forget everything, and take the seed of its random choices."""
+
+    def __call__(self, observation: Any, info: Mapping[str, Any]) -> NDArray[Any] | None:
+        """Return the next action for an observation and its info, or None to give up."""
+
+
+PolicyMaker = Callable[[Environment], Policy]
+"""Makes a policy for an environment, a `TaskEnv` in any wrappers."""
+
+
+def seed_everything(seed: int) -> None:
+    """Seed the global generators of Python, NumPy, and PyTorch if it is loaded, which a policy may use."""
+    random.seed(seed)
+    np.random.seed(seed % 2**32)
+    torch = sys.modules.get("torch")
+    if torch is not None:
+        torch.manual_seed(seed)

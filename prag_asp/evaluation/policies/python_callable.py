@@ -1,0 +1,87 @@
+"""A policy as a Python callable: ``module:callable``, a function or a class."""
+
+from __future__ import annotations
+
+import inspect
+import sys
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from functools import partial
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+from prag_asp.errors import QueryError
+from prag_asp.evaluation.policies.policy import Environment, PolicyMaker, seed_everything
+
+
+class CallablePolicy:
+    """Calls a function of the observation, and of `info` if it has a parameter of that name.
+
+    Its method `begin`, if it has one, is called before each episode. An instance of a class is made once, with the
+    environment if its constructor has a parameter `env`.
+    """
+
+    def __init__(self, function: Callable[..., Any], env: Environment) -> None:
+        if isinstance(function, type):
+            function = function(env=env) if _takes(function, "env") else function()
+        self._function, self._begin = function, getattr(function, "begin", None)
+        self._informed = _takes(function, "info")
+
+    def begin(self, seed: int) -> None:
+        """Seed the global generators, and begin an episode."""
+        seed_everything(seed)
+        if self._begin is not None:
+            self._begin()
+
+    def __call__(self, observation: Any, info: Mapping[str, Any]) -> Any:
+        """Return the next action."""
+        return self._function(observation, info=info) if self._informed else self._function(observation)
+
+
+def maker(text: str) -> PolicyMaker:
+    """Return the maker of the policy ``module:callable``; the module may be in the current folder.
+
+    Raises:
+        QueryError: the module cannot be imported, or has no such callable.
+    """
+    return partial(CallablePolicy, imported(text, "policy"))
+
+
+def imported(text: str, what: str) -> Callable[..., Any]:
+    """Return the callable ``module:callable``; the module may be in the current folder.
+
+    Raises:
+        QueryError: the module cannot be imported, or has no such callable; `what` is its purpose.
+    """
+    module, _, name = text.partition(":")
+    with _current_folder():
+        try:
+            found: Any = import_module(module)
+        except Exception as error:  # the module may raise anything
+            reason = " ".join(f"{type(error).__name__}: {error}".split())
+            raise QueryError(f"{what} {text}: {module} cannot be imported: {reason}; give MODULE:CALLABLE") from None
+    for each in name.split("."):
+        found = getattr(found, each, None)
+    if not callable(found):
+        raise QueryError(f"{what} {text}: {module} has no callable {name!r}; give MODULE:CALLABLE")
+    function: Callable[..., Any] = found
+    return function
+
+
+def _takes(function: Callable[..., Any], name: str) -> bool:
+    """Return whether a function has a parameter of a name."""
+    try:
+        return name in inspect.signature(function).parameters
+    except (TypeError, ValueError):
+        return False
+
+
+@contextmanager
+def _current_folder() -> Iterator[None]:
+    """Look modules up in the current folder, too."""
+    sys.path.insert(0, str(Path.cwd()))
+    try:
+        yield
+    finally:
+        sys.path.pop(0)

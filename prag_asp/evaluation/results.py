@@ -1,0 +1,186 @@
+"""The results of an evaluation: a folder with a table of episodes, and rates of success with intervals."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from prag_asp.atom import parse_atom
+from prag_asp.dataset.store.manifest_file import ManifestFile
+from prag_asp.errors import QueryError
+from prag_asp.evaluation.episode import EpisodeResult
+from prag_asp.missing import require_pyarrow
+from prag_asp.output import file_in, replace_file
+from prag_asp.rl.skill_chains import Rate
+from prag_asp.safe_reading import read_bytes
+from prag_asp.tables.json_fields import Whole
+from prag_asp.tables.report import shown
+
+EPISODES = "episodes.parquet"
+"""The file of the episodes, a row each."""
+
+
+class EvaluationRecord(msgspec.Struct, frozen=True):
+    """The contents of evaluation.json: what was evaluated on what, and how.
+
+    `options` are those of the environment as text; `rejected` counts sampled tasks that physics found infeasible.
+    """
+
+    identity: str
+    policy: str
+    source: str
+    domain: str
+    digest: str
+    options: dict[str, str]
+    seed: Whole
+    episodes: Whole
+    rejected: Whole
+    versions: str
+
+    def difference(self, other: EvaluationRecord) -> str:
+        """Return in what the scenes or the rules of episodes differ from those of another evaluation, or ""."""
+        if self.domain != other.domain:
+            return f"the domains are {self.domain} and {other.domain}"
+        if self.digest != other.digest:
+            return f"they have different states of the domain {self.domain} ({self.digest} and {other.digest})"
+        for name in sorted({*self.options, *other.options} & {"control", "rate", "action_scale", "steps"}):
+            mine, its = self.options.get(name, "the default"), other.options.get(name, "the default")
+            if mine != its:
+                return f"the option {name} is {shown(mine)} and {shown(its)}"
+        return ""
+
+
+EVALUATION = ManifestFile("evaluation.json", EvaluationRecord, "prag_asp evaluation", 1, "evaluation")
+"""The file evaluation.json; version 1 of it and of the table."""
+
+
+@dataclass(frozen=True)
+class Results:
+    """The results of an evaluation, in the order of the scenarios.
+
+    Intervals are Wilson's and take episodes as independent; those from several initial states of the same task are
+    not quite.
+    """
+
+    record: EvaluationRecord
+    episodes: tuple[EpisodeResult, ...] = field(repr=False)
+
+    @classmethod
+    def open(cls, folder: str | Path) -> Results:
+        """Read the results in a folder.
+
+        Raises:
+            QueryError: the folder has no results, or they are damaged.
+            DatasetsMissingError: pyarrow is not installed.
+        """
+        require_pyarrow()
+        import pyarrow as pa
+        from pyarrow import parquet
+
+        path = Path(folder)
+        record = EVALUATION.read(path)
+        if record is None:
+            hint = "run the evaluation again to end it" if path.is_dir() else "give the folder of prag-asp evaluate -o"
+            raise QueryError(f"{path}: has no complete results of an evaluation; {hint}")
+        try:
+            rows = parquet.read_table(BytesIO(read_bytes(path / EPISODES, within=path))).to_pylist()
+            episodes = msgspec.convert(rows, tuple[EpisodeResult, ...])
+        except (OSError, pa.ArrowException, msgspec.ValidationError) as error:
+            reason = " ".join(str(error).split())
+            raise QueryError(f"{path / EPISODES}: is damaged: {reason:.200}; evaluate again") from None
+        if len(episodes) != record.episodes:
+            raise QueryError(f"{path / EPISODES}: has {len(episodes)} of {record.episodes} episodes; evaluate again")
+        return cls(record, episodes)
+
+    def write(self, folder: Path) -> None:
+        """Write the results into a folder: the table, and at last evaluation.json.
+
+        Raises:
+            OutputError: a file cannot be written.
+            DatasetsMissingError: pyarrow is not installed.
+        """
+        require_pyarrow()
+        import pyarrow as pa
+        from pyarrow import parquet
+
+        rows = [msgspec.to_builtins(episode) for episode in self.episodes]
+        content = BytesIO()
+        parquet.write_table(pa.Table.from_pylist(rows, schema=_schema()), content)
+        replace_file(file_in(folder, EPISODES), content.getvalue(), follow=False)
+        EVALUATION.write(folder, self.record)
+
+    def whole(self) -> Rate:
+        """Return the rate of success of all episodes."""
+        return rate(self.episodes)
+
+    def by(self, what: str) -> Mapping[str, Rate]:
+        """Return the rates by ``part``, ``length``, ``class`` or ``action``.
+
+        An episode counts for each class of its entities, and once for each subgoal of an action that was pursued.
+
+        Raises:
+            QueryError: there is no such grouping.
+        """
+        if what not in GROUPINGS:
+            raise QueryError(f"results are grouped by {', '.join(GROUPINGS)}, not by {what}")
+        successes: Counter[Any] = Counter()
+        trials: Counter[Any] = Counter()
+        for episode in self.episodes:
+            for key, success in _outcomes(episode, what):
+                trials[key] += 1
+                successes[key] += success
+        return {str(key): Rate(successes[key], trials[key]) for key in sorted(trials)}
+
+    def causes(self) -> Mapping[str, int]:
+        """Return how often episodes ended by each cause."""
+        return dict(Counter(episode.cause for episode in self.episodes).most_common())
+
+    def table(self) -> str:
+        """Return the rates as text, with Wilson's intervals of 95 %."""
+        rows = [("all", self.whole())]
+        for what in GROUPINGS:
+            rates = self.by(what)
+            if len(rates) > 1 or what in ("length", "action"):
+                rows += [(f"{what} {name}", rate) for name, rate in rates.items()]
+        wide = max(len(name) for name, _ in rows)
+        return "\n".join(f"{name:<{wide}}  {rate}" for name, rate in rows)
+
+
+GROUPINGS = ("part", "length", "action", "class")
+"""The groupings of results, in the order of the table."""
+
+
+def rate(episodes: Sequence[EpisodeResult]) -> Rate:
+    """Return the rate of success of some episodes."""
+    return Rate(sum(episode.success for episode in episodes), len(episodes))
+
+
+def _outcomes(episode: EpisodeResult, what: str) -> Iterable[tuple[Any, bool]]:
+    """Yield the groups to which an episode belongs, each with its success there."""
+    if what == "action":
+        return ((parse_atom(subgoal.action).name, subgoal.success) for subgoal in episode.subgoals)
+    groups: Mapping[str, Sequence[Any]] = {
+        "part": [episode.part], "length": [episode.length], "class": episode.classes,
+    }  # fmt: skip
+    return ((group, episode.success) for group in groups[what])
+
+
+def _schema() -> Any:
+    """Return the schema of the table of episodes."""
+    import pyarrow as pa
+
+    subgoal = pa.struct([("action", pa.string()), ("success", pa.bool_()), ("steps", pa.int64())])
+    return pa.schema(
+        [
+            ("scenario", pa.string()), ("part", pa.string()), ("initial", pa.string()), ("length", pa.int32()),
+            ("task", pa.list_(pa.string())), ("classes", pa.list_(pa.string())), ("instruction", pa.string()),
+            ("success", pa.bool_()), ("reached", pa.int32()), ("subgoals", pa.list_(subgoal)), ("steps", pa.int64()),
+            ("cause", pa.string()), ("seconds", pa.float64()),
+        ]
+    )  # fmt: skip

@@ -1,0 +1,226 @@
+"""The scenarios to evaluate: those of a dataset or a suite, those of some ids, or fresh ones of a task space."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+from prag_asp.dataset.scenario import Scenario, SearchStart
+from prag_asp.dataset.scenarios import Scenarios
+from prag_asp.dataset.store.dataset import Dataset
+from prag_asp.dataset.suites.suite_manifest import SUITE, is_suite
+from prag_asp.errors import QueryError
+from prag_asp.evaluation.episode import EpisodeJob
+from prag_asp.output.digests import digest
+from prag_asp.wording import unknown
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+    from prag_asp.physics import Budget
+    from prag_asp.space.task_space import TaskSpace
+    from prag_asp.task import Task
+
+DRAWS_FOR_EACH = 1000
+"""The number of sampled tasks per requested scenario after which sampling stops."""
+
+
+class ScenarioSource(Protocol):
+    """Scenarios in an order that depends on nothing else."""
+
+    @property
+    def domain(self) -> Domain:
+        """The domain of all scenarios."""
+        ...
+
+    @property
+    def lengths(self) -> tuple[int, ...]:
+        """The lengths of the tasks."""
+        ...
+
+    @property
+    def title(self) -> str:
+        """A line that says where the scenarios come from."""
+        ...
+
+    @property
+    def identity(self) -> str:
+        """A text that two sources share only if their scenarios are the same in the same order."""
+        ...
+
+    @property
+    def count(self) -> int:
+        """The number of scenarios to evaluate."""
+        ...
+
+    def jobs(self) -> Iterator[EpisodeJob]:
+        """Yield the jobs; those whose search finds no witness are left out."""
+        ...
+
+
+@dataclass(frozen=True)
+class FreshScenarios:
+    """Distinct feasible tasks of a space, sampled uniformly without replacement, that satisfy `keep`.
+
+    Tasks whose final state is the initial state are left out unless `trivial`.
+    """
+
+    space: TaskSpace
+    count: int
+    seed: int = 0
+    budget: Budget | None = None
+    keep: Callable[[Task], bool] | None = None
+    excluded: str = ""
+    trivial: bool = False
+
+    @property
+    def domain(self) -> Domain:
+        """The domain of all scenarios."""
+        return self.space.domain
+
+    @property
+    def lengths(self) -> tuple[int, ...]:
+        """The lengths of the tasks."""
+        return tuple(self.space.lengths)
+
+    @property
+    def title(self) -> str:
+        """A line that says where the scenarios come from."""
+        return f"{self.space.title}, sampled with seed {self.seed}"
+
+    @property
+    def identity(self) -> str:
+        """The space, and the options of the sample."""
+        scenarios = Scenarios(self.space.domain, self.space)
+        return digest([scenarios.digest, self.title, self.count, str(self.budget), self.excluded, self.trivial])
+
+    def jobs(self) -> Iterator[EpisodeJob]:
+        """Yield sampled tasks, feasible or not."""
+        scenarios = Scenarios(self.space.domain, self.space)
+        tasks = filter(self.keep, self.space.stream(seed=self.seed, weights={}, distinct=True))
+        for index, task in enumerate(islice(tasks, DRAWS_FOR_EACH * self.count)):
+            if self.trivial or not task.trivial:
+                start = SearchStart.of(self.seed, index, self.budget)
+                yield EpisodeJob("", scenarios.of(self.space, task, start))
+
+
+@dataclass(frozen=True)
+class NamedScenarios:
+    """The scenarios of some ids, in their order."""
+
+    domain: Domain
+    scenarios: Sequence[Scenario]
+
+    def __post_init__(self) -> None:
+        here = Scenarios(self.domain)
+        for each in self.scenarios:
+            here.check(each)
+            if each.start is None:
+                raise QueryError(f"scenario {each}: it has no initial state; give one that physics found feasible")
+        if not self.scenarios:
+            raise QueryError("there are no scenarios to evaluate; give ids")
+
+    @property
+    def lengths(self) -> tuple[int, ...]:
+        """The lengths of the tasks."""
+        return tuple(sorted({each.length for each in self.scenarios}))
+
+    @property
+    def title(self) -> str:
+        """A line that says where the scenarios come from."""
+        return f"{len(self.scenarios)} scenarios of {self.domain.label}"
+
+    @property
+    def identity(self) -> str:
+        """The ids."""
+        return digest([str(each) for each in self.scenarios])
+
+    @property
+    def count(self) -> int:
+        """The number of scenarios."""
+        return len(self.scenarios)
+
+    def jobs(self) -> Iterator[EpisodeJob]:
+        """Yield a job for each id."""
+        return (EpisodeJob("", each) for each in self.scenarios)
+
+
+@dataclass(frozen=True)
+class StoredScenarios:
+    """The tasks of parts of datasets from their stored initial states, at most `most` of each part."""
+
+    parts: Sequence[tuple[str, Dataset]]
+    most: int | None = None
+
+    @classmethod
+    def open(
+        cls, folder: str | Path, parts: Sequence[str] = (), most: int | None = None, *, trust: bool = False
+    ) -> StoredScenarios:
+        """Open a dataset, or a suite: all its parts, or some.
+
+        Raises:
+            QueryError: there is no dataset, no such part, or a part has no initial states.
+        """
+        path = Path(folder)
+        suite = SUITE.read(path) if is_suite(path) else None
+        if suite is not None:
+            found = {part.name: Dataset.open(path / part.name, trust=trust) for part in suite.parts}
+        else:
+            dataset = Dataset.open(path, trust=trust)
+            found = {name: dataset.part(name) for name in dataset.parts}
+        for name in parts:
+            if name not in found:
+                raise QueryError(f"{path}: {unknown(name, found, 'part')}")
+        chosen = [(name, found[name]) for name in (parts or found)]
+        for name, each in chosen:
+            if each.manifest.spec.budget is None:
+                raise QueryError(f"{path}: the tasks of {name} have no initial states; generate it with physics")
+        return cls(chosen, most)
+
+    @property
+    def domain(self) -> Domain:
+        """The domain of all parts."""
+        return self.parts[0][1].domain
+
+    @property
+    def lengths(self) -> tuple[int, ...]:
+        """The lengths of the tasks."""
+        return tuple(sorted({length for _, part in self.parts for length in part.manifest.lengths}))
+
+    @property
+    def title(self) -> str:
+        """A line that says where the scenarios come from."""
+        return f"{self.parts[0][1].folder}: {', '.join(name for name, _ in self.parts)}"
+
+    @property
+    def identity(self) -> str:
+        """The files of the parts, and the number of tasks."""
+        files = [
+            [
+                name,
+                [file.sha256 for part in each.manifest.parts for shard in part.shards for file in shard.files.values()],
+            ]
+            for name, each in self.parts
+        ]
+        return digest([files, self.most])
+
+    @property
+    def count(self) -> int:
+        """The number of initial states."""
+        return sum(1 for _ in self._starts())
+
+    def jobs(self) -> Iterator[EpisodeJob]:
+        """Yield a job for each initial state of each task."""
+        for name, dataset, number, start in self._starts():
+            given = dataset.task(number), dataset.witness(number, start)
+            yield EpisodeJob(name, dataset.scenario(number, start), given)
+
+    def _starts(self) -> Iterator[tuple[str, Dataset, int, int]]:
+        """Yield the part, the dataset, the number of a task and that of its initial state."""
+        for name, dataset in self.parts:
+            number_of_tasks = dataset.count() if self.most is None else min(self.most, dataset.count())
+            for number in range(number_of_tasks):
+                for start in range(dataset.entry(number).starts):
+                    yield name, dataset, number, start
