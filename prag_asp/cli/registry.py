@@ -34,6 +34,7 @@ COMMANDS = {
     "merge": "merge",
     "models": "models",
     "new": "domains",
+    "power": "power",
     "render": "render",
     "sample": "sample",
     "scenario": "scenario",
@@ -50,7 +51,7 @@ GROUPS = {
     "Domains": ("domains", "new", "check", "explain", "learn", "import"),
     "Task spaces": ("count", "task", "sample", "enumerate", "scenario", "split", "stats", "validate", "render"),
     "Datasets": ("generate", "merge", "verify", "suite", "export"),
-    "Policies": ("evaluate", "compare"),
+    "Policies": ("evaluate", "compare", "power"),
     "Other": ("models", "completion"),
 }
 """The commands in the order of the help."""

@@ -7,12 +7,12 @@
 >>> results.whole().trials
 2
 
-Importing this package raises `LearningMissingError` where Gymnasium is not installed.
+Importing a name other than `ComparisonDesign` raises `LearningMissingError` where Gymnasium is not installed.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from prag_asp.lazy import names_from
 from prag_asp.missing import require_gymnasium
@@ -23,11 +23,13 @@ if TYPE_CHECKING:
     from prag_asp.evaluation.evaluating import evaluate
     from prag_asp.evaluation.paired import Pairs
     from prag_asp.evaluation.policies import load_policy
+    from prag_asp.evaluation.power import ComparisonDesign
     from prag_asp.evaluation.results import EvaluationRecord, Results
     from prag_asp.evaluation.sources import FreshScenarios, NamedScenarios, StoredScenarios
 
 __all__ = [
     "Comparison",
+    "ComparisonDesign",
     "EpisodeResult",
     "EvaluationRecord",
     "FreshScenarios",
@@ -41,19 +43,24 @@ __all__ = [
     "load_policy",
 ]
 
-require_gymnasium()
-
 _HOMES = {
     "prag_asp.evaluation.comparison": ("Comparison", "compare"),
     "prag_asp.evaluation.episode": ("EpisodeResult", "SubgoalResult"),
     "prag_asp.evaluation.evaluating": ("evaluate",),
     "prag_asp.evaluation.paired": ("Pairs",),
     "prag_asp.evaluation.policies": ("load_policy",),
+    "prag_asp.evaluation.power": ("ComparisonDesign",),
     "prag_asp.evaluation.results": ("EvaluationRecord", "Results"),
     "prag_asp.evaluation.sources": ("FreshScenarios", "NamedScenarios", "StoredScenarios"),
 }
 
-__getattr__ = names_from(__name__, _HOMES)
+_imported = names_from(__name__, _HOMES)
+
+
+def __getattr__(name: str) -> Any:
+    if name in __all__ and name != "ComparisonDesign":
+        require_gymnasium()
+    return _imported(name)
 
 
 def __dir__() -> list[str]:

@@ -18,6 +18,12 @@ DIVES = 16
 DIVE_CONFLICTS = 200
 """The number of conflicts after which a random search is abandoned: some milliseconds."""
 
+DIVE_OPTIONS = ("rand_freq", "sign_def", "restarts", "local_restarts", "seed")
+"""The options of clasp's solver that random searches change."""
+
+FORGOTTEN = "3"
+"""What a search after random ones forgets: scores and signs of variables, which may make it twenty times as slow."""
+
 UNLIMITED = "umax"
 """clasp's word for no limit."""
 
@@ -65,7 +71,7 @@ class BoundedEnumeration:
 
     def _depths(self) -> list[float]:
         """Return the number of decisions in each random search that finds a model."""
-        before = self._solver.rand_freq, self._solver.sign_def, self._solver.restarts, self._solver.seed
+        before = {name: getattr(self._solver, name) for name in DIVE_OPTIONS}
         self._solve.models, self._solve.solve_limit = "1", f"{DIVE_CONFLICTS},{UNLIMITED}"
         self._solver.rand_freq, self._solver.sign_def, self._solver.restarts = "1", "rnd", "no"
         depths: list[float] = []
@@ -75,7 +81,9 @@ class BoundedEnumeration:
             found = self._control.statistics["solving"]["solvers"]["extra"]
             if found["models"]:
                 depths.append(found["models_level"] - 1)  # the lowest level has no decision
-        self._solver.rand_freq, self._solver.sign_def, self._solver.restarts, self._solver.seed = before
+        for name, value in before.items():
+            setattr(self._solver, name, value)
+        self._solver.forget_on_step = FORGOTTEN
         return depths
 
     def _count(self, effort: Effort | None, seconds: float) -> int | None:

@@ -25,7 +25,7 @@ NARROW = 24
 QUICK = 0.2
 """The predicted seconds of an enumeration that begins at once, before clauses are written."""
 
-SOON = 0.5
+SOON = 0.7
 """The predicted seconds of an enumeration that begins before a diagram is compiled."""
 
 LATER = 4.0
@@ -74,7 +74,7 @@ class Turn(NamedTuple):
 
 def seconds_of_enumeration(predicted: float) -> float:
     """Return the seconds after which an enumeration has taken so long that its prediction was wrong."""
-    return max(5.0, 3 * predicted)
+    return max(0.8, 3 * predicted)
 
 
 def turns_of_engines(predicted: float | None, width: int, *, tight: bool, whole: bool, swept: bool) -> tuple[Turn, ...]:
@@ -86,7 +86,10 @@ def turns_of_engines(predicted: float | None, width: int, *, tight: bool, whole:
     counters = _turns_of_counters(width, tight=tight, whole=whole)
     compilation = (Turn(Own.DIAGRAM, COMPILATION),) if swept and (tight or width > NARROW) else ()
     if width <= NARROW:
-        return (*compilation, *counters)
+        if predicted is None or predicted > SOON:
+            return (*compilation, *counters)
+        short = (Turn(Own.DIAGRAM, predicted / 2),) if compilation else ()
+        return (*short, Turn(Own.CLINGO, seconds_of_enumeration(predicted)), *counters)
     if predicted is None:
         return (*compilation, Turn(Own.CLINGO, FEW), *counters, Turn(Own.CLINGO, 5 * FEW))
     enumeration = (Turn(Own.CLINGO, seconds_of_enumeration(predicted)),)
@@ -94,7 +97,10 @@ def turns_of_engines(predicted: float | None, width: int, *, tight: bool, whole:
         return (*enumeration, *compilation, *counters)
     if predicted <= LATER:
         return (*compilation, *enumeration, *counters)
-    return (*compilation, *counters, *(enumeration if predicted <= LAST else ()))
+    if predicted > LAST:
+        return (*compilation, *counters)
+    longer = (turn._replace(seconds=max(turn.seconds, predicted / 8)) for turn in counters)
+    return (*compilation, *longer, *enumeration)
 
 
 def _turns_of_counters(width: int, *, tight: bool, whole: bool) -> tuple[Turn, ...]:

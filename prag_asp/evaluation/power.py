@@ -1,0 +1,260 @@
+"""How many scenarios a claim about two policies needs, and what a number of scenarios can show.
+
+>>> from prag_asp.evaluation import ComparisonDesign
+>>> design = ComparisonDesign(correlation=0.5)
+>>> design.scenarios(effect=0.1, power=0.8)
+211
+>>> design.smallest_effect(500)
+Fraction(161, 2500)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from statistics import NormalDist
+
+from prag_asp.errors import QueryError
+from prag_asp.evaluation.exact_power import CLOSE, paired_power, unpaired_power
+
+Number = int | float | str | Fraction
+"""A probability; a float means its shortest decimal."""
+
+MOST = 100_000
+"""The largest number of scenarios of an answer: far above any evaluation, and a test of it takes a second."""
+
+AHEAD = 30
+"""How many further numbers of scenarios must reach the power too, because exact power is not monotone.
+
+Critical values are integers, so power falls where one changes. It is most uneven if all results differ; then, for
+effects of 0.06 to 0.3, numbers that reach a power of 0.8 and others mix over 7 to 39 numbers, and the next 200 reach
+it.
+"""
+
+STEP = Fraction(1, 10_000)
+"""The step of smallest effects: a hundredth of a percentage point."""
+
+LEAST_ALPHA = Fraction(1, 10**6)
+"""The smallest level of significance: tails of tests are sums of floats, which neglect parts of 1e-18."""
+
+
+@dataclass(frozen=True)
+class ComparisonDesign:
+    """Two policies whose rates of success are compared at a two-sided level of significance `alpha`.
+
+    `rate` is the probability of success of the first; that of the second is larger by an effect. If neither
+    `correlation` nor `discordant` is given, each policy has a sample of scenarios of its own, and the test is Fisher's
+    exact test, which for samples of equal size doubles the smaller tail. Otherwise both run in the same scenarios, and
+    the test is McNemar's exact one (1947), as in `compare`; its unconditional power sums over the number of scenarios
+    in which one policy alone succeeds (Duffy, Statistics in Medicine 3, 1984; Connor, Biometrics 43, 1987).
+    `correlation` is that of both results in a scenario, `discordant` the share of scenarios in which they differ.
+
+    With `tasks`, the number of all tasks, scenarios are sampled from them without replacement and the claim is about
+    these tasks. The variance of a rate of n scenarios is then smaller by the factor (N - n) / (N - 1), as that of a
+    hypergeometric number, so they count as n (N - 1) / (N - n) (Cochran, Sampling Techniques, 1977, section 4.4).
+
+    Raises:
+        QueryError: a number is out of its range, or both `correlation` and `discordant` are given.
+    """
+
+    rate: Number = Fraction(1, 2)
+    alpha: Number = Fraction(1, 20)
+    correlation: Number | None = None
+    discordant: Number | None = None
+    tasks: int | None = None
+
+    def __post_init__(self) -> None:
+        _within("rate", self.rate, 0, 1)
+        _within("alpha", self.alpha, LEAST_ALPHA, Fraction(1, 2))
+        if self.correlation is not None and self.discordant is not None:
+            raise QueryError("a correlation determines the share of discordant scenarios; leave one of them out")
+        if self.correlation is not None:
+            _within("correlation", self.correlation, -1, 1)
+        if self.discordant is not None:
+            _within("discordant", self.discordant, 0, 1)
+        if self.tasks is not None and self.tasks < 1:
+            raise QueryError(f"a space of {self.tasks} tasks has none to sample; give a number of at least 1")
+
+    @property
+    def paired(self) -> bool:
+        """Whether both policies run in the same scenarios."""
+        return self.correlation is not None or self.discordant is not None
+
+    @property
+    def test(self) -> str:
+        """The name of the test."""
+        return "McNemar's exact test" if self.paired else "Fisher's exact test"
+
+    def power(self, scenarios: int, effect: Number) -> float:
+        """Return the probability that the test finds an effect with a number of scenarios for each policy.
+
+        It counts rejections in both directions. With `tasks`, it is that of the effective number, rounded down and
+        at most `MOST`, and 1 if the scenarios are all tasks.
+
+        Raises:
+            QueryError: there is no such effect at this rate, or more scenarios are given than there are tasks, or more
+                than `MOST`.
+        """
+        return self._power(self._effective(scenarios), _exact("effect", effect))
+
+    def scenarios(self, effect: Number, power: Number = Fraction(4, 5)) -> int:
+        """Return how many scenarios each policy needs so that the test finds an effect with a given power.
+
+        Exact power is not monotone in the number. The result, before the correction for `tasks`, reaches the power as
+        do the next 30 numbers, and the number before it does not.
+
+        Raises:
+            QueryError: there is no such effect at this rate, it is 0, or more than `MOST` scenarios are needed.
+        """
+        exact, wished = _exact("effect", effect), float(_within("power", power, 0, 1))
+        if exact == 0:
+            raise QueryError("no number of scenarios shows an effect of 0; give another one")
+        number = self._least(lambda scenarios: self._power(scenarios, exact) >= wished, f"an effect of {effect}")
+        if self.tasks is None:
+            return number
+        return math.ceil(Fraction(number * self.tasks, self.tasks + number - 1))
+
+    def smallest_effect(self, scenarios: int, power: Number = Fraction(4, 5)) -> Fraction | None:
+        """Return the smallest effect, in steps of 0.0001, that the test finds with a given power.
+
+        It is None if the rate of the second policy cannot be large enough.
+
+        Raises:
+            QueryError: more scenarios are given than there are tasks, or more than `MOST`.
+        """
+        wished, number = float(_within("power", power, 0, 1)), self._effective(scenarios)
+        if number == math.inf:
+            assert self.tasks is not None
+            return Fraction(1, self.tasks)
+        low, high = 0, math.floor(self._largest_effect() / STEP)
+        if high == 0 or self._power(number, high * STEP) < wished:
+            return None
+        while high - low > 1:
+            middle = (low + high) // 2
+            low, high = (low, middle) if self._power(number, middle * STEP) >= wished else (middle, high)
+        return high * STEP
+
+    def half_width(self, scenarios: int) -> float:
+        """Return half of the width of Wilson's interval (1927) of one rate, at `rate`, with confidence 1 - alpha.
+
+        Raises:
+            QueryError: more scenarios are given than there are tasks, or more than `MOST`.
+        """
+        number, p = self._effective(scenarios, whole=False), float(_exact("rate", self.rate))
+        if number == math.inf:
+            return 0.0
+        z = NormalDist().inv_cdf(1 - float(_exact("alpha", self.alpha)) / 2)
+        return z / (1 + z * z / number) * math.sqrt(p * (1 - p) / number + z * z / (4 * number * number))
+
+    def _effective(self, scenarios: int, *, whole: bool = True) -> float:
+        """Return how many scenarios of an endless space have the variance of some of `tasks`."""
+        if not 1 <= scenarios <= MOST:
+            raise QueryError(f"{scenarios} scenarios: give a number from 1 to {MOST:,}")
+        if self.tasks is None:
+            return scenarios
+        if scenarios > self.tasks:
+            raise QueryError(f"{scenarios} scenarios are more than the {self.tasks} tasks; give at most {self.tasks}")
+        if scenarios == self.tasks:
+            return math.inf
+        number = min(Fraction(scenarios * (self.tasks - 1), self.tasks - scenarios), Fraction(MOST))
+        return math.floor(number) if whole else float(number)
+
+    def _power(self, scenarios: float, effect: Fraction) -> float:
+        """Return the power of an effective number of scenarios."""
+        first, second = _exact("rate", self.rate), _exact("rate", self.rate) + effect
+        if not 0 <= second <= 1:
+            raise QueryError(f"an effect of {float(effect):g} leads from the rate {float(first):g} to "
+                             f"{float(second):g}; give a smaller one")  # fmt: skip
+        alone = self._discordant_shares(effect)
+        if alone is not None and min(alone) < 0:
+            given = f"discordant {self.discordant}" if self.correlation is None else f"correlation {self.correlation}"
+            rates = f"rates of {float(first):g} and {float(second):g}"
+            raise QueryError(f"{given} is impossible for {rates}; give another one, or a smaller effect")
+        if scenarios == math.inf:
+            return 1.0 if effect else 0.0
+        alpha = _exact("alpha", self.alpha)
+        if alone is None:
+            return unpaired_power(int(scenarios), float(first), float(second), alpha)
+        return paired_power(int(scenarios), *alone, alpha)
+
+    def _discordant_shares(self, effect: Fraction) -> tuple[float, float] | None:
+        """Return the shares of scenarios in which the first policy alone succeeds, and the second alone.
+
+        They are negative where rates, effect and correlation contradict each other, and None if samples are not paired.
+        """
+        first = _exact("rate", self.rate)
+        second = first + effect
+        if self.discordant is not None:
+            share = _exact("discordant", self.discordant)
+            both = (first + second - share) / 2
+            possible = both >= 0 and both + share <= 1
+            return (float((share - effect) / 2), float((share + effect) / 2)) if possible else (-1.0, -1.0)
+        if self.correlation is None:
+            return None
+        correlation = float(_exact("correlation", self.correlation))
+        spread = math.sqrt(first * (1 - first) * second * (1 - second))
+        both_succeed = float(first * second) + correlation * spread
+        shares = [float(first) - both_succeed, float(second) - both_succeed]
+        undefined = spread == 0 != correlation  # a result that never varies correlates with nothing
+        if undefined or min(both_succeed, 1 - both_succeed - sum(shares), *shares) < -CLOSE:
+            return -1.0, -1.0
+        return max(shares[0], 0.0), max(shares[1], 0.0)
+
+    def _largest_effect(self) -> Fraction:
+        """Return the largest effect, in steps, that the rate and the correlation allow; 0 if they allow none."""
+        low, high = 0, math.floor((1 - _exact("rate", self.rate)) / STEP)
+
+        def possible(steps: int) -> bool:
+            alone = self._discordant_shares(steps * STEP)
+            return alone is None or min(alone) >= 0
+
+        if possible(high):
+            return high * STEP
+        while high - low > 1:
+            middle = (low + high) // 2
+            low, high = (middle, high) if possible(middle) else (low, middle)
+        return low * STEP
+
+    @staticmethod
+    def _least(reaches: Callable[[int], bool], what: str) -> int:
+        """Return a number that reaches, as do the next `AHEAD`, while the number before it does not."""
+        low, high = 0, 16
+        while not reaches(high):
+            if high == MOST:
+                raise QueryError(f"{what} needs more than {MOST:,} scenarios; give a larger one, or a lower power")
+            low, high = high, min(2 * high, MOST)
+        while high - low > 1:
+            middle = (low + high) // 2
+            low, high = (low, middle) if reaches(middle) else (middle, high)
+        checked = high
+        while checked < high + AHEAD:
+            checked += 1
+            if not reaches(checked):
+                high = checked + 1
+        return high
+
+
+def _exact(name: str, value: Number) -> Fraction:
+    """Return a number as a fraction, a float as its shortest decimal.
+
+    Raises:
+        QueryError: it is no number.
+    """
+    try:
+        return Fraction(str(value))
+    except (ValueError, ZeroDivisionError):
+        raise QueryError(f"{name} {value} is no number; write a decimal or a fraction, such as 0.05 or 1/20") from None
+
+
+def _within(name: str, value: Number, low: int | Fraction, high: int | Fraction) -> Fraction:
+    """Return a number as a fraction.
+
+    Raises:
+        QueryError: it is not between the bounds.
+    """
+    exact = _exact(name, value)
+    if not low <= exact <= high:
+        raise QueryError(f"{name} {value} is not between {float(low):g} and {float(high):g}")
+    return exact
