@@ -85,18 +85,17 @@ def turns_of_engines(predicted: float | None, width: int, *, tight: bool, whole:
     """
     counters = _turns_of_counters(width, tight=tight, whole=whole)
     compilation = (Turn(Own.DIAGRAM, COMPILATION),) if swept and (tight or width > NARROW) else ()
-    if width <= NARROW:
-        if predicted is None or predicted > SOON:
-            return (*compilation, *counters)
+    if width <= NARROW and (predicted is None or predicted > SOON):
+        return (*compilation, *counters)
+    if width <= NARROW and predicted is not None:
         short = (Turn(Own.DIAGRAM, predicted / 2),) if compilation else ()
         return (*short, Turn(Own.CLINGO, seconds_of_enumeration(predicted)), *counters)
     if predicted is None:
         return (*compilation, Turn(Own.CLINGO, FEW), *counters, Turn(Own.CLINGO, 5 * FEW))
     enumeration = (Turn(Own.CLINGO, seconds_of_enumeration(predicted)),)
-    if predicted <= SOON:
-        return (*enumeration, *compilation, *counters)
     if predicted <= LATER:
-        return (*compilation, *enumeration, *counters)
+        first = (enumeration, compilation) if predicted <= SOON else (compilation, enumeration)
+        return (*first[0], *first[1], *counters)
     if predicted > LAST:
         return (*compilation, *counters)
     longer = (turn._replace(seconds=max(turn.seconds, predicted / 8)) for turn in counters)
