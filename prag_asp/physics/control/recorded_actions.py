@@ -34,7 +34,11 @@ def recorded_actions(control: Control, scene: Scene, commands: Numbers) -> Float
     if control.name not in RECORDED:
         raise QueryError(f"{control.name} cannot express recordings, in which tools tilt; choose ee_delta")
     robots = [robot_of(scene, name) for name in control.robots]
-    parts = [_values(control.name, robot, commands[:, i].astype(float)) for i, robot in enumerate(robots)]
+    parts = []
+    for number, robot in enumerate(robots):
+        rows = commands[:, number].astype(float)
+        rows[:, 7] = rows[:, 7].clip(0.0, robot.opening)  # a target inside the held object only adds force
+        parts.append(_values(control.name, robot, rows))
     actions = control.actions(np.concatenate(parts, axis=1))
     excess = (np.maximum(control.low - actions, actions - control.high) / (control.high - control.low)).max(initial=0.0)
     if excess > EXCESS:

@@ -82,6 +82,13 @@ def test_poses_and_motions_are_what_pybullet_says(chance: Chance, scenes: Mappin
     assert poses[:, 0, 6] == pytest.approx(commands[1:, 0, 7])
 
 
+def test_a_gripper_target_inside_the_held_object_is_closed(chance: Chance, scenes: Mapping[str, Scene]) -> None:
+    commands = commands_of(scenes["tabletop"], chance, 3)
+    commands[1:, 0, 7] = -0.01
+    control = Control.of("joint_position", scenes["tabletop"])
+    assert control.values(recorded_actions(control, scenes["tabletop"], commands))[:, 7] == pytest.approx([0.0, 0.0])
+
+
 def quaternion(vector: np.ndarray) -> tuple[float, ...]:
     """Return the quaternion of a rotation vector, by PyBullet."""
     angle = float(np.linalg.norm(vector))
