@@ -262,7 +262,7 @@ def begins_sentence(joint: str) -> bool:
 
 
 def restoring_actions(task: Task) -> list[bool]:
-    """Return whether each action brings about again what held in an earlier state, but not in the state before it."""
+    """Return whether each action restores facts of an earlier state that did not hold in the state before it."""
     states, found = [task.initial, *task.states], []
     for number, subgoal in enumerate(task.subgoals):
         changed = {fluent: value for fluent, value in subgoal.items() if states[number].get(fluent) != value}

@@ -1,4 +1,4 @@
-"""Candidates of antipodal grasps: points of a surface, the points opposite to them, and tools around their line."""
+"""Candidates of antipodal grasps: points of a surface, the points opposite to them, and tools around that line."""
 
 from __future__ import annotations
 
