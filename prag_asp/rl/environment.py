@@ -323,7 +323,7 @@ class TaskEnv(GoalEnv):
 
     @property
     def commanded_openings(self) -> Mapping[str, float]:
-        """The commanded opening of each gripper in metres; this and the next two raise QueryError outside an episode."""
+        """The commanded opening of each gripper in metres; this and the next two raise QueryError outside episodes."""
         return self._begun_arena.commanded_openings
 
     @property
