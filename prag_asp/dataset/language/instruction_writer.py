@@ -108,7 +108,7 @@ class InstructionWriter:
             aims.append(self._aims[frozen])
         self._note(view, [*task.actions, *goal, *(fluent for aim in aims for fluent in aim)], named)
         clauses, topic = [], None
-        for action, restores in zip(task.actions, again, strict=True):  # "it" is the topic of the sentence before
+        for action, restores in zip(task.actions, again, strict=True):  # "it" is the topic of the previous sentence
             clause, topic = self._sentences.write(view, action, topic, default, restores=restores)
             clauses.append(clause)
         return Instructions(
