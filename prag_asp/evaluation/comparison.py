@@ -86,7 +86,7 @@ PAIRED = tuple(what for what in GROUPINGS if what != "action")
 def compare(first: Results, second: Results, *, across: bool = False) -> Comparison:
     """Pair the episodes of two evaluations by their scenarios.
 
-    With `across`, evaluations of different controls or step limits are compared, too.
+    With `across`, evaluations with different domains, controls or step limits are compared, too.
 
     Raises:
         QueryError: the domain, the control or the step limit differs, a scenario occurs twice, or no episodes can be
