@@ -90,9 +90,11 @@ def test_sessions_and_examples_import_public_names_alone() -> None:
         "prag_asp",
         "prag_asp.analysis",
         "prag_asp.dataset",
+        "prag_asp.evaluation",
         "prag_asp.pddl",
         "prag_asp.physics",
         "prag_asp.rl",
+        "prag_asp.rl.wrappers",
     }
 
 
