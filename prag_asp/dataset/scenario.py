@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from prag_asp.physics import Budget, Staging
 
 DIGITS = 10
-"""Hexadecimal digits of the digest of a domain: two states of a domain agree by chance once in 10^12 pairs."""
+"""The number of hexadecimal digits in the digest of a domain: two states of a domain agree by chance once in 10^12
+pairs."""
 
 LONGEST = 100_000
 """The maximum number of characters of an id: ranks of tasks of thousands of actions have thousands of digits."""
@@ -46,7 +47,7 @@ START = re.compile(
 
 @dataclass(frozen=True)
 class SearchStart:
-    """The search that finds an initial state of a task, with its witness; without a budget, it is the default one."""
+    """The search that finds an initial state of a task, with its witness; without a `budget`, the default applies."""
 
     seed: int
     index: int = 0
@@ -64,10 +65,10 @@ class SearchStart:
 
     @classmethod
     def parse(cls, text: str) -> SearchStart:
-        """Return the search that `str` writes as a text.
+        """Return the search from a text that `str` writes.
 
         Raises:
-            QueryError: the text has another form.
+            QueryError: the text is malformed.
         """
         match = START.fullmatch(text)
         if match is None:
@@ -94,7 +95,7 @@ class SearchStart:
 class Scenario:
     """A task of a domain, by its rank among those of its length that satisfy the conditions, and its initial state.
 
-    `digest` is that of the domain. Without physics, the task has no `start`.
+    `digest` is the digest of the domain. Without physics, the task has no `start`.
     """
 
     domain: str
@@ -110,7 +111,7 @@ class Scenario:
         """Return the scenario of an id.
 
         Raises:
-            QueryError: the text is no id.
+            QueryError: the text is not an id.
         """
         match = FORM.fullmatch(text) if isinstance(text, str) and len(text) <= LONGEST and text.isascii() else None
         try:
@@ -141,7 +142,7 @@ class Scenario:
 
     @property
     def task(self) -> Scenario:
-        """The scenario of the task alone, without an initial state: scenarios of the same task have the same one."""
+        """The scenario of the task alone, without an initial state; it is equal for all scenarios of a task."""
         return Scenario(self.domain, self.digest, self.length, self.rank, None, self.where, self.constants)
 
 

@@ -31,9 +31,8 @@ if TYPE_CHECKING:
 class Scenarios:
     """The scenarios of a domain.
 
-    A scenario is that of this domain if the digest is the same: that of the statements of the program in any order,
-    of whether composites count, and of the table and the files of the scene. Comments, weights and sentences do not
-    matter.
+    A scenario belongs to this domain if their digests are equal. The digest covers the statements of the program in any
+    order, whether composites count, and the table and the files of the scene, but not comments, weights and sentences.
     """
 
     def __init__(self, domain: Domain, space: TaskSpace | None = None) -> None:
@@ -61,10 +60,10 @@ class Scenarios:
         return Scenario(name, self.digest, length, rank, start, tuple(sorted(where)), constants)
 
     def of(self, space: TaskSpace, task: Task, start: SearchStart | None = None) -> Scenario:
-        """Return the scenario of a task of a space, whose lengths do not matter.
+        """Return the scenario of a task of a space; the lengths of the space do not matter.
 
         Raises:
-            QueryError: the space has no such task; a plan with other names of interchangeable entities is none.
+            QueryError: the space has no such task; a plan with renamed interchangeable entities is not a task.
         """
         word, whole = tuple(map(str, task.actions)), space.whole
         engines = (whole if len(word) in whole.lengths else whole.at(len(word))).engines
@@ -74,10 +73,10 @@ class Scenarios:
         return self.ranked(_clauses(space.whole), len(word), rank, start)
 
     def check(self, scenario: Scenario) -> None:
-        """Check that a scenario is of this domain in its current state.
+        """Check that a scenario belongs to this domain in its current state.
 
         Raises:
-            QueryError: it is of another domain, of other constants, or the domain has changed.
+            QueryError: the scenario has another domain or other constants, or the domain has changed.
         """
         domain, other = self.domain, scenario
         if (other.domain, dict(other.constants)) != (domain.name, dict(domain.constants)):
@@ -93,7 +92,7 @@ class Scenarios:
         """Return the task of a scenario.
 
         Raises:
-            QueryError: the scenario is of another domain or another state of it, or there is no such rank.
+            QueryError: the scenario has another domain or another state of this domain, or there is no such rank.
         """
         self.check(scenario)
         space = self.space(scenario.where, scenario.length)
@@ -106,7 +105,7 @@ class Scenarios:
         """Return the tasks of a length that satisfy conditions.
 
         Raises:
-            QueryError: the domain has no such conditions, or they are not written as an id writes them.
+            QueryError: the domain has no such conditions, or they are not in the form that ids use.
         """
         key = where, length
         if key not in self._spaces:
@@ -123,7 +122,7 @@ def searched(task: Task, start: SearchStart, validator: Validator) -> Record:
     """Return a task with the verdict and the witness of the search of its scenario.
 
     Raises:
-        QueryError: it finds none, because another version of prag_asp or of PyBullet searches.
+        QueryError: the search finds no witness, because the version of prag_asp or PyBullet differs.
     """
     from prag_asp.physics import Staging
 
@@ -140,7 +139,7 @@ def searched(task: Task, start: SearchStart, validator: Validator) -> Record:
 
 
 def start_of(record: Record, staging: Staging | None = None) -> SearchStart | None:
-    """Return the search that found the witness of a record, if there is one; `staging` is that of its demonstration."""
+    """Return the search that found the witness of a record, if any; `staging` is the staging of its demonstration."""
     if record.verdict is None:
         return None
     from prag_asp.physics import Budget
@@ -154,7 +153,7 @@ def read_scenarios(file: str | Path) -> Iterator[Scenario]:
 
     Raises:
         OSError: the file cannot be read.
-        QueryError: a line is no scenario id; the message names the line.
+        QueryError: a line is not a scenario id; the message names the line.
     """
     with open_text(file) as stream:
         for number, line in enumerate(lines_of(stream), 1):
@@ -166,13 +165,13 @@ def read_scenarios(file: str | Path) -> Iterator[Scenario]:
 
 
 def exclude(space: TaskSpace, scenarios: Iterable[Scenario]) -> Callable[[Task], bool]:
-    """Return a function that returns whether a task of a space is none of those of some scenarios.
+    """Return a function that tests whether a task of a space is not a task of given scenarios.
 
     Initial states do not matter. A sample without replacement from which these tasks are left out is a sample without
     replacement of the others.
 
     Raises:
-        QueryError: a scenario is of another domain, of other conditions than the space, or of no task.
+        QueryError: a scenario has another domain than the space, other conditions, or no task.
     """
     here, clauses, excluded = Scenarios(space.domain, space), _clauses(space.whole), set[tuple[str, ...]]()
     for scenario in scenarios:

@@ -1,4 +1,4 @@
-"""Compare two evaluations by the scenarios that both have."""
+"""Compare two evaluations on the scenarios that they share."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from prag_asp.wording import plural
 
 @dataclass(frozen=True)
 class Comparison:
-    """The pairs of episodes of two evaluations with the same scenario.
+    """Pairs of episodes of two evaluations: one pair for each shared scenario.
 
     `only_first` and `only_second` count episodes without a counterpart, `other_states` the scenarios whose initial
-    states differ, because other versions have searched for them; none of these are compared.
+    states differ, because different versions searched for them; none of these are compared.
     """
 
     pairs: tuple[tuple[EpisodeResult, EpisodeResult], ...]
@@ -26,11 +26,11 @@ class Comparison:
     other_states: int = 0
 
     def whole(self) -> Pairs:
-        """Return the numbers of all pairs."""
+        """Return the counts over all pairs."""
         return _counted(self.pairs)
 
     def by(self, what: str) -> Mapping[str, Pairs]:
-        """Return the numbers of the pairs by ``part``, ``length`` or ``class``.
+        """Return the counts of pairs by ``part``, ``length`` or ``class``.
 
         Raises:
             QueryError: there is no such grouping.
@@ -48,7 +48,7 @@ class Comparison:
         return {str(key): _counted(groups[key]) for key in sorted(groups, key=lambda key: (str(type(key)), key))}
 
     def table(self) -> str:
-        """Return the rates of both, the difference with its interval of 95 %, and the p-value, of all and by groups."""
+        """Return both rates, their difference with its 95 % interval, and the p-value, for all pairs and by group."""
         rows: list[tuple[str, ...]] = [("", "pairs", "first", "second", "difference", "p")]
         groups = [("all", self.whole())]
         for what in PAIRED:
@@ -80,16 +80,17 @@ class Comparison:
 
 
 PAIRED = tuple(what for what in GROUPINGS if what != "action")
-"""The groupings of pairs; the subgoals that two policies pursue are not paired."""
+"""The groupings of pairs: none by action, because the subgoals that two policies pursue are not paired."""
 
 
 def compare(first: Results, second: Results, *, across: bool = False) -> Comparison:
     """Pair the episodes of two evaluations by their scenarios.
 
-    With `across`, evaluations of different controls or step limits are compared, too.
+    With `across`, evaluations with different domains, controls or step limits are compared, too.
 
     Raises:
-        QueryError: the domain, the control or the step limit differs, a scenario occurs twice, or nothing pairs.
+        QueryError: the domain, the control or the step limit differs, a scenario occurs twice, or no episodes can be
+            paired.
     """
     difference = first.record.difference(second.record)
     if difference and not across:

@@ -1,4 +1,4 @@
-"""Episodes of an evaluation: the scenario of each, its result, and how a policy performs it."""
+"""Episodes of an evaluation: their scenarios, their results, and their execution by a policy."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 SUCCESS, LIMIT, GAVE_UP = "success", "step limit", "gave up"
-"""The causes with which an episode ends: the task is done, its steps are used up, or the policy returns no action."""
+"""The reasons why an episode ends: the task is done, the step limit is reached, or the policy returns no action."""
 
 SEED_BYTES = 6
-"""Bytes of the seed of an episode: every generator takes so many."""
+"""The size of the seed of an episode in bytes, which every generator accepts."""
 
 
 class SubgoalResult(msgspec.Struct, frozen=True):
@@ -44,9 +44,10 @@ class SubgoalResult(msgspec.Struct, frozen=True):
 class EpisodeResult(msgspec.Struct, frozen=True):
     """The result of an episode.
 
-    `part` is the part of a dataset or a suite, or "". `initial` is a digest of the initial state, and `classes` are
-    those of the entities that the actions name. `reached` counts the subgoals that were reached, `subgoals` has those
-    that were pursued. `cause` is one of `SUCCESS`, `LIMIT` and `GAVE_UP`; `seconds` is the simulated time.
+    `part` is the part of a dataset or a suite, or "". `initial` is a digest of the initial state, and `classes` are the
+    classes of the entities that the actions name. `reached` counts the subgoals that were reached, `subgoals` has a
+    result for each that was pursued. `cause` is one of `SUCCESS`, `LIMIT` and `GAVE_UP`; `seconds` is the simulated
+    time.
     """
 
     scenario: str
@@ -65,7 +66,7 @@ class EpisodeResult(msgspec.Struct, frozen=True):
 
 
 class EpisodeJob(NamedTuple):
-    """An episode to run: its part, its scenario, and its task with a witness; without one, physics searches it."""
+    """An episode to run: its part, its scenario, and its task with a witness, or None to search for one."""
 
     part: str
     scenario: Scenario
@@ -74,7 +75,7 @@ class EpisodeJob(NamedTuple):
 
 @dataclass(frozen=True)
 class EpisodeSetup:
-    """What all episodes of an evaluation have in common: `options` are arguments of the environment."""
+    """The common setup of all episodes of an evaluation; `options` are arguments of the environment."""
 
     domain: Domain
     lengths: tuple[int, ...]
@@ -86,7 +87,7 @@ class EpisodeSetup:
 
 
 Watch = Callable[[gymnasium.Env[Any, Any]], None]
-"""Is called with the environment after its reset and after each step."""
+"""A callback that receives the environment after its reset and after each step."""
 
 
 class EpisodeRunner:
@@ -107,7 +108,7 @@ class EpisodeRunner:
         The result depends on the scenario, the policy and the seed alone.
 
         Raises:
-            QueryError: the scenario is not of the domain, or the policy fails.
+            QueryError: the scenario does not belong to the domain, or the policy fails.
         """
         task, witness = job.given or self._searched(job.scenario)
         if witness is None:
@@ -199,7 +200,7 @@ def classes_of(task: Task) -> list[str]:
 
 
 def episode_seed(seed: int, scenario: Scenario) -> int:
-    """Return the seed of the random choices of a policy in a scenario: the same whatever else is evaluated."""
+    """Return the seed of a policy's random choices in a scenario; it does not depend on other scenarios."""
     return int.from_bytes(blake2b(f"{seed} {scenario}".encode(), digest_size=SEED_BYTES).digest(), "big")
 
 

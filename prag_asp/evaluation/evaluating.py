@@ -37,10 +37,10 @@ ACTIVITY = "evaluating a policy"
 ENVIRONMENT = (
     "control", "rate", "action_scale", "observation", "everything", "goals", "steps", "language", "cameras", "size",
 )  # fmt: skip
-"""The options of the environment that an evaluation may set: those of what a policy sees and does."""
+"""The environment options that an evaluation may set: those of the observations and actions of a policy."""
 
 JOURNAL = "journal.part"
-"""The file with the results of episodes until all have ended."""
+"""The file with the results of episodes until all episodes have ended."""
 
 VIDEOS = "videos"
 """The folder of the videos of failures."""
@@ -65,12 +65,11 @@ def evaluate(
 
     `policy` is a text that `load_policy` takes, or a function of an observation (and of `info`, if it has a parameter
     of that name) or a class of such functions; `environment` has options of `TaskEnv` (those in `ENVIRONMENT`). A
-    `wrapper` wraps the environment, as in training. A policy that takes random numbers from the global generators of
-    Python, NumPy or PyTorch gets a seed for each episode, so results do not depend on the number of `workers`, if those
-    of the policy do not.
+    `wrapper` wraps the environment, as in training. The global random generators of Python, NumPy and PyTorch are
+    seeded for each episode, so results do not depend on the number of `workers`, unless the policy itself does.
 
     With a `folder`, the results are written there: evaluation.json, a table of episodes, and `videos` of the first
-    failures. An interrupted evaluation continues there; all episodes before the oldest running one are kept.
+    failures. An interrupted evaluation continues there, and keeps all episodes before the oldest running one.
 
     Raises:
         QueryError: an argument is wrong, or the policy fails.
@@ -128,7 +127,7 @@ def _evaluated(
     write: Callable[[bytes], None],
     progress: Progress,
 ) -> tuple[EvaluationRecord, tuple[EpisodeResult, ...]]:
-    """Return the record and the episodes, those of an interrupted evaluation first; `write` keeps each new one.
+    """Return the record and the episodes, those of an interrupted evaluation first; `write` stores each new episode.
 
     Raises:
         NotFound: there are fewer feasible scenarios than requested.
@@ -167,7 +166,7 @@ def _evaluated(
 
 
 def _write_videos(results: Results, source: ScenarioSource, setup: EpisodeSetup, folder: Path, count: int) -> None:
-    """Run the first failed episodes again, which they repeat exactly, and write a video of each."""
+    """Repeat the first failed episodes exactly, and write a video of each."""
     from prag_asp.dataset.formats.video import Video
     from prag_asp.missing import require_packages
 

@@ -1,7 +1,7 @@
 """The exact power of two tests: Fisher's for two samples, and McNemar's for pairs.
 
-Powers are sums over all results that the tests reject. Terms that together have a probability below 1e-15 are left
-out; the others are floats. Whether a result is rejected is decided exactly.
+Powers are sums over all results that the tests reject. Terms that together have a probability below 1e-15 are omitted;
+the others are computed as floats. Whether a result is rejected is decided exactly.
 """
 
 from __future__ import annotations
@@ -24,19 +24,19 @@ DEVIATIONS = math.log(1e18) / 2
 a probability of at most 1e-18 (Hoeffding, 1963)."""
 
 CLOSE = 1e-8
-"""The relative difference from the level of significance below which integers decide; floats are off by less.
+"""The relative difference from the level of significance below which integers decide; the error of floats is smaller.
 
 A sum of nine logarithms of factorials up to 200,000!, which is about exp(2e6), is off by at most 4e-9."""
 
 
 def unpaired_power(scenarios: int, first: float, second: float, alpha: Fraction) -> float:
-    """Return the power of Fisher's exact test of two samples of one size, given the probabilities of success."""
+    """Return the power of Fisher's exact test of two samples of equal size, given the probabilities of success."""
     spread = math.sqrt(DEVIATIONS * 2 * scenarios)
     mean = scenarios * (first + second)
     totals = np.arange(max(0, math.floor(mean - spread)), min(2 * scenarios, math.ceil(mean + spread)) + 1)
     critical = fisher_critical_values(scenarios, totals, alpha)
     numbers = np.arange(scenarios + 1)
-    place = np.searchsorted(critical, numbers)  # the least total at which so few successes of one sample are rejected
+    place = np.searchsorted(critical, numbers)  # the smallest total at which this number is rejected
     least = np.clip(np.append(totals, totals[-1] + 1)[place] - numbers, 0, scenarios + 1)
     power = 0.0
     for fewer, more in ((first, second), (second, first)):
@@ -63,8 +63,8 @@ def paired_power(scenarios: int, first: float, second: float, alpha: Fraction) -
 def fisher_critical_values(scenarios: int, totals: Integers, alpha: Fraction) -> Integers:
     """Return the largest number of successes of one sample that Fisher's test rejects as too few, for each total.
 
-    Both samples have `scenarios` members. A result is rejected if twice the tail is at most alpha. Where no number is
-    rejected, the result is that before the smallest possible one.
+    Both samples have `scenarios` members. A result is rejected if twice the tail is at most alpha. If no number is
+    rejected, the result is one less than the smallest possible number.
     """
     depth = math.ceil(math.sqrt(DEVIATIONS * scenarios)) + 2
     numbers = totals[:, None] // 2 - np.arange(depth)[::-1]
@@ -84,9 +84,10 @@ def fisher_critical_values(scenarios: int, totals: Integers, alpha: Fraction) ->
 
 
 def sign_test_critical_values(differing: Integers, alpha: Fraction) -> Integers:
-    """Return the largest number of a policy's successes alone that McNemar's test rejects as too few, or -1.
+    """Return the largest number of successes of one policy alone that McNemar's test rejects as too few, or -1.
 
-    The test is that of fair coins, for each number of differing pairs; twice the tail must be at most alpha.
+    There is one result for each number of differing pairs. Twice the tail of the binomial distribution with probability
+    1/2 must be at most alpha.
     """
     depth = math.ceil(math.sqrt(DEVIATIONS * int(differing[-1]))) + 2
     numbers = differing[:, None] // 2 - np.arange(depth)[::-1]
@@ -100,7 +101,7 @@ def sign_test_critical_values(differing: Integers, alpha: Fraction) -> Integers:
 
 
 def _tail_within(bound: int, term: int, number: int, before: Callable[[int, int], int]) -> bool:
-    """Return whether the sum of a term and all before it, which fall towards number 0, is at most a bound; exactly."""
+    """Return exactly whether a term and all before it, which decrease towards number 0, sum to at most a bound."""
     tail = 0
     for k in range(number, -1, -1):
         tail += term
@@ -125,7 +126,7 @@ def _largest_rejected(
 
 
 def _binomial_at_most(bounds: Integers, sizes: Integers, probability: float) -> Floats:
-    """Return the probabilities that binomial numbers are at most their bounds."""
+    """Return the probabilities that binomial variables are at most their bounds."""
     spread = np.sqrt(DEVIATIONS * sizes)
     lowest = np.maximum(np.floor(sizes * probability - spread).astype(np.int64), 0)
     numbers = lowest[:, None] + np.arange(2 * math.ceil(spread[-1]) + 2)
@@ -151,11 +152,11 @@ def _log_binomials(sizes: int | Integers, numbers: Integers) -> Floats:
 
 
 _FACTORIALS: list[Floats] = [np.zeros(1)]
-"""The logarithms of the factorials that were needed so far."""
+"""The logarithms of the factorials computed so far."""
 
 
 def _log_factorials(largest: int) -> Floats:
-    """Return the logarithms of all factorials up to at least the largest; they are kept."""
+    """Return the logarithms of the factorials of 0 to at least `largest`; they are cached."""
     if len(_FACTORIALS[0]) <= largest:
         sizes = range(2 * largest + 1)
         _FACTORIALS[0] = np.array([math.lgamma(size + 1) for size in sizes])

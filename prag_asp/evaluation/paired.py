@@ -1,4 +1,4 @@
-"""Statistics of paired successes: an exact test, and an interval of the difference of two shares."""
+"""Statistics of paired successes: an exact test, and an interval for the difference of two shares."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from prag_asp.rl.skill_chains import Rate
 
 
 class Pairs(NamedTuple):
-    """The numbers of pairs in which both succeed, only the first, only the second, and neither."""
+    """The numbers of pairs in which both policies succeed, only the first, only the second, or neither."""
 
     both: int
     first: int
@@ -24,7 +24,7 @@ class Pairs(NamedTuple):
 
     @property
     def rates(self) -> tuple[Rate, Rate]:
-        """The rates of success of the first and of the second."""
+        """The success rates of the first and the second policy."""
         return Rate(self.both + self.first, self.total), Rate(self.both + self.second, self.total)
 
     @property
@@ -36,14 +36,14 @@ class Pairs(NamedTuple):
         """Return the exact two-sided p-value of McNemar's test (1947), by the binomial distribution.
 
         If both succeed equally often, each of the n pairs that differ is as likely to favour one as the other. The
-        value is the probability of a split at least as uneven as the one found, in either direction.
+        value is the probability of a split at least as uneven as the one observed, in either direction.
         """
         differ, fewer = self.first + self.second, min(self.first, self.second)
         tail = sum(math.comb(differ, k) for k in range(fewer + 1))
         return min(Fraction(1), Fraction(2 * tail, 2**differ))
 
     def interval(self, confidence: float = 0.95) -> tuple[float, float]:
-        """Return an interval of the difference of the probabilities of success, first minus second.
+        """Return an interval for the difference of the probabilities of success, first minus second.
 
         It is method 10 of Newcombe, "Improved confidence intervals for the difference between binomial proportions
         based on paired data", Statistics in Medicine 17 (1998): Wilson's intervals of both shares are combined with
@@ -74,5 +74,5 @@ class Pairs(NamedTuple):
 
 
 def _combined(one: float, two: float, phi: float) -> float:
-    """Return the half-width of the difference of two shares whose own half-widths are given."""
+    """Return the half-width for the difference of two shares, given their half-widths."""
     return math.sqrt(max(one * one - 2 * phi * one * two + two * two, 0.0))

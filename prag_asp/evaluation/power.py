@@ -1,4 +1,4 @@
-"""How many scenarios a claim about two policies needs, and what a number of scenarios can show.
+"""Sample sizes, exact powers and smallest detectable effects for claims about two policies.
 
 >>> from prag_asp.evaluation import ComparisonDesign
 >>> design = ComparisonDesign(correlation=0.5)
@@ -20,21 +20,21 @@ from prag_asp.errors import QueryError
 from prag_asp.evaluation.exact_power import CLOSE, paired_power, unpaired_power
 
 Number = int | float | str | Fraction
-"""A probability; a float means its shortest decimal."""
+"""A probability; a float stands for its shortest decimal."""
 
 MOST = 100_000
-"""The largest number of scenarios of an answer: far above any evaluation, and a test of it takes a second."""
+"""The largest number of scenarios: far above any evaluation, and its power takes a second to compute."""
 
 AHEAD = 30
 """How many further numbers of scenarios must reach the power too, because exact power is not monotone.
 
-Critical values are integers, so power falls where one changes. It is most uneven if all results differ; then, for
-effects of 0.06 to 0.3, numbers that reach a power of 0.8 and others mix over 7 to 39 numbers, and the next 200 reach
-it.
+Critical values are integers, so power falls where one changes. The fluctuation is largest if all results differ; then,
+for effects of 0.06 to 0.3, numbers that reach a power of 0.8 and numbers that do not are mixed in a range of 7 to 39
+numbers, and the next 200 reach it.
 """
 
 STEP = Fraction(1, 10_000)
-"""The step of smallest effects: a hundredth of a percentage point."""
+"""The resolution of smallest effects: a hundredth of a percentage point."""
 
 LEAST_ALPHA = Fraction(1, 10**6)
 """The smallest level of significance: tails of tests are sums of floats, which neglect parts of 1e-18."""
@@ -51,9 +51,9 @@ class ComparisonDesign:
     in which one policy alone succeeds (Duffy, Statistics in Medicine 3, 1984; Connor, Biometrics 43, 1987).
     `correlation` is that of both results in a scenario, `discordant` the share of scenarios in which they differ.
 
-    With `tasks`, the number of all tasks, scenarios are sampled from them without replacement and the claim is about
-    these tasks. The variance of a rate of n scenarios is then smaller by the factor (N - n) / (N - 1), as that of a
-    hypergeometric number, so they count as n (N - 1) / (N - n) (Cochran, Sampling Techniques, 1977, section 4.4).
+    With `tasks`, the number N of all tasks, scenarios are sampled from them without replacement and the claim is about
+    these tasks. The variance of a rate over n scenarios is then smaller by the factor (N - n) / (N - 1), like that of a
+    hypergeometric variable, so they count as n (N - 1) / (N - n) (Cochran, Sampling Techniques, 1977, section 4.4).
 
     Raises:
         QueryError: a number is out of its range, or both `correlation` and `discordant` are given.
@@ -90,11 +90,11 @@ class ComparisonDesign:
     def power(self, scenarios: int, effect: Number) -> float:
         """Return the probability that the test finds an effect with a number of scenarios for each policy.
 
-        It counts rejections in both directions. With `tasks`, it is that of the effective number, rounded down and
-        at most `MOST`, and 1 if the scenarios are all tasks.
+        Rejections in both directions count. With `tasks`, the power is that of the effective number of scenarios,
+        rounded down and at most `MOST`, and 1 if the scenarios cover all tasks.
 
         Raises:
-            QueryError: there is no such effect at this rate, or more scenarios are given than there are tasks, or more
+            QueryError: the effect is impossible at this rate, or more scenarios are given than there are tasks, or more
                 than `MOST`.
         """
         return self._power(self._effective(scenarios), _exact("effect", effect))
@@ -102,11 +102,11 @@ class ComparisonDesign:
     def scenarios(self, effect: Number, power: Number = Fraction(4, 5)) -> int:
         """Return how many scenarios each policy needs so that the test finds an effect with a given power.
 
-        Exact power is not monotone in the number. The result, before the correction for `tasks`, reaches the power as
-        do the next 30 numbers, and the number before it does not.
+        Exact power is not monotone in the number. The result, before the correction for `tasks`, reaches the power, and
+        so do the next 30 numbers, but not the number before it.
 
         Raises:
-            QueryError: there is no such effect at this rate, it is 0, or more than `MOST` scenarios are needed.
+            QueryError: the effect is 0 or impossible at this rate, or more than `MOST` scenarios are needed.
         """
         exact, wished = _exact("effect", effect), float(_within("power", power, 0, 1))
         if exact == 0:
@@ -119,7 +119,7 @@ class ComparisonDesign:
     def smallest_effect(self, scenarios: int, power: Number = Fraction(4, 5)) -> Fraction | None:
         """Return the smallest effect, in steps of 0.0001, that the test finds with a given power.
 
-        It is None if the rate of the second policy cannot be large enough.
+        The result is None if the rate of the second policy cannot be large enough.
 
         Raises:
             QueryError: more scenarios are given than there are tasks, or more than `MOST`.
@@ -137,7 +137,7 @@ class ComparisonDesign:
         return high * STEP
 
     def half_width(self, scenarios: int) -> float:
-        """Return half of the width of Wilson's interval (1927) of one rate, at `rate`, with confidence 1 - alpha.
+        """Return the half-width of Wilson's interval (1927) for one rate, at `rate`, with confidence 1 - alpha.
 
         Raises:
             QueryError: more scenarios are given than there are tasks, or more than `MOST`.
@@ -149,7 +149,7 @@ class ComparisonDesign:
         return z / (1 + z * z / number) * math.sqrt(p * (1 - p) / number + z * z / (4 * number * number))
 
     def _effective(self, scenarios: int, *, whole: bool = True) -> float:
-        """Return how many scenarios of an endless space have the variance of some of `tasks`."""
+        """Return how many scenarios of an infinite space give the same variance as `scenarios` of `tasks`."""
         if not 1 <= scenarios <= MOST:
             raise QueryError(f"{scenarios} scenarios: give a number from 1 to {MOST:,}")
         if self.tasks is None:
@@ -219,7 +219,7 @@ class ComparisonDesign:
 
     @staticmethod
     def _least(reaches: Callable[[int], bool], what: str) -> int:
-        """Return a number that reaches, as do the next `AHEAD`, while the number before it does not."""
+        """Return a number that reaches the power, as do the next `AHEAD` numbers, but not the number before it."""
         low, high = 0, 16
         while not reaches(high):
             if high == MOST:
@@ -237,10 +237,10 @@ class ComparisonDesign:
 
 
 def _exact(name: str, value: Number) -> Fraction:
-    """Return a number as a fraction, a float as its shortest decimal.
+    """Return a number as a fraction; a float stands for its shortest decimal.
 
     Raises:
-        QueryError: it is no number.
+        QueryError: the value is not a number.
     """
     try:
         return Fraction(str(value))
@@ -252,7 +252,7 @@ def _within(name: str, value: Number, low: int | Fraction, high: int | Fraction)
     """Return a number as a fraction.
 
     Raises:
-        QueryError: it is not between the bounds.
+        QueryError: the number is not between the bounds.
     """
     exact = _exact(name, value)
     if not low <= exact <= high:

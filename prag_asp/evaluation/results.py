@@ -23,11 +23,11 @@ from prag_asp.tables.json_fields import Whole
 from prag_asp.tables.report import shown
 
 EPISODES = "episodes.parquet"
-"""The file of the episodes, a row each."""
+"""The file of the episodes, with a row for each."""
 
 
 class EvaluationRecord(msgspec.Struct, frozen=True):
-    """The contents of evaluation.json: what was evaluated on what, and how.
+    """The contents of evaluation.json: the policy, the scenarios and the options of an evaluation.
 
     `options` are those of the environment as text; `rejected` counts sampled tasks that physics found infeasible.
     """
@@ -44,7 +44,7 @@ class EvaluationRecord(msgspec.Struct, frozen=True):
     versions: str
 
     def difference(self, other: EvaluationRecord) -> str:
-        """Return in what the scenes or the rules of episodes differ from those of another evaluation, or ""."""
+        """Return how the domain or the options of episodes differ from those of another evaluation, or ""."""
         if self.domain != other.domain:
             return f"the domains are {self.domain} and {other.domain}"
         if self.digest != other.digest:
@@ -57,15 +57,14 @@ class EvaluationRecord(msgspec.Struct, frozen=True):
 
 
 EVALUATION = ManifestFile("evaluation.json", EvaluationRecord, "prag_asp evaluation", 1, "evaluation")
-"""The file evaluation.json; version 1 of it and of the table."""
+"""The file evaluation.json; the version is that of the file and of the table."""
 
 
 @dataclass(frozen=True)
 class Results:
     """The results of an evaluation, in the order of the scenarios.
 
-    Intervals are Wilson's and take episodes as independent; those from several initial states of the same task are
-    not quite.
+    Wilson's intervals assume independent episodes, which several initial states of the same task do not quite give.
     """
 
     record: EvaluationRecord
@@ -99,7 +98,7 @@ class Results:
         return cls(record, episodes)
 
     def write(self, folder: Path) -> None:
-        """Write the results into a folder: the table, and at last evaluation.json.
+        """Write the results to a folder: first the table, then evaluation.json.
 
         Raises:
             OutputError: a file cannot be written.
@@ -138,11 +137,11 @@ class Results:
         return {str(key): Rate(successes[key], trials[key]) for key in sorted(trials)}
 
     def causes(self) -> Mapping[str, int]:
-        """Return how often episodes ended by each cause."""
+        """Return the number of episodes that ended by each cause."""
         return dict(Counter(episode.cause for episode in self.episodes).most_common())
 
     def table(self) -> str:
-        """Return the rates as text, with Wilson's intervals of 95 %."""
+        """Return the rates as text, with Wilson's 95 % intervals."""
         rows = [("all", self.whole())]
         for what in GROUPINGS:
             rates = self.by(what)
@@ -162,7 +161,7 @@ def rate(episodes: Sequence[EpisodeResult]) -> Rate:
 
 
 def _outcomes(episode: EpisodeResult, what: str) -> Iterable[tuple[Any, bool]]:
-    """Yield the groups to which an episode belongs, each with its success there."""
+    """Yield the groups that an episode belongs to, with the success that each counts."""
     if what == "action":
         return ((parse_atom(subgoal.action).name, subgoal.success) for subgoal in episode.subgoals)
     groups: Mapping[str, Sequence[Any]] = {

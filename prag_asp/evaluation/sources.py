@@ -1,4 +1,4 @@
-"""The scenarios to evaluate: those of a dataset or a suite, those of some ids, or fresh ones of a task space."""
+"""The scenarios to evaluate: from a dataset or a suite, from ids, or freshly sampled from a task space."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ DRAWS_FOR_EACH = 1000
 
 
 class ScenarioSource(Protocol):
-    """Scenarios in an order that depends on nothing else."""
+    """Scenarios in a fixed order."""
 
     @property
     def domain(self) -> Domain:
@@ -62,9 +62,9 @@ class ScenarioSource(Protocol):
 
 @dataclass(frozen=True)
 class FreshScenarios:
-    """Distinct feasible tasks of a space, sampled uniformly without replacement, that satisfy `keep`.
+    """Distinct feasible tasks of a space that satisfy `keep`, sampled uniformly without replacement.
 
-    Tasks whose final state is the initial state are left out unless `trivial`.
+    Tasks whose final state is the initial state are left out unless `trivial` is true.
     """
 
     space: TaskSpace
@@ -108,7 +108,7 @@ class FreshScenarios:
 
 @dataclass(frozen=True)
 class NamedScenarios:
-    """The scenarios of some ids, in their order."""
+    """The scenarios of given ids, in the order of the ids."""
 
     domain: Domain
     scenarios: Sequence[Scenario]
@@ -149,7 +149,7 @@ class NamedScenarios:
 
 @dataclass(frozen=True)
 class StoredScenarios:
-    """The tasks of parts of datasets from their stored initial states, at most `most` of each part."""
+    """The tasks of parts of datasets with their stored initial states; at most `most` tasks of each part."""
 
     parts: Sequence[tuple[str, Dataset]]
     most: int | None = None
@@ -158,7 +158,7 @@ class StoredScenarios:
     def open(
         cls, folder: str | Path, parts: Sequence[str] = (), most: int | None = None, *, trust: bool = False
     ) -> StoredScenarios:
-        """Open a dataset, or a suite: all its parts, or some.
+        """Open all parts, or some, of a dataset or a suite.
 
         Raises:
             QueryError: there is no dataset, no such part, or a part has no initial states.

@@ -16,7 +16,7 @@ VERBS = ("is",)
 
 
 BRACKETED = re.compile(r"\[([^\[\]]*)\]")
-"""Text that a sentence has only for an action that brings about again what held before."""
+"""Text that a sentence has only for an action that restores earlier facts."""
 
 
 class Slot(NamedTuple):

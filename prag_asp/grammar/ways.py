@@ -34,7 +34,7 @@ def ways_of_actions(
 
     `predicates` maps fluents to spatial predicates, where the names differ.
 
-    An action makes a binary fluent false, or true, whose second argument is the place and whose first argument is an
+    The action makes a binary fluent false or true; its second argument is the place, and its first argument is an
     earlier argument of the action. The first argument is not a robot, and the fluent's predicate is not about a robot,
     unless the action makes the fluent false for one place and true for another: then the robot moves itself.
     """

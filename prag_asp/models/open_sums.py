@@ -1,4 +1,4 @@
-"""Sums of weighted literals of which some are open: what a compiler needs to know of a sum instead of its clauses."""
+"""Sums of weighted literals, some of them open: the data that a compiler needs of a sum instead of its clauses."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from prag_asp.logic.formula.clause_builder import Literal, Sum
 
 
 class Missing(NamedTuple):
-    """The weight that a sum lacks to its bound, the weight of its open literals, and its value: 0 as long as open."""
+    """The weight that a sum lacks to reach its bound, the weight of its open literals, and its value: 0 while open."""
 
     bound: int
     rest: int
@@ -19,7 +19,7 @@ class Missing(NamedTuple):
 
     @property
     def is_closed(self) -> bool:
-        """Whether the open literals are free."""
+        """Whether the sum no longer constrains its open literals."""
         return bool(self.value) and (self.bound <= 0 or self.bound > self.rest)
 
 
@@ -38,14 +38,14 @@ class OpenSum:
         return tuple(sorted((*map(abs, self.weights), *output)))
 
     def renamed(self, number: Mapping[int, int]) -> OpenSum:
-        """Return the sum with other numbers of its variables; a fixed output becomes 0."""
+        """Return the sum with renumbered variables; a fixed output becomes 0."""
         weights = {
             number[abs(literal)] * (1 if literal > 0 else -1): weight for literal, weight in self.weights.items()
         }
         return OpenSum(0 if self.missing.value else number[self.output], weights, self.missing)
 
     def after(self, missing: Missing, literal: Literal) -> Missing:
-        """Return what is missing after one more literal is true."""
+        """Return the missing weights and the value after one more literal is true."""
         bound, rest, value = missing
         weight = self.weights.get(literal, 0)
         if abs(literal) == self.output:

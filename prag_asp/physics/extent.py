@@ -1,4 +1,4 @@
-"""The extent of a body at its orientation: of a primitive by its form, of a body with a model by its solids.
+"""The extent of a rotated body, from the shape of a primitive or the solids of a model.
 
 The box of a model's file says little about a body that is oblique in its file, so everything is measured on the convex
 hull of the solids. Lengths are metres.
@@ -27,8 +27,8 @@ Floats = NDArray[np.float64]
 ORIGIN: Vector = (0.0, 0.0, 0.0)
 
 OBLIQUE = 0.98
-"""The largest area of the smallest rectangle around a body, as a share of that along the axes of its file, for which
-the sides of the body are those of the smallest rectangle."""
+"""The sides of a body are those of the smallest rectangle around it if its area is at most this share of the area of
+the rectangle along the axes of the file."""
 
 
 class Extent(NamedTuple):
@@ -60,7 +60,7 @@ def extent(shape: Shape, quaternion: Quaternion) -> Extent:
 
 @lru_cache(maxsize=1 << 11)
 def extent_along(shape: Shape, quaternion: Quaternion, direction: Vector) -> tuple[float, float]:
-    """Return the middle of a rotated body along a unit vector, relative to its origin, and half its width there."""
+    """Return the middle of a rotated body along a unit vector, relative to its origin, and its half-width."""
     x, y, z, w = quaternion
     along = rotate((-x, -y, -z, w), direction)
     if shape.model is None:
@@ -138,7 +138,8 @@ def side_yaw(shape: Shape) -> float:
 def least_reach(shape: Shape) -> float:
     """Return a lower bound of the reach of a body from its origin along any direction, in metres.
 
-    Of a convex body around its origin, it is the distance of the nearest face. It is negative if the origin is outside.
+    For a convex body that contains its origin, the bound is the distance of the nearest face. It is negative if the
+    origin is outside.
     """
     if shape.model is None:
         return min(shape.half)

@@ -64,13 +64,14 @@ class TaskEnv(GoalEnv):
     Instead of a space, give a `domain` and a `length`; instead of a dataset, its folder. With `split`, only the part of
     that name is used: a part of a dataset, or of a space divided by `shares` (80 % ``train`` and 20 % ``test`` by
     default), by whole `skeletons`, or by a held-out name (`hold_out`), as `generate` divides it with the same seed. The
-    conditions `where` restrict a space or a dataset. Unless `trivial`, tasks of a space are left out whose final state
-    is the initial state. So plain values define an environment.
+    conditions `where` restrict a space or a dataset. Tasks of a space whose final state is the initial state are left
+    out unless `trivial` is true. So plain values define an environment.
 
-    An observation has the agent's `observation` (`layout.names` names its numbers), and, by the convention of goal
-    environments, `achieved_goal` and `desired_goal` of the shape (2 * `PLACES`,): for now, and for one step before;
-    `prag_asp.rl.rewards` explains the vectors. `control` is the meaning of actions by its name; the attribute
-    `control` has the names, units and scales of their numbers. There are `rate` actions a second, a divisor of 120.
+    An observation is an array of the kind `observation` (`layout.names` names its numbers); with `goals` or `cameras`,
+    it is a dictionary with this array as `observation`. By the convention of goal environments, `goals` add
+    `achieved_goal` and `desired_goal` of the shape (2 * `PLACES`,): for now, and for one step before;
+    `prag_asp.rl.rewards` explains the vectors. `control` is the name of a control convention; the attribute `control`
+    has the names, units and scales of the numbers of actions. There are `rate` actions a second, a divisor of 120.
     `action_scale` is a factor of changes, except those of the fingers, for skills that need small motions.
 
     `stage` is the initial subgoal, from 0 (-1 is the last, "any" is random); the episode begins in the witness's state
@@ -322,7 +323,7 @@ class TaskEnv(GoalEnv):
 
     @property
     def commanded_openings(self) -> Mapping[str, float]:
-        """The commanded opening of each gripper in metres; this and the next raise QueryError without an episode."""
+        """The commanded opening of each gripper in metres; this and the next two raise QueryError outside episodes."""
         return self._begun_arena.commanded_openings
 
     @property

@@ -65,7 +65,7 @@ def check_figures(
 
 
 def conditions_of(where: Sequence[str], stage: object) -> Sequence[str]:
-    """Return the conditions on tasks: also that a task has the action that a `stage` names."""
+    """Return the conditions on tasks, including that a task has the action that a `stage` names."""
     if isinstance(where, str) or not isinstance(stage, str) or stage == ANY:
         return where
     return (*where, f"has {stage}")

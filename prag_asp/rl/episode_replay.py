@@ -1,4 +1,4 @@
-"""Replay the recordings of a dataset in the environment, by the actions that its exports have."""
+"""Replay the recordings of a dataset in the environment, with the actions that its exports contain."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from prag_asp.rl.environment import TaskEnv
 from prag_asp.task import Task
 
 SETTLING = 1.0
-"""The time in seconds to hold the last targets if a subgoal is not reached by then, because bodies still move."""
+"""The time in seconds to hold the last targets if a subgoal is not reached by then, because bodies may still move."""
 
 
 class Replay(NamedTuple):

@@ -36,8 +36,8 @@ class GoalEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """An environment whose rewards and episode ends follow from goal vectors, as hindsight replay needs.
 
     A goal has the shape (2 * `PLACES`,): the vector of the moment, then the vector of one step before. `discount` is
-    the discount of the potentials, `share` the weight of the dense reward. Only environments that `has_goals` in their
-    observations have the methods ``compute_...``.
+    the discount of the potentials, `share` the weight of the dense reward. The methods ``compute_...`` exist only if
+    `has_goals` is true: if observations have goals.
     """
 
     has_goals: bool

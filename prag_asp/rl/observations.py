@@ -1,4 +1,4 @@
-"""Observations: the arms, the bodies of the current action, its skill, and by how much its facts are missed.
+"""Observations: the arms, the bodies of the current action, its skill, and the distances of its facts.
 
 A skill is an action without the bodies that it names: ``place(panda,_,left_of,_)``. The features of bodies are in the
 order of the action's arguments, so a policy for one cube fits all cubes.
@@ -25,8 +25,8 @@ from prag_asp.scene.scene import Scene
 
 ObservationKind = Literal["relative", "poses"]
 OBSERVATIONS: tuple[ObservationKind, ...] = get_args(ObservationKind)
-"""The numbers of an observation: `relative` has what a skill depends on, scaled to about 1; `poses` has all of them, in
-metres and radians."""
+"""The kinds of observations: `relative` has the features that a skill depends on, scaled to about 1; `poses` has all
+features, in metres and radians."""
 
 BODY = (
     "is there", *"xyz", "dx", "dy", "dz", "cos yaw", "sin yaw", "cos turn", "sin turn", "up", "half x", "half y",
@@ -43,8 +43,8 @@ ARM = (*(f"joint {i}" for i in range(1, 8)), *"xyz", "vx", "vy", "vz", "cos yaw"
 metres."""
 
 FACTS = (*(f"fact {i + 1}" for i in range(BROUGHT)), "other facts")
-"""The signed distances of the facts of the current subgoal, in metres or radians: of each that its action brings about,
-and the largest of all others. A fact holds if its distance is at most 0."""
+"""The signed distances of the facts of the current subgoal, in metres or radians: one for each fact that its action
+brings about, and the largest of all others. A fact holds if its distance is at most 0."""
 
 JOINT_SCALES = {f"joint {i}": 0.5 for i in range(1, 8)}
 ARM_SCALES = {
@@ -59,7 +59,8 @@ BODY_SCALES = {
 the width of its gripper."""
 
 FACT_SCALE, FACT_BOUNDS = 10.0, (-0.1, 0.5)
-"""The factor of the distance of a fact, and the bounds of that distance before it, in metres or radians."""
+"""The factor of the distance of a fact, and the bounds to which the distance is clipped before scaling, in metres or
+radians."""
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,8 @@ class Layout:
     ) -> Layout:
         """Return the layout for the actions of a domain.
 
-        With `everything`, it includes all bodies of the scene; with `joints`, also if it is `relative`, the joints.
+        With `everything`, it includes all bodies of the scene; with `joints`, it includes the joints even if it is
+        `relative`.
 
         Raises:
             QueryError: there are no actions.

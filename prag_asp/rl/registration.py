@@ -39,7 +39,7 @@ SKILLS: dict[str, dict[str, Any]] = {
 }
 """The arguments of environments for single skills: episodes that begin with a subgoal of the skill and end with it.
 
-The limits of steps are about twice those of the scripted agent.
+The step limits are about twice the steps of the scripted agent.
 """
 
 

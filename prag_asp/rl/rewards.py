@@ -30,7 +30,7 @@ cost of a step, `faded` an annealed share of both."""
 WORTH = 100.0
 """The total dense reward for approaching a subgoal, relative to the sparse reward for reaching it.
 
-Agents that are also rewarded for uncertainty, such as soft actor-critic, begin with about 3.5 a step (5 numbers between
+Agents that are also rewarded for entropy, such as soft actor-critic, begin with about 3.5 a step (5 numbers between
 -1 and 1, at the usual initial coefficient 1). With a total of 10, ending an episode costs them more than it earns.
 """
 
@@ -38,10 +38,11 @@ REACH = 0.1
 """The distance from a subgoal at which its potential is half the maximum, in metres or radians."""
 
 STEP_COST = 4.0
-"""The cost of a step, with the whole dense reward.
+"""The cost of a step at the full dense reward.
 
-On the way to a goal, steps of a few centimetres earn about as much, so the values of most states are near 0. Without a
-cost, an agent that hovers hardly loses anything, and overestimates its future more and more (`WORTH` / 25).
+On the way to a goal, steps of a few centimetres earn about as much as they cost, so the values of most states are near
+0. Without a cost, an agent that hovers hardly loses anything, and overestimates its future more and more (`WORTH` /
+25).
 """
 
 Floats = NDArray[np.floating]

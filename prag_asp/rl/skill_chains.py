@@ -68,7 +68,7 @@ class Rate(NamedTuple):
         return (0.0 if self.successes == 0 else low), (1.0 if self.successes == n else high)
 
     def __str__(self) -> str:
-        """Return the share in percent, with its interval of 95 % and the counts."""
+        """Return the share in percent, with its 95 % interval and the counts."""
         low, high = self.interval()
         return (
             f"{100 * float(self.share):.0f} % ({100 * low:.0f} to {100 * high:.0f}; {self.successes} of {self.trials})"

@@ -73,7 +73,7 @@ class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np
 
 
 def _turn(situation: Situation, robot: str, entity: str) -> float:
-    """Return the smallest turn in radians after which the fingers close on the narrow sides of a box; else 0."""
+    """Return the smallest turn in radians after which the fingers close on the narrow sides of a box; otherwise 0."""
     shape = situation.shape(entity)
     if shape.kind != "box":
         return 0.0

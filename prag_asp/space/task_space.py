@@ -159,7 +159,7 @@ class TaskSpace:
 
     @property
     def whole(self) -> TaskSpace:
-        """The space of which this one is a part, with the same tasks and others; itself if it is no part."""
+        """The space of which this one is a part, with the same tasks and others; itself if it is not a part."""
         return self if self._part_of is None else self._part_of.whole
 
     def same_tasks(self, other: object) -> bool:

@@ -35,12 +35,12 @@ def export(
     `form` is one of ``lerobot``, ``minari``, ``robomimic`` and ``bddl``; `target` is a new folder, for ``robomimic`` a
     new file. It is written atomically, and with the same bytes for the same dataset. `level` is the level of detail of
     the instructions: ``vague``, ``default`` or ``exact``. `action` is the convention of actions, one of
-    `prag_asp.physics.control.control.CONTROLS`. The rest is for ``lerobot``, as other formats have all observations:
-    `state` are the conventions of the state, ``joint_position`` and ``ee_position``; with `objects`, the default
-    without cameras, there are the poses of objects, with `depth` the depth images.
+    `prag_asp.physics.control.control.CONTROLS`. The other options are for ``lerobot``, because other formats have all
+    observations: `state` has the conventions of the state, ``joint_position`` and ``ee_position``; `objects`, the
+    default without cameras, adds the poses of objects, and `depth` the depth images.
 
     Raises:
-        QueryError: there is no such format or convention, or the dataset has no recordings, or has no task.
+        QueryError: there is no such format or convention, or the dataset has no recordings or no task.
         DomainError: the domain of the dataset differs from the record in dataset.json.
         OutputError: the export cannot be written, or the target exists.
         DatasetsMissingError: a package that the format needs is not installed.

@@ -43,7 +43,8 @@ DATA, EPISODES = f"data/{PLACE}.parquet", f"meta/episodes/{PLACE}.parquet"
 VIDEOS = f"videos/{{video_key}}/{PLACE}.mp4"
 
 DEPTH = "depth."
-"""The features of depth images: policies of LeRobot would take those named ``observation...`` as inputs."""
+"""The prefix of the features of depth images; LeRobot's policies would use features named ``observation...`` as
+inputs."""
 
 CARD = """---
 tags: [LeRobot]
@@ -63,8 +64,8 @@ A LeRobotDataset {version}: {episodes} of `{name}`, written by prag_asp. `subtas
 class LeRobot:
     """Writes LeRobotDatasets; a data or video file that reaches its size limit in megabytes gets no more episodes.
 
-    `state` has the conventions of ``observation.state``; with `objects`, ``observation.environment_state`` has the
-    poses of objects, by default if there are no cameras; with `depth`, ``depth.CAMERA`` has the depth images.
+    `state` has the conventions of ``observation.state``; with `objects`, the default without cameras,
+    ``observation.environment_state`` has the poses of objects; with `depth`, ``depth.CAMERA`` has the depth images.
 
     Raises:
         QueryError: there is no such convention of states.
@@ -256,7 +257,7 @@ class _VideoFeature:
 
 
 def _features(form: LeRobot, source: EpisodeSource) -> dict[str, Any]:
-    """Return the features as info.json describes them; those of LeRobot ignore `prag_asp`, an addition."""
+    """Return the features as info.json describes them; LeRobot ignores the key `prag_asp`, an addition."""
     control = source.control
     action = {
         "control": control.name,
@@ -297,7 +298,7 @@ def _features(form: LeRobot, source: EpisodeSource) -> dict[str, Any]:
 
 
 def has_statistics(name: str) -> bool:
-    """Return whether a feature has statistics: those of depth images, by pixel, would be as large as an image."""
+    """Return whether a feature has statistics; per-pixel statistics of depth images would be as large as an image."""
     return not name.startswith(DEPTH)
 
 

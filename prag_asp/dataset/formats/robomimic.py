@@ -93,7 +93,7 @@ def _observed(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[s
 
 
 def _environment(source: EpisodeSource) -> dict[str, Any]:
-    """Return the description of the environment; there is none, so its arguments have the metadata instead."""
+    """Return a description of the environment; as no environment can be created, its arguments hold the metadata."""
     control = source.control
     values = {
         **provenance_of(source, "robomimic"),

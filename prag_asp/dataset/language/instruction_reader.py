@@ -154,7 +154,7 @@ class InstructionReader:
                         yield parsed.atom, FrozenDict({each.atom: each.value for each in facts})
 
     def _list(self, view: View, text: str, kind: str, topic: str | None) -> Iterator[tuple[ParsedSentence, ...]]:
-        """Yield the lists of sentences that a text can mean; "it" refers to the topic of the sentence before.
+        """Yield the lists of sentences that a text can mean; "it" refers to the topic of the previous sentence.
 
         In a list of facts, "it" has the same meaning in every sentence.
         """
@@ -268,7 +268,7 @@ class InstructionReader:
 
 
 class _Path(NamedTuple):
-    """A sentence of a list, what "it" means after it, and the sentences before.
+    """A sentence of a list, the meaning of "it" after this sentence, and the previous sentences.
 
     The next fact may have the same `subject` and verb, and then omits them: "it is on the table and behind the can".
     """

@@ -108,7 +108,7 @@ class InstructionWriter:
             aims.append(self._aims[frozen])
         self._note(view, [*task.actions, *goal, *(fluent for aim in aims for fluent in aim)], named)
         clauses, topic = [], None
-        for action, restores in zip(task.actions, again, strict=True):  # "it" is the topic of the sentence before
+        for action, restores in zip(task.actions, again, strict=True):  # "it" is the topic of the previous sentence
             clause, topic = self._sentences.write(view, action, topic, default, restores=restores)
             clauses.append(clause)
         return Instructions(
@@ -262,7 +262,7 @@ def begins_sentence(joint: str) -> bool:
 
 
 def restoring_actions(task: Task) -> list[bool]:
-    """Return whether each action brings about again what held in an earlier state, but not in the state before it."""
+    """Return whether each action restores facts of an earlier state that did not hold in the state before it."""
     states, found = [task.initial, *task.states], []
     for number, subgoal in enumerate(task.subgoals):
         changed = {fluent: value for fluent, value in subgoal.items() if states[number].get(fluent) != value}

@@ -185,7 +185,7 @@ class NounPhrases:
         return [*self._known, *self._values, *where]
 
     def fitting(self, view: View, text: str) -> list[str] | None:
-        """Return the entities that a phrase without a relation may mean, or None if the text is no such phrase."""
+        """Return the entities that a phrase without a relation may mean, or None if the text is not such a phrase."""
         if text not in self._known:
             return None
         context = view.context

@@ -88,7 +88,7 @@ class SentenceWriter:
     ) -> ClearSentence:
         """Return an unambiguous sentence of an action, or of a `fact` with its value, and its topic.
 
-        If the action `restores` what held before, its sentence may say so: "put it back into the tray".
+        If the action `restores` earlier facts, its sentence may say so: "put it back into the tray".
 
         Raises:
             QueryError: every sentence of the atom could mean something else.

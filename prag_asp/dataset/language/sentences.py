@@ -123,7 +123,7 @@ class SentenceTable:
 
 
 def _from_phrase(sentence: Sentence, sources: Mapping[str, tuple[int, Way]]) -> Iterator[Sentence]:
-    """Yield a sentence without the place that an object is moved from, if it names the place right after the object."""
+    """Yield a sentence without the place that an object is moved from, if this place directly follows the object."""
     template = sentence.template
     for place, moved in {(place, way.moved) for place, way in sources.values()}:
         slot = template.arguments.index(moved) if moved in template.arguments else -1

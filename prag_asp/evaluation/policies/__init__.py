@@ -1,4 +1,4 @@
-"""Policies to evaluate, one file for each kind, and `load_policy`, which finds the kind of a text."""
+"""Policies to evaluate, one module for each kind, and `load_policy`, which selects the kind by a text."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from prag_asp.errors import QueryError
 from prag_asp.evaluation.policies.policy import Environment, Policy, PolicyMaker
 
 BASELINES = ("oracle", "random", "zeros")
-"""The policies that prag_asp has itself."""
+"""The built-in policies."""
 
 KINDS: Mapping[str, tuple[Callable[[str], bool], str]] = {
     "a baseline": (BASELINES.__contains__, "baselines"),
@@ -19,7 +19,7 @@ KINDS: Mapping[str, tuple[Callable[[str], bool], str]] = {
     "a Stable-Baselines3 zip": (lambda text: Path(text).suffix == ".zip", "stable_baselines"),
     "module:callable": (lambda text: ":" in text, "python_callable"),
 }
-"""Each kind of policy: the test of its texts, and the file here whose function `maker` takes the text."""
+"""Each kind of policy: a test of the text, and the module here whose function `maker` takes the text."""
 
 
 def load_policy(text: str) -> PolicyMaker:
@@ -28,7 +28,7 @@ def load_policy(text: str) -> PolicyMaker:
     Makers can be pickled: each worker process makes its own policy.
 
     Raises:
-        QueryError: the text is of no kind, or there is no such policy.
+        QueryError: the text matches no kind of policy, or there is no such policy.
     """
     for is_kind, file in KINDS.values():
         if is_kind(text):

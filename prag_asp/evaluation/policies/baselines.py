@@ -17,10 +17,10 @@ class Oracle:
     """Follows the waypoints of the witness."""
 
     def __init__(self, env: Environment) -> None:
-        """Take an environment.
+        """Create the oracle for an environment.
 
         Raises:
-            QueryError: its actions do not move the tool.
+            QueryError: the actions of the environment do not move the tool.
         """
         assert isinstance(env.unwrapped, TaskEnv)
         self._env = env.unwrapped
@@ -56,7 +56,7 @@ class Random:
 
 
 class Zeros:
-    """Returns actions of zeros: it succeeds where a task is solved by waiting."""
+    """Returns zero actions, and so succeeds at tasks that waiting solves."""
 
     def __init__(self, env: Environment) -> None:
         self._action: NDArray[Any] = np.zeros(env.action_space.shape or (), env.action_space.dtype)

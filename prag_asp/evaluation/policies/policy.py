@@ -1,4 +1,4 @@
-"""What an evaluation asks of a policy."""
+"""The protocol of policies in an evaluation."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ PolicyMaker = Callable[[Environment], Policy]
 
 
 def seed_everything(seed: int) -> None:
-    """Seed the global generators of Python, NumPy, and PyTorch if it is loaded, which a policy may use."""
+    """Seed the global random generators of Python, NumPy and (if loaded) PyTorch, which a policy may use."""
     random.seed(seed)
     np.random.seed(seed % 2**32)
     torch = sys.modules.get("torch")

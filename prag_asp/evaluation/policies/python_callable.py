@@ -52,7 +52,7 @@ def imported(text: str, what: str) -> Callable[..., Any]:
     """Return the callable ``module:callable``; the module may be in the current folder.
 
     Raises:
-        QueryError: the module cannot be imported, or has no such callable; `what` is its purpose.
+        QueryError: the module cannot be imported, or has no such callable; the message names its purpose, `what`.
     """
     module, _, name = text.partition(":")
     with _current_folder():
@@ -79,7 +79,7 @@ def _takes(function: Callable[..., Any], name: str) -> bool:
 
 @contextmanager
 def _current_folder() -> Iterator[None]:
-    """Look modules up in the current folder, too."""
+    """Also look up modules in the current folder."""
     sys.path.insert(0, str(Path.cwd()))
     try:
         yield

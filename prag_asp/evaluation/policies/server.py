@@ -1,9 +1,9 @@
 """A policy behind a websocket, by the protocol of the policy servers of openpi.
 
 Messages are msgpack; an array is a map with the binary keys ``__ndarray__`` (true), ``data`` (its bytes), ``dtype``
-(NumPy's text) and ``shape``. The server begins with a map of metadata. Each request is a map of an observation, each
-answer a map with ``actions``: an array of one action, or of a chunk of actions to perform one after another. A message
-of text is an error of the server.
+(NumPy's text) and ``shape``. The server begins with a map of metadata. Each request is a map with an observation, each
+response a map with ``actions``: an array of one action, or of a chunk of actions to perform one after another. A text
+message reports an error of the server.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class ServerPolicy:
         """Connect to a server.
 
         Raises:
-            QueryError: no server answers there, or a package is missing.
+            QueryError: no server responds there, or a package is missing.
         """
         self._address, self._resources = address, ExitStack()
         try:
@@ -63,7 +63,7 @@ class ServerPolicy:
         """Return the next action of the chunk, or the first of the next one.
 
         Raises:
-            QueryError: the server reports an error, ends, or does not answer in its protocol.
+            QueryError: the server reports an error, disconnects, or violates the protocol.
         """
         if not self._chunk:
             numbers = observation["observation"] if isinstance(observation, Mapping) else observation
@@ -107,7 +107,7 @@ def maker(text: str) -> PolicyMaker:
 
 
 def _packed(values: Mapping[str, Any]) -> bytes:
-    """Return a map with arrays as a message."""
+    """Return the message that encodes a map with arrays."""
     import msgpack
 
     def encoded(value: Any) -> Any:
@@ -120,10 +120,10 @@ def _packed(values: Mapping[str, Any]) -> bytes:
 
 
 def unpacked(message: bytes) -> Any:
-    """Return the values of a message.
+    """Return the decoded values of a message.
 
     Raises:
-        QueryError: the message is not in the protocol.
+        QueryError: the message violates the protocol.
     """
     import msgpack
 
@@ -142,5 +142,5 @@ def unpacked(message: bytes) -> Any:
 
 
 def _line(error: Exception) -> str:
-    """Return an error in one line."""
+    """Return an error as one line."""
     return " ".join(f"{type(error).__name__}: {error}".split())

@@ -18,14 +18,14 @@ ALGORITHMS = {
     "stable_baselines3.sac": "SAC", "stable_baselines3.td3": "TD3", "stable_baselines3.dqn": "DQN",
     "sb3_contrib.tqc": "TQC", "sb3_contrib.qrdqn": "QRDQN", "sb3_contrib.crossq": "CrossQ",
 }  # fmt: skip
-"""The algorithm of each package whose policies are stored in a zip; the policies of DDPG are those of TD3."""
+"""The algorithm that each package of policy classes in a zip belongs to; the policies of DDPG are those of TD3."""
 
 SIGNS = (("cg_max_steps", "sb3_contrib", "TRPO"), ("clip_range", "stable_baselines3", "PPO"))
 """Parameters that only some algorithms with the shared actor-critic policies store; A2C stores none of them."""
 
 
 class StableBaselinesPolicy:
-    """Predicts actions by a model, deterministically."""
+    """Predicts actions deterministically with a model."""
 
     def __init__(self, path: Path, env: Environment) -> None:
         """Load the model in one thread, so that results do not depend on the machine's number of processors.
@@ -63,10 +63,10 @@ class StableBaselinesPolicy:
 
 
 def algorithm_of(path: Path) -> tuple[str, str]:
-    """Return the package and the name of the algorithm whose model a zip has.
+    """Return the package and the name of the algorithm of the model in a zip.
 
     Raises:
-        QueryError: the file is no such zip.
+        QueryError: the file is not such a zip.
     """
     try:
         with ZipFile(path) as file:
@@ -90,7 +90,7 @@ def maker(text: str) -> PolicyMaker:
     """Return the maker of the policy of a zip.
 
     Raises:
-        QueryError: the file is no zip of a known algorithm.
+        QueryError: the file is not a zip of a known algorithm.
     """
     path = Path(text)
     algorithm_of(path)

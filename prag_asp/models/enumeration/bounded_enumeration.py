@@ -22,7 +22,7 @@ DIVE_OPTIONS = ("rand_freq", "sign_def", "restarts", "local_restarts", "seed")
 """The options of clasp's solver that random searches change."""
 
 FORGOTTEN = "3"
-"""What a search after random ones forgets: scores and signs of variables, which may make it twenty times as slow."""
+"""What clasp resets after random searches: scores and signs of variables, which may slow down a search twentyfold."""
 
 UNLIMITED = "umax"
 """clasp's word for no limit."""
@@ -30,7 +30,7 @@ UNLIMITED = "umax"
 
 @dataclass(frozen=True)
 class Effort:
-    """A limit of an enumeration: the numbers of models and of conflicts."""
+    """The limits of an enumeration: the numbers of models and of conflicts."""
 
     models: int
     conflicts: int
@@ -54,14 +54,14 @@ class BoundedEnumeration:
         return self._count(effort, inf)
 
     def count_within(self, seconds: float) -> int | None:
-        """Return the number of answer sets, or None if counting takes more processor time of this process."""
+        """Return the number of answer sets, or None if counting takes more processor seconds of this process."""
         return self._count(None, seconds)
 
     def predicted_seconds(self) -> float | None:
-        """Return the processor time that counting is likely to take, or None if too few models were found to tell.
+        """Return the processor time that counting is likely to take, or None if too few models were found for that.
 
         A random search for a model that makes d decisions finds it with a probability of ``2 ** -d``, so the mean of
-        ``2 ** d`` estimates the number of models (Knuth 1975). A decision that a conflict reverts is none
+        ``2 ** d`` estimates the number of models (Knuth 1975). A decision that a conflict reverts does not count
         (Gogate and Dechter 2011).
         """
         depths = self._depths()

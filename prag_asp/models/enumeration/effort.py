@@ -35,7 +35,7 @@ LAST = 40.0
 """The predicted seconds of an enumeration beyond which clingo does not enumerate."""
 
 FEW = 2.0
-"""The seconds of an enumeration if too few models are known to predict them: is there an answer set at all?"""
+"""The seconds of an enumeration if too few models are known to predict them; there may be no answer set."""
 
 
 def first_effort(ground: GroundModels) -> Effort:

@@ -22,9 +22,10 @@ LEASH = 0.1
 """The maximum difference between a motor's target and its joint, in radians: it bounds the force of a blocked arm."""
 
 LEAD, LEAD_TURN = 0.1, 0.5
-"""The largest distance in metres and in radians of a target pose of the tool from that which the motors aim at.
+"""The largest distance in metres and in radians between the target pose of the tool and the pose that the motors aim
+at.
 
-Beyond it, the target is forgotten: an arm that was blocked does not have to make up for the way.
+Beyond it, the target is discarded, so an arm that was blocked does not have to catch up.
 """
 
 GAP = 0.001
@@ -93,7 +94,7 @@ class ArmMotors:
         return nudge_joints(robot, joints, here, np.array((x, y, max(z, lowest), leaning, rolling, yaw)))
 
     def _limit_goal(self, joints: Floats) -> None:
-        """Forget the target pose of the tool if the targets of the motors are too far from it."""
+        """Discard the target pose of the tool if the targets of the motors are too far from it."""
         if self._goal is None:
             return
         at = self._base @ self._robot.solver.forward(joints)

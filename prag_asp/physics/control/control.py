@@ -70,8 +70,8 @@ class Control:
     the opening.
 
     An action has the numbers of each robot in turn, `rate` times a second. `names` (N,) are such as ``panda/joint_1``,
-    `units` (N,) are ``m`` or ``rad``. `lower` and `upper` (N,) are the least and the greatest value in these units;
-    `low` and `high` (N,) what an action has for them: the same in absolute conventions, else -1 and 1.
+    `units` (N,) are ``m`` or ``rad``. `lower` and `upper` (N,) are the smallest and largest values in these units;
+    `low` and `high` (N,) are the corresponding values of an action: the same in absolute conventions, else -1 and 1.
     """
 
     name: ControlName
@@ -118,12 +118,12 @@ class Control:
 
     @property
     def low(self) -> Floats:
-        """The least numbers of an action, shape (N,)."""
+        """The lower bounds of an action, shape (N,)."""
         return self.lower if self.convention.absolute else np.full(len(self.lower), -1.0)
 
     @property
     def high(self) -> Floats:
-        """The greatest numbers of an action, shape (N,)."""
+        """The upper bounds of an action, shape (N,)."""
         return self.upper if self.convention.absolute else np.full(len(self.upper), 1.0)
 
     def values(self, action: Floats) -> Floats:
@@ -145,7 +145,7 @@ class Control:
 
 
 def _bounds(name: str, robot: Robot, rate: int) -> tuple[Floats, Floats]:
-    """Return the least and the greatest numbers of one robot in their units."""
+    """Return the lower and upper bounds of the numbers of one robot, in their units."""
     at = robot.base.position
     lower: Sequence[float]
     upper: Sequence[float]

@@ -26,7 +26,8 @@ EXCESS = 1e-6
 def recorded_actions(control: Control, scene: Scene, commands: Numbers) -> Floats:
     """Return the actions of a control that lead from each of some motor commands to the next; shape (N, size).
 
-    `commands` (N + 1, R, 8) have the joint angles and the opening of each robot; the first is that before the actions.
+    `commands` (N + 1, R, 8) have the joint angles and the opening of each robot; the first row is the command before
+    the actions.
 
     Raises:
         QueryError: the convention cannot express the commands.

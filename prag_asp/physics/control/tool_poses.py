@@ -1,7 +1,7 @@
 """Poses of tools as six numbers: a position, and a rotation vector from the tool that points straight down.
 
-A rotation vector of the tool itself would be useless: that of a tool that points down is near pi, where it jumps
-between opposite vectors.
+A rotation vector of the tool itself would be useless: for a tool that points down, its length is near pi, where it
+jumps between opposite vectors.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def moved_pose(pose: Floats, motion: Floats) -> Floats:
 
 
 def motion_between(one: Floats, two: Floats) -> Floats:
-    """Return the motion that `moved_pose` takes from one pose to another; shape (6,)."""
+    """Return the motion by which `moved_pose` gets from one pose to another; shape (6,)."""
     return np.concatenate([two[:3, 3] - one[:3, 3], rotation_vector(two[:3, :3] @ one[:3, :3].T)])
 
 

@@ -1,4 +1,4 @@
-"""Candidates of antipodal grasps: points of a surface, the points opposite to them, and tools around their line."""
+"""Candidates of antipodal grasps: points of a surface, the points opposite to them, and tools around that line."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def grasp_candidates(
     """Return candidates of grasps of a body, the most promising first; the samples are fixed.
 
     `parts` (n, 3, 3) are its convex parts as triangles and `centre` is its centre of mass, in its frame in metres;
-    `friction` is the coefficient between pad and body, `opening` that of the gripper in metres.
+    `friction` is the coefficient between pad and body, `opening` the opening of the gripper in metres.
     """
     points, normals = surface_points(parts, POINTS, np.random.default_rng(0))
     candidates: list[Candidate] = []
@@ -177,7 +177,8 @@ def crossed(one: Floats, two: Floats) -> Floats:
 def above_ground(gripper: ParallelGripper, lowest: float, middle: Floats, rotation: Floats) -> Pose | None:
     """Return the pose of a tool with its fingertips above the ground, moved back as far as necessary.
 
-    `lowest` is the height of the ground in metres. None if fingers from the side, or the palm, would be in it.
+    `lowest` is the height of the ground in metres. The result is None if fingers from the side, or the palm, would be
+    in the ground.
     """
     tips = min(
         z * rotation[2, 2] - np.abs(rotation[2]) @ (x_half, y + y_half + gripper.opening / 2, z_half)

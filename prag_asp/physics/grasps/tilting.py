@@ -1,10 +1,11 @@
-"""The load with which the weight of a body tilts it out of the pads that hold it, such as a plate at its rim.
+"""The load with which the weight of a body tilts it out of the pads that hold it, such as a plate held at its rim.
 
 Friction bears the torque about the line through both pads; pressure bears the rest. A pad presses with a force F
-somewhere on its patch. If one presses at the upper end of its patch and the other one at the lower end of its own, both
-form a couple of F times the difference in height: no grip bears more about the horizontal axis along the pads. Likewise
-about the direction of the fingers, with the ends of the patches along the pads. So a rim that leans is held best by
-fingers that lean with it: upright pads touch it at the bottom inside and at the top outside, which helps to tilt it.
+somewhere on its patch. If one presses at the upper end of its patch and the other one at the lower end of its own, the
+two forces form a couple of F times the difference in height: no grip bears a larger torque about the horizontal axis
+along the pads. The same holds about the direction of the fingers, with the ends of the patches along the pads. So a rim
+that leans is held best by fingers that lean with it: upright pads touch it at the bottom inside and at the top outside,
+which helps to tilt it.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from prag_asp.scene.scene import Shape
 from prag_asp.scene.surfaces import in_frame, mesh_states, surface
 
 SHORTEST = 1e-4
-"""The least difference in height of a couple in metres: pads are not more exact."""
+"""The smallest difference in height of a couple in metres, because pads are not more exact."""
 
 
 def tilting_loads(shape: Shape, gripper: ParallelGripper, friction: float) -> NDArray[np.float64]:

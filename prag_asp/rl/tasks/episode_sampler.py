@@ -173,7 +173,7 @@ class EpisodeSampler:
         """Return the task of a scenario, given as a value or as its id, with its witness.
 
         Raises:
-            QueryError: it is no scenario of the domain, or has no initial state.
+            QueryError: the value is not a scenario of the domain, or has no initial state.
         """
         parsed = scenario if isinstance(scenario, Scenario) else Scenario.parse(str(scenario))
         if parsed.start is None:
