@@ -152,22 +152,24 @@ def _source(
     named = [name for name, is_given in kinds.items() if is_given]
     if len(named) != 1:
         what = " and ".join(named) or "nothing"
-        raise QueryError(f"{what} names the scenarios; give one of DOMAIN --length N, --data DIR and --scenarios FILE")
+        raise QueryError(
+            f"{what}: scenarios have one source; give one of DOMAIN --length N, --data DIR and --scenarios FILE"
+        )
     if parts and data is None:
-        raise QueryError(f"--part {parts[0]} is one of a dataset; give --data DIR")
+        raise QueryError(f"--part {parts[0]}: only a dataset has parts; give --data DIR")
     if data is not None:
         if request.names or request.where:
             raise QueryError("a dataset has its own domain and conditions; leave DOMAIN and --where out")
         return StoredScenarios.open(data, parts, count, trust=request.trust)
     if ids is not None:
         if request.where or count is not None:
-            raise QueryError("a file of ids has its conditions and number; leave --where and --count out")
+            raise QueryError("a file of ids determines its scenarios; leave --where and --count out")
         scenarios = tuple(read_scenarios(ids))
         if not scenarios:
-            raise QueryError(f"{ids}:1: no scenario ids in it; prag-asp sample --format scenario prints some")
+            raise QueryError(f"{ids}:1: it has no scenario ids; prag-asp sample --format scenario prints some")
         return NamedScenarios(request.of_scenario(scenarios[0]).domain(), scenarios)
     if not request.names:
-        raise QueryError("--length is that of the tasks of a domain; give DOMAIN, such as tabletop")
+        raise QueryError("--length needs a domain; give DOMAIN, such as tabletop")
     return FreshScenarios(request.spaces(), count or COUNT, seed, Budget.parse(budget or BUDGET))
 
 
