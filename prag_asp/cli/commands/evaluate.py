@@ -29,7 +29,7 @@ COUNT = 100
 @domain_options(*PROGRAM, WHERE, options.trust)
 @click.option(
     "-n", "--length", "lengths", type=parse_lengths, metavar="N|A..B",
-    help="With DOMAIN: sample feasible tasks with N actions, or with A to B, each once.",
+    help="With DOMAIN: sample feasible tasks with N actions, or with A to B, without repetition.",
 )  # fmt: skip
 @click.option(
     "--data", metavar="DIR", shell_complete=shell_completion.files,
@@ -38,7 +38,7 @@ COUNT = 100
 @click.option("--part", "parts", metavar="NAME", multiple=True, help="With --data: only this part; may be repeated.")
 @click.option(
     "--scenarios", "ids", metavar="FILE", shell_complete=shell_completion.files,
-    help="Use the scenarios of a file of ids, one a line.",
+    help="Use the scenarios of a file of ids, one per line.",
 )  # fmt: skip
 @click.option(
     "--count", type=whole(1), metavar="K",
@@ -57,7 +57,7 @@ COUNT = 100
 @click.option("--language", metavar="LANGUAGE", help="Language of the instructions.  [default: en]")
 @click.option(
     "--env", "others", metavar="NAME=VALUE", multiple=True,
-    help="Another option of the environment, as in training, such as goals=true or action_scale=0.5.",
+    help="Any other environment option, as in training, such as goals=true or action_scale=0.5.",
 )  # fmt: skip
 @click.option("--wrapper", metavar="MODULE:CALLABLE", help="Wrap the environment, as in training.")
 @click.option(
@@ -91,9 +91,10 @@ def evaluate(
 ) -> None:
     """Evaluate a policy: its success by part, length, action and class.
 
-    POLICY is `oracle`, `random` or `zeros`; MODULE:CALLABLE, a Python function of an observation or a class; a zip of
-    Stable-Baselines3; or ws://HOST:PORT, a policy server with the protocol of openpi. Modules and zips run code. DIR
-    holds a Parquet table with a row for each episode. If the command is interrupted, run it again: it continues.
+    POLICY is `oracle`, `random` or `zeros`; MODULE:CALLABLE, a Python function from an observation to an action, or a
+    class of such objects; a zip file of Stable-Baselines3; or ws://HOST:PORT, a policy server with the protocol of
+    openpi. Modules and zip files run code. The output folder has a Parquet table with a row for each episode. If the
+    command is interrupted, run it again: it continues.
     """
     from prag_asp.evaluation import evaluate as evaluated
     from prag_asp.physics import require_physics
@@ -121,9 +122,9 @@ def evaluate(
 @click.argument("second", metavar="DIR", shell_complete=shell_completion.files)
 @click.option("--across", is_flag=True, help="Compare although the domains, controls or step limits differ.")
 def compare(*, first: str, second: str, across: bool) -> None:
-    """Compare two evaluations by the scenarios that both have.
+    """Compare two evaluations on their shared scenarios.
 
-    Prints both rates of success, their difference, first minus second, with an interval of 95 % (Newcombe's for pairs),
+    Prints both rates of success, their difference, first minus second, with an 95 % interval (Newcombe's for pairs),
     and the p-value of McNemar's exact test.
     """
     from prag_asp.evaluation import Results
