@@ -39,7 +39,8 @@ def power(
     """Compute how many scenarios a claim needs, or what a given number can show.
 
     The claim is that one policy succeeds more often than another. With --effect, prints the scenarios that each policy
-    needs; with --scenarios, the smallest effect that they show, and the half-width of Wilson's interval; with both, also the power. The power is exact: of McNemar's exact test if both policies run in the same scenarios (--paired or
+    needs; with --scenarios, the smallest effect that they show, and the half-width of Wilson's interval; with both,
+    also the power. The power is exact: of McNemar's exact test if both policies run in the same scenarios (--paired or
     --discordant), otherwise of Fisher's exact test.
     """
     from prag_asp.evaluation.power import ComparisonDesign
