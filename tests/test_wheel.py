@@ -78,7 +78,19 @@ def test_its_metadata_let_every_python_from_3_10_on_install_it(wheel: Path) -> N
     assert told["Requires-Python"] == ">=3.10"
     classifiers = told.get_all("Classifier", [])
     assert {f"Programming Language :: Python :: 3.{minor}" for minor in range(10, 15)} <= set(classifiers)
-    extras = {"approximate", "datasets", "docs", "formats", "learning", "meshes", "pictures", "ray", "rl", "sharp"}
+    extras = {
+        "approximate",
+        "datasets",
+        "docs",
+        "formats",
+        "learning",
+        "meshes",
+        "pictures",
+        "ray",
+        "rl",
+        "servers",
+        "sharp",
+    }
     assert set(told.get_all("Provides-Extra", [])) == {*extras, "test"}
 
 

@@ -131,7 +131,7 @@ class Scenario:
                 raise QueryError(f"write {str(scenario)!r:.200}")
         except QueryError as error:
             remedy = "copy an id as prag-asp sample --format scenario prints it"
-            raise QueryError(f"{text!r:.200} is no scenario id: {error}; {remedy}") from None
+            raise QueryError(f"{text!r:.200} is not a scenario id: {error}; {remedy}") from None
         return scenario
 
     def __str__(self) -> str:

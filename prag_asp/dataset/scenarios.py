@@ -81,7 +81,7 @@ class Scenarios:
         domain, other = self.domain, scenario
         if (other.domain, dict(other.constants)) != (domain.name, dict(domain.constants)):
             name = Scenario(other.domain, "", 0, 0, constants=other.constants)
-            raise QueryError(f"scenario {scenario}: it is of {str(name).partition(':')[0]}, not of {domain.label}")
+            raise QueryError(f"scenario {scenario}: belongs to {str(name).partition(':')[0]}, not of {domain.label}")
         if other.digest != self.digest:
             raise QueryError(
                 f"scenario {scenario}: the domain {domain.label} or its scene has changed since (its digest is now "

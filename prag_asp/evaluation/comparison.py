@@ -95,7 +95,7 @@ def compare(first: Results, second: Results, *, across: bool = False) -> Compari
     difference = first.record.difference(second.record)
     if difference and not across:
         raise QueryError(
-            f"the evaluations differ in more than the policy: {difference}; compare them all the same with --across"
+            f"the evaluations differ in more than the policy: {difference}; use --across to compare them anyway"
         )
     ours, theirs = _by_scenario(first), _by_scenario(second)
     shared = [(episode, theirs[scenario]) for scenario, episode in ours.items() if scenario in theirs]

@@ -142,7 +142,7 @@ class EpisodeRunner:
         """Return the task of a scenario, and the witness that its search finds."""
         task, start = self._scenarios.task(scenario), scenario.start
         if start is None:
-            raise QueryError(f"scenario {scenario}: it has no initial state; give one that physics found feasible")
+            raise QueryError(f"scenario {scenario}: has no initial state; give one that physics found feasible")
         verdict = self._validator.validate(
             task, seed=start.seed, index=start.index, budget=start.budget, staging=Staging(vary=start.vary)
         )
@@ -170,7 +170,7 @@ def open_runner(setup: EpisodeSetup, **options: Any) -> Iterator[EpisodeRunner]:
     try:
         env: gymnasium.Env[Any, Any] = task_env if setup.wrapper is None else setup.wrapper(task_env)
         if not isinstance(getattr(env, "unwrapped", None), TaskEnv):
-            raise QueryError(f"the wrapper returns {env!r:.80}, no wrapped environment")
+            raise QueryError(f"the wrapper returns {env!r:.80}, which is not a wrapped environment")
         with open_validator(task_env.scene) as validator:
             policy = setup.maker(env)
             try:

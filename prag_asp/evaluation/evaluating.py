@@ -83,7 +83,7 @@ def evaluate(
         if option not in ENVIRONMENT:
             raise QueryError(unknown(option, ENVIRONMENT, "option of the environment"))
     if videos and folder is None:
-        raise QueryError(f"{plural(videos, 'video')} are written into the folder of the results; give one")
+        raise QueryError(f"videos {videos}: videos need a folder for the results; give one")
     name = policy if isinstance(policy, str) else _name(policy)
     maker: PolicyMaker = load_policy(policy) if isinstance(policy, str) else partial(CallablePolicy, policy)
     domain, count = source.domain, source.count

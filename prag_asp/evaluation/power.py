@@ -75,7 +75,7 @@ class ComparisonDesign:
         if self.discordant is not None:
             _within("discordant", self.discordant, 0, 1)
         if self.tasks is not None and self.tasks < 1:
-            raise QueryError(f"a space of {self.tasks} tasks has none to sample; give a number of at least 1")
+            raise QueryError(f"a space has at least 1 task; got {self.tasks}")
 
     @property
     def paired(self) -> bool:
@@ -110,7 +110,7 @@ class ComparisonDesign:
         """
         exact, wished = _exact("effect", effect), float(_within("power", power, 0, 1))
         if exact == 0:
-            raise QueryError("no number of scenarios shows an effect of 0; give another one")
+            raise QueryError("no number of scenarios shows an effect of 0; give a larger effect")
         number = self._least(lambda scenarios: self._power(scenarios, exact) >= wished, f"an effect of {effect}")
         if self.tasks is None:
             return number
@@ -245,7 +245,9 @@ def _exact(name: str, value: Number) -> Fraction:
     try:
         return Fraction(str(value))
     except (ValueError, ZeroDivisionError):
-        raise QueryError(f"{name} {value} is no number; write a decimal or a fraction, such as 0.05 or 1/20") from None
+        raise QueryError(
+            f"{name} {value} is not a number; write a decimal or a fraction, such as 0.05 or 1/20"
+        ) from None
 
 
 def _within(name: str, value: Number, low: int | Fraction, high: int | Fraction) -> Fraction:

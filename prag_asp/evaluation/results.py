@@ -48,7 +48,7 @@ class EvaluationRecord(msgspec.Struct, frozen=True):
         if self.domain != other.domain:
             return f"the domains are {self.domain} and {other.domain}"
         if self.digest != other.digest:
-            return f"they have different states of the domain {self.domain} ({self.digest} and {other.digest})"
+            return f"their versions of the domain {self.domain} differ ({self.digest} and {other.digest})"
         for name in sorted({*self.options, *other.options} & {"control", "rate", "action_scale", "steps"}):
             mine, its = self.options.get(name, "the default"), other.options.get(name, "the default")
             if mine != its:
@@ -86,7 +86,7 @@ class Results:
         record = EVALUATION.read(path)
         if record is None:
             hint = "run the evaluation again to end it" if path.is_dir() else "give the folder of prag-asp evaluate -o"
-            raise QueryError(f"{path}: has no complete results of an evaluation; {hint}")
+            raise QueryError(f"{path}: has no complete evaluation; {hint}")
         try:
             rows = parquet.read_table(BytesIO(read_bytes(path / EPISODES, within=path))).to_pylist()
             episodes = msgspec.convert(rows, tuple[EpisodeResult, ...])

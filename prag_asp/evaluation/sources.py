@@ -118,7 +118,7 @@ class NamedScenarios:
         for each in self.scenarios:
             here.check(each)
             if each.start is None:
-                raise QueryError(f"scenario {each}: it has no initial state; give one that physics found feasible")
+                raise QueryError(f"scenario {each}: has no initial state; give one that physics found feasible")
         if not self.scenarios:
             raise QueryError("there are no scenarios to evaluate; give ids")
 

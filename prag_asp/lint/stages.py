@@ -232,7 +232,7 @@ def _one_free_step(owned: Sequence[tuple[Source, bool]]) -> Program:
 
 def _described(program: Program, statements: Sequence[Statement]) -> Program:
     """Return a program with the names and entities of its actions as facts if the author's base part reads them."""
-    names_read = {atom.name for each in statements if each.own and not each.timed for atom in each.body}
+    names_read = {atom.name for each in statements if not each.timed for atom in each.body}
     if names_read.isdisjoint([NAME.name, MENTIONS.name]):
         return program
     grounder = Grounder(program)

@@ -24,7 +24,7 @@ WARNINGS: Mapping[str, str] = {
     "no-grasp": "a body with a model on which no grasp is found",
     "no-plan": "an unreachable goal, or an initial state in which nothing can occur: every count is 0",
     "no-words": "a missing word of a language of instructions",
-    "other-encoding": "an encoding with other rules than the shipped one of its name",
+    "other-encoding": "a shipped encoding that a copy lacks or has with other rules",
     "out-of-reach": "a place of actions that no gripper reaches",
     "same-name": "a name that a class, an entity and an action have in common",
     "sounds-alike": "sentences of instructions that do not distinguish actions",

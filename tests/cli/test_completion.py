@@ -46,7 +46,7 @@ def offered(*words: str, cwd: Path = ROOT) -> list[str]:
 
 
 def test_commands_and_options_are_offered() -> None:
-    assert offered("co") == ["completion", "count"]
+    assert offered("co") == ["compare", "completion", "count"]
     assert offered("count", "--up") == ["--upto"]
     assert offered("sample", "prag", "--over", "g") == ["goals"]
     assert offered("export", "b") == ["bddl", "blocks"]

@@ -51,7 +51,7 @@ def test_an_id_is_one_plain_word_from_which_the_scenario_is_parsed(scenario: Sce
     ],
 )  # fmt: skip
 def test_any_other_spelling_is_refused_in_one_line(text: str) -> None:
-    with pytest.raises(QueryError, match="is no scenario id") as error:
+    with pytest.raises(QueryError, match="is not a scenario id") as error:
         Scenario.parse(text)
     assert "\n" not in str(error.value)
 

@@ -89,6 +89,5 @@ def test_a_picture_is_what_its_script_draws(name: str) -> None:
 def test_the_pictures_are_those_of_the_script_and_small() -> None:
     pictures = generated("pictures")
     found: dict[str, Path] = {path.stem: path for path in pictures.PICTURES.iterdir()}
-    learned = {f"learning_{name}" for name in ("approach", "chained", "parts")}
-    assert found.keys() == {*pictures.STRIPS, *learned, "curve", "cameras", "first_dataset"}
+    assert found.keys() == {*pictures.STRIPS, "curve", "cameras", "first_dataset"}
     assert all(path.stat().st_size < 150_000 for path in found.values())

@@ -5,10 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from shutil import copytree
 
+import clingo
 import pytest
 
-from prag_asp import EngineError, TaskSpace, load_domain
+from prag_asp import Domain, EngineError, TaskSpace, load_domain
 from prag_asp.program.paths import data_folder
+from prag_asp.program.sources import Program, Source
 
 TEXT = """
 fluent(on). initially(on,false). action((go; no; up)). postcondition(go,on,true).
@@ -17,6 +19,33 @@ precondition(no,on,true). precondition(up,on,false).
 NEEDS = ":- occurs(A,t), precondition(A,F,V), _opposite(V,W), holds(F,W,t-1)."
 ONE = "1 { occurs(A,t) : action(A), not _pruned(A) } 1."
 ENGINES = ("automaton", "symbolic", "clingo", "sat")
+
+
+BOTH = """
+fluent((on;dark)). initially((on;dark),false). action((go;no;up)). precondition(no,on,true). precondition(up,on,false).
+postcondition(go,dark,true).
+"""
+TRIVIAL = ":- not _finding(differs,t)."
+LIGHTS = """
+#program step(t).
+holds(on,true,t) :- occurs(up,t).
+changed(on,t) :- occurs(up,t).
+"""
+
+
+def plans(domain: Domain, length: int) -> int:
+    """Count the plans by clingo alone: the answer sets of all parts, ground at once."""
+    names = " ".join(f"name({action},{action})." for action in ("go", "no", "up"))
+    control = clingo.Control(["0", "--warn=none"])
+    files = [*domain.program.sources, Source(Path("names.lp"), names)]
+    control.add("base", [], Program(tuple(files)).text)
+    times = map(clingo.Number, range(1, length + 1))
+    control.ground([("base", []), *(("step", [time]) for time in times), ("check", [clingo.Number(length)])])
+    found = set()
+    with control.solve(yield_=True) as models:
+        for model in models:
+            found.add(tuple(sorted(str(atom) for atom in model.symbols(atoms=True) if atom.match("occurs", 2))))
+    return len(found)
 
 
 def copied(folder: Path, file: str, old: str, new: str) -> Path:
@@ -66,3 +95,57 @@ def test_a_domain_may_have_a_rule_of_a_shipped_name(tmp_path: Path) -> None:
     assert [(each.path.name, each.line) for each in domain.warnings if each.name == "other-encoding"] == [
         ("closed_world.lp", 1)
     ]
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "line"),
+    [
+        ("contract.lp", "#defined mentions/3.\n", f"#defined mentions/3.\n{LIGHTS}", 64),
+        ("contract.lp", "#defined mentions/3.\n", "#defined mentions/3.\n#defined mine/2.\n", 0),
+        ("contract.lp", "#defined mentions/3.\n", "#program step(t).\n:- occurs(A,t), name(A,up).\n", 62),
+        ("skeleton.lp", "name(A,N).\n", f"name(A,N).\n{LIGHTS}", 9),
+        ("reachable.lp", "not _pruned(A), _may_stand", "A = go, _may_stand", 23),
+        ("step.lp", NEEDS, NEEDS.replace(" V,", " true,").replace("V)", "true)"), 29),
+        ("hindsight.lp", "\n", "\r\n", 0),
+    ],
+    ids=["contract", "defined", "names", "skeleton", "reachable", "guard", "line-ends"],
+)
+def test_all_engines_count_as_clingo_alone_by_edited_files(
+    tmp_path: Path, file: str, old: str, new: str, line: int
+) -> None:
+    domain = load_domain(text=BOTH, encodings=copied(tmp_path, file, old, new))
+    found = [(each.path.name, each.line) for each in domain.warnings if each.name == "other-encoding"]
+    assert found == ([(file, line)] if line else [])
+    for length in (1, 2):
+        counts = {TaskSpace(domain, length, engine=engine).count("plan") for engine in ENGINES}
+        assert counts == {plans(domain, length)}
+
+
+def test_an_edited_condition_may_set_fluents(tmp_path: Path) -> None:
+    """Without the test of its own, the condition only turns the light on, and `no` may follow `up`."""
+    domain = load_domain(text=BOTH, encodings=copied(tmp_path, "conditions/nontrivial.lp", TRIVIAL, LIGHTS))
+    assert [(each.path.name, each.name) for each in domain.warnings] == [("nontrivial.lp", "other-encoding")]
+    # after up: go and no; after go: go and up
+    assert {TaskSpace(domain, 2, engine=each).where("nontrivial").count("plan") for each in ENGINES} == {4}
+
+
+def test_files_that_a_copy_lacks_are_told(tmp_path: Path) -> None:
+    folder = copied(tmp_path, "step.lp", NEEDS, "")
+    (folder / "step.lp").rename(folder / "moves.lp")
+    domain = load_domain(text=BOTH, encodings=folder)
+    assert [(each.path.name, each.line) for each in domain.warnings] == [("step.lp", 1)]
+    assert {TaskSpace(domain, 2, engine=each).count("plan") for each in ENGINES} == {plans(domain, 2)} == {9}
+    (folder / "moves.lp").unlink()
+    domain = load_domain(text=BOTH, encodings=folder)
+    assert TaskSpace(domain, 2).count("plan") == plans(domain, 2) == 1  # no action at all
+    for engine in ("automaton", "symbolic"):
+        with pytest.raises(EngineError, match=r"step\.lp:1: no rule lets exactly one action occur"):
+            TaskSpace(domain, 2, engine=engine).count("plan")
+
+
+def test_an_added_file_reads_the_names_of_actions_that_never_occur(tmp_path: Path) -> None:
+    folder = copied(tmp_path, "step.lp", "% Test", "% Tests")
+    text = "#program base.\nbad :- name(no,no).\n#program step(t).\n:- bad, occurs(go,t).\n"
+    (folder / "mine.lp").write_text(text, encoding="utf-8")
+    domain = load_domain(text=BOTH, encodings=folder)
+    assert TaskSpace(domain, 2).count("plan") == plans(domain, 2) == 1

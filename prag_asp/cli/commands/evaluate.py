@@ -29,7 +29,7 @@ COUNT = 100
 @domain_options(*PROGRAM, WHERE, options.trust)
 @click.option(
     "-n", "--length", "lengths", type=parse_lengths, metavar="N|A..B",
-    help="With DOMAIN: sample feasible tasks with N actions, or with A to B, each once.",
+    help="With DOMAIN: sample feasible tasks with N actions, or with A to B, without repetition.",
 )  # fmt: skip
 @click.option(
     "--data", metavar="DIR", shell_complete=shell_completion.files,
@@ -38,7 +38,7 @@ COUNT = 100
 @click.option("--part", "parts", metavar="NAME", multiple=True, help="With --data: only this part; may be repeated.")
 @click.option(
     "--scenarios", "ids", metavar="FILE", shell_complete=shell_completion.files,
-    help="Use the scenarios of a file of ids, one a line.",
+    help="Use the scenarios of a file of ids, one per line.",
 )  # fmt: skip
 @click.option(
     "--count", type=whole(1), metavar="K",
@@ -57,7 +57,7 @@ COUNT = 100
 @click.option("--language", metavar="LANGUAGE", help="Language of the instructions.  [default: en]")
 @click.option(
     "--env", "others", metavar="NAME=VALUE", multiple=True,
-    help="Another option of the environment, as in training, such as goals=true or action_scale=0.5.",
+    help="Any other environment option, as in training, such as goals=true or action_scale=0.5.",
 )  # fmt: skip
 @click.option("--wrapper", metavar="MODULE:CALLABLE", help="Wrap the environment, as in training.")
 @click.option(
@@ -91,9 +91,10 @@ def evaluate(
 ) -> None:
     """Evaluate a policy: its success by part, length, action and class.
 
-    POLICY is `oracle`, `random` or `zeros`; MODULE:CALLABLE, a Python function of an observation or a class; a zip of
-    Stable-Baselines3; or ws://HOST:PORT, a policy server with the protocol of openpi. Modules and zips run code. DIR
-    holds a Parquet table with a row for each episode. If the command is interrupted, run it again: it continues.
+    POLICY is `oracle`, `random` or `zeros`; MODULE:CALLABLE, a Python function from an observation to an action, or a
+    class of such objects; a zip file of Stable-Baselines3; or ws://HOST:PORT, a policy server with the protocol of
+    openpi. Modules and zip files run code. The output folder has a Parquet table with a row for each episode. If the
+    command is interrupted, run it again: it continues.
     """
     from prag_asp.evaluation import evaluate as evaluated
     from prag_asp.physics import require_physics
@@ -121,9 +122,9 @@ def evaluate(
 @click.argument("second", metavar="DIR", shell_complete=shell_completion.files)
 @click.option("--across", is_flag=True, help="Compare although the domains, controls or step limits differ.")
 def compare(*, first: str, second: str, across: bool) -> None:
-    """Compare two evaluations by the scenarios that both have.
+    """Compare two evaluations on their shared scenarios.
 
-    Prints both rates of success, their difference, first minus second, with an interval of 95 % (Newcombe's for pairs),
+    Prints both rates of success, their difference, first minus second, with an 95 % interval (Newcombe's for pairs),
     and the p-value of McNemar's exact test.
     """
     from prag_asp.evaluation import Results
@@ -152,22 +153,24 @@ def _source(
     named = [name for name, is_given in kinds.items() if is_given]
     if len(named) != 1:
         what = " and ".join(named) or "nothing"
-        raise QueryError(f"{what} names the scenarios; give one of DOMAIN --length N, --data DIR and --scenarios FILE")
+        raise QueryError(
+            f"{what}: scenarios have one source; give one of DOMAIN --length N, --data DIR and --scenarios FILE"
+        )
     if parts and data is None:
-        raise QueryError(f"--part {parts[0]} is one of a dataset; give --data DIR")
+        raise QueryError(f"--part {parts[0]}: only a dataset has parts; give --data DIR")
     if data is not None:
         if request.names or request.where:
             raise QueryError("a dataset has its own domain and conditions; leave DOMAIN and --where out")
         return StoredScenarios.open(data, parts, count, trust=request.trust)
     if ids is not None:
         if request.where or count is not None:
-            raise QueryError("a file of ids has its conditions and number; leave --where and --count out")
+            raise QueryError("a file of ids determines its scenarios; leave --where and --count out")
         scenarios = tuple(read_scenarios(ids))
         if not scenarios:
-            raise QueryError(f"{ids}:1: no scenario ids in it; prag-asp sample --format scenario prints some")
+            raise QueryError(f"{ids}:1: it has no scenario ids; prag-asp sample --format scenario prints some")
         return NamedScenarios(request.of_scenario(scenarios[0]).domain(), scenarios)
     if not request.names:
-        raise QueryError("--length is that of the tasks of a domain; give DOMAIN, such as tabletop")
+        raise QueryError("--length needs a domain; give DOMAIN, such as tabletop")
     return FreshScenarios(request.spaces(), count or COUNT, seed, Budget.parse(budget or BUDGET))
 
 

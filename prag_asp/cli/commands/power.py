@@ -20,10 +20,13 @@ from prag_asp.errors import QueryError
 @click.option("--rate", metavar="P", default="0.5", show_default=True, help="Rate of success of the first policy.")
 @click.option("--alpha", metavar="A", default="0.05", show_default=True, help="Two-sided level of significance.")
 @click.option(
-    "--paired", "correlation", metavar="RHO", help="Both run in the same scenarios; correlation of their results."
+    "--paired",
+    "correlation",
+    metavar="RHO",
+    help="Both policies run in the same scenarios; correlation of their results.",
 )
 @click.option(
-    "--discordant", metavar="D", help="Both run in the same scenarios; share of those where only one succeeds."
+    "--discordant", metavar="D", help="Both policies run in the same scenarios; share of those where only one succeeds."
 )
 @click.option("--of", "tasks", type=whole(1), metavar="N", help="Scenarios are distinct tasks of a space of N.")
 @click.option(
@@ -33,11 +36,11 @@ def power(
     *, effect: str | None, scenarios: int | None, power: str, rate: str, alpha: str, correlation: str | None,
     discordant: str | None, tasks: int | None, form: str,
 ) -> None:  # fmt: skip
-    """Compute how many scenarios a claim needs, or what some can show.
+    """Compute how many scenarios a claim needs, or what a given number can show.
 
     The claim is that one policy succeeds more often than another. With --effect, prints the scenarios that each policy
-    needs; with --scenarios, the smallest effect that they show, and the half-width of Wilson's interval; with both, the
-    power. The power is exact: of McNemar's exact test if both policies run in the same scenarios (--paired or
+    needs; with --scenarios, the smallest effect that they show, and the half-width of Wilson's interval; with both,
+    also the power. The power is exact: of McNemar's exact test if both policies run in the same scenarios (--paired or
     --discordant), otherwise of Fisher's exact test.
     """
     from prag_asp.evaluation.power import ComparisonDesign

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 FORM = click.option(
     "--format", "form", type=click.Choice(["full", *FORMS]), default="full", show_default=True,
-    help="All states; or a format of sample. With jsonl, physics searches the witness again.",
+    help="All states; or a format of sample. With jsonl, physics searches for the witness again.",
 )  # fmt: skip
 
 
@@ -32,7 +32,7 @@ FORM = click.option(
 @click.argument("ids", metavar="[ID]...", nargs=-1)
 @click.option(
     "--from", "file", metavar="FILE", shell_complete=shell_completion.files,
-    help="Read the ids of a file, one a line; - is standard input.",
+    help="Read the ids of a file, one per line; - is standard input.",
 )  # fmt: skip
 @domain_options(*OF_FILE, options.trust)
 @format_options(FORM)

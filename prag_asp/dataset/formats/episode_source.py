@@ -16,7 +16,7 @@ from prag_asp.dataset.store.instructions import LEVELS, PLAIN
 from prag_asp.domain.load import load_scene
 from prag_asp.errors import QueryError
 from prag_asp.physics.control.control import Control
-from prag_asp.physics.control.names import ControlName
+from prag_asp.physics.control.names import CONTROLS, ControlName
 from prag_asp.physics.control.recorded_actions import recorded_actions, recorded_states, state_names
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration
 from prag_asp.physics.demonstration.footage import NOTHING, CameraVideo
@@ -24,7 +24,7 @@ from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.variation import table_of
-from prag_asp.wording import did_you_mean
+from prag_asp.wording import did_you_mean, unknown
 
 Floats = NDArray[np.float32]
 POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
@@ -115,7 +115,8 @@ class EpisodeSource:
     def __post_init__(self) -> None:
         if self.level not in LEVELS:
             raise QueryError(f"there are no instructions {self.level}; {did_you_mean(self.level, LEVELS)}")
-        assert self.control.rate == self.rate  # report a wrong name at once
+        if self.action not in CONTROLS:
+            raise QueryError(unknown(self.action, CONTROLS, "control"))
 
     @cached_property
     def scene(self) -> Scene:

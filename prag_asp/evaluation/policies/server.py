@@ -80,7 +80,9 @@ class ServerPolicy:
                 raise QueryError(f"{self._address}: the policy server does not answer: {_line(error)}") from None
             actions = answer.get("actions") if isinstance(answer, Mapping) else None
             if not isinstance(actions, np.ndarray) or actions.ndim not in (1, 2) or not actions.size:
-                raise QueryError(f"{self._address}: an answer has no array 'actions' of one action or of a chunk")
+                raise QueryError(
+                    f"{self._address}: an answer needs an array 'actions' with one action or a chunk of them"
+                )
             self._chunk.extend(np.atleast_2d(actions))
         return self._chunk.popleft()
 
@@ -138,7 +140,7 @@ def unpacked(message: bytes) -> Any:
     try:
         return msgpack.unpackb(message, object_hook=decoded, strict_map_key=False)
     except (ValueError, TypeError, KeyError, msgpack.UnpackException) as error:
-        raise QueryError(f"a message of the policy server is not of its protocol: {_line(error)}") from None
+        raise QueryError(f"a message of the policy server does not follow the protocol: {_line(error)}") from None
 
 
 def _line(error: Exception) -> str:

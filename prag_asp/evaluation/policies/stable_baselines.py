@@ -75,14 +75,14 @@ def algorithm_of(path: Path) -> tuple[str, str]:
     except FileNotFoundError:
         raise QueryError(f"{path}: no such file; give a zip that Stable-Baselines3 saved") from None
     except (OSError, BadZipFile, KeyError, TypeError, ValueError):
-        raise QueryError(f"{path}: is no zip of Stable-Baselines3; save the model by model.save") from None
+        raise QueryError(f"{path}: is not a zip file of Stable-Baselines3; save the model with model.save") from None
     for prefix, name in ALGORITHMS.items():
         if module.startswith(f"{prefix}."):
             return prefix.partition(".")[0], name
     if module == "stable_baselines3.common.policies":
         return next(((package, name) for sign, package, name in SIGNS if sign in data), ("stable_baselines3", "A2C"))
     raise QueryError(
-        f"{path}: its policy is of {module}; known are {', '.join(ALGORITHMS.values())}, PPO, A2C and TRPO"
+        f"{path}: its policy class is in {module}; supported are {', '.join(ALGORITHMS.values())}, PPO, A2C and TRPO"
     )
 
 

@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 import clingo
 
-from prag_asp.errors import EngineError
 from prag_asp.logic.ground.carried_atoms import carried_atoms
 from prag_asp.logic.ground.growth import locate_head
 from prag_asp.logic.ground.rules import GroundRecorder, Rule, Unsupported
@@ -22,9 +21,6 @@ from prag_asp.program.grounding import Grounder, Part
 from prag_asp.program.predicates import FINAL, HOLDS, OCCURS, STATE
 from prag_asp.program.sources import Program
 from prag_asp.program.syntax import Signature, spelled
-
-MOST_STEPS = 10**6
-"""The largest number of steps that are ground one by one: each takes memory, and about a millisecond."""
 
 STEP = 1_000_000_000
 """The number of the ground step; no domain uses it for anything else."""
@@ -282,16 +278,7 @@ def ground_plan(program: Program, length: int, reads: StepReads) -> GroundStep:
 
 
 def unrolled(length: int) -> list[Part]:
-    """Return the program parts of plans of a given length, after the base.
-
-    Raises:
-        EngineError: there are too many steps.
-    """
-    if length > MOST_STEPS:
-        raise EngineError(
-            f"length {length:,}: an engine that grounds each step takes at most {MOST_STEPS:,}; "
-            "choose a smaller length, or the engine automaton"
-        )
+    """Return the program parts of plans of a given length, after the base."""
     steps: list[Part] = [("step", [clingo.Number(k)]) for k in range(1, length + 1)]
     return [*steps, ("check", [clingo.Number(length)])]
 

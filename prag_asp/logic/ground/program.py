@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from functools import cache
 from itertools import pairwise
 
 import clingo
@@ -11,6 +12,7 @@ import clingo
 from prag_asp.domain.load import Domain
 from prag_asp.program.entity_names import mention_facts, name_fact
 from prag_asp.program.facts import Facts
+from prag_asp.program.paths import data_folder
 from prag_asp.program.predicates import (
     INTRODUCED,
     JOINT_UNIT,
@@ -23,7 +25,16 @@ from prag_asp.program.predicates import (
     EncodingPredicate,
     refers_to,
 )
-from prag_asp.program.sources import ADDED, CONTRACT, Program, Source, owned, read_sources
+from prag_asp.program.sources import (
+    ADDED,
+    CONTRACT,
+    Program,
+    Source,
+    added_encodings,
+    owned,
+    read_sources,
+    read_text,
+)
 from prag_asp.program.tokens import blanked
 
 DEPENDING = re.compile(
@@ -125,7 +136,8 @@ def _added_facts(facts: Facts, program: Program) -> list[str]:
 
     User rules may also read them for actions that never occur.
     """
-    own = [source.text for source, own in owned(program) if own]
+    others = added_encodings(program)
+    own = [source.text for source, own in owned(program) if own or source.path in others]
     named = facts.actions if _read(program, NAME) else facts.tried
     named = facts.declared_actions if any(refers_to(text, NAME) for text in own) else named
     added = [PRUNED.fact(term) for term in (*facts.pruned, *facts.unreachable)]
@@ -136,9 +148,14 @@ def _added_facts(facts: Facts, program: Program) -> list[str]:
 
 
 def _read(program: Program, predicate: EncodingPredicate) -> bool:
-    """Return whether a file outside `DESCRIBING` mentions a predicate."""
-    files = (each.text for each, own in owned(program) if own or each.path.name not in DESCRIBING)
-    return any(refers_to(text, predicate) for text in files)
+    """Return whether a file mentions a predicate, other than the shipped `DESCRIBING`."""
+    describing = _describing()
+    return any(refers_to(each.text, predicate) for each in program.sources if each.text not in describing)
+
+
+@cache
+def _describing() -> frozenset[str]:
+    return frozenset(read_text(data_folder("encodings") / name) for name in DESCRIBING)
 
 
 def with_facts(program: Program, facts: Sequence[str]) -> Program:

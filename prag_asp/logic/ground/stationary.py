@@ -10,6 +10,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from pathlib import Path
 
 import clingo
 from clingo.ast import AST, ASTType
@@ -19,7 +20,7 @@ from prag_asp.errors import EngineError
 from prag_asp.logic.ground.growth import growing_heads
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.predicates import HOLDS, OCCURS
-from prag_asp.program.sources import Program, owned
+from prag_asp.program.sources import Program, encodings_folder, owned
 from prag_asp.program.syntax import AtomNode, Signature, Statement, atoms, children_of, plain_atom, spelled
 
 START = "0"
@@ -130,7 +131,7 @@ def read_step(program: Program) -> StepReads:
     acting = [rule for rule in rules["step"] if any(atom.signature == OCCURS for atom in rule.heads)]
     for rule in rules["step"]:
         timed |= {atom.signature for atom in rule.heads if _time_of(atom) == rule.now}
-    obstacles = list(_acting(acting))
+    obstacles = list(_acting(acting, encodings_folder(program)))
     obstacles += _numbered(rules, timed)
     # Only base-part rules with the name of a timed predicate, or of the previous step, can have a time.
     rules["base"] = [
@@ -147,13 +148,18 @@ def read_step(program: Program) -> StepReads:
     return StepReads(frozenset(timed), frozenset(previous), tuple(obstacles), frozenset(growing), frozenset(last))
 
 
-def _acting(rules: Sequence[_TimedRule]) -> Iterator[Obstacle]:
-    """Yield the choices in encodings by which actions occur, except the one in the shipped ``step.lp``."""
-    for rule in rules:
-        chooses = not rule.statement.own and rule.statement.node.head.ast_type != ASTType.Literal
-        if chooses and rule.statement.text not in (ONE_ACTION, ANY_ACTION):
+def _acting(rules: Sequence[_TimedRule], encodings: Path | None) -> Iterator[Obstacle]:
+    """Yield the choices in encodings by which actions occur, except the one in the shipped ``step.lp``, or its lack."""
+    remedy = "choose the engine clingo, or restore that rule"
+    choices = [
+        each for each in rules if not each.statement.own and each.statement.node.head.ast_type != ASTType.Literal
+    ]
+    for rule in choices:
+        if rule.statement.text not in (ONE_ACTION, ANY_ACTION):
             what = "this rule lets actions occur otherwise than in step.lp, where each step has exactly one"
-            yield rule.obstacle(what, "choose the engine clingo, or restore that rule")
+            yield rule.obstacle(what, remedy)
+    if encodings is not None and not choices:
+        yield Obstacle("no rule lets exactly one action occur in each step", f"{encodings / 'step.lp'}:1", remedy)
 
 
 def _numbered(rules: Mapping[str, Sequence[_TimedRule]], timed: Collection[Signature]) -> Iterator[Obstacle]:

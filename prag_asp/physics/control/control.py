@@ -95,7 +95,7 @@ class Control:
         lower, upper = (np.concatenate(side) for side in zip(*bounds, strict=True))
         if scale != 1.0:
             if CONVENTIONS[name].absolute:
-                raise QueryError(f"{name} has absolute values, which have no scale; choose a control of changes")
+                raise QueryError(f"{name} has absolute values, which have no scale; choose a relative control")
             count = len(CONVENTIONS[name].numbers)
             scales = np.tile([*[scale] * (count - 1), 1.0], len(scene.robots))
             lower, upper = lower * scales, upper * scales

@@ -43,7 +43,9 @@ def recorded_actions(control: Control, scene: Scene, commands: Numbers) -> Float
     actions = control.actions(np.concatenate(parts, axis=1))
     excess = (np.maximum(control.low - actions, actions - control.high) / (control.high - control.low)).max(initial=0.0)
     if excess > EXCESS:
-        raise QueryError(f"a motion is faster than {control.name} allows, by {excess:.0%} of its range; choose another")
+        raise QueryError(
+            f"a motion is faster than {control.name} allows, by {excess:.0%} of its range; choose another control"
+        )
     result: Floats = np.clip(actions, control.low, control.high)
     return result
 
