@@ -99,19 +99,26 @@ class GrammarReader:
 
     def grammar(self) -> Grammar:
         """Return the grammar."""
-        sources = {
-            signature: {
-                action: source
-                for action, ways in ways_of.items()
-                for source in islice(
-                    (item for item in ways.items() if item[1].word == "from" and item[1].moved >= 0), 1
-                )
-            }
-            for signature, ways_of in self.ways.items()
-        }
         return Grammar(
-            self.words, self.actions(), self.plain(), self.facts(), self.spare(), self.nouns(), self.values(), sources
+            self.words,
+            self.actions(),
+            self.plain(),
+            self.facts(),
+            self.spare(),
+            self.nouns(),
+            self.values(),
+            self.sources(),
         )
+
+    def sources(self) -> dict[Signature, dict[str, tuple[int, Way]]]:
+        """Return the first source of each action that moves an object: the position of the place, and the way."""
+        found: dict[Signature, dict[str, tuple[int, Way]]] = {}
+        for signature, ways_of in self.ways.items():
+            for action, ways in ways_of.items():
+                for place, way in ways.items():
+                    if way.word == "from" and way.moved >= 0:
+                        found.setdefault(signature, {}).setdefault(action, (place, way))
+        return found
 
     def actions(self) -> dict[Signature, tuple[Template, ...]]:
         """Return the sentences of each action, from the language's table or (in English) directly under [language]."""

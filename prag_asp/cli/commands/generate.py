@@ -204,11 +204,11 @@ def print_parts(dataset: Dataset) -> None:
     for part in manifest.parts:
         say(f"{part.name:<{width}}  {part.tasks} of {part.size}")
         for tally in part.lengths:
-            rejected.update({reason.reason: reason.count for reason in tally.reasons})
+            rejected.update({each.reason: each.count for each in tally.reasons if each.status != "trivial"})
     wanted, found = manifest.spec.starts * manifest.rows("tasks"), manifest.rows("witnesses")
     if manifest.spec.starts > 1 and found < wanted:
         tell_line(f"only {found} of {plural(wanted, 'initial state')} have a witness; see the column starts")
-    left_out = rejected.pop(TRIVIAL, 0)
+    left_out = sum(tally.trivial for part in manifest.parts for tally in part.lengths)
     if left_out:
         tell_line(f"{plural(left_out, 'trivial task')} left out: {TRIVIAL}; keep them by --trivial")
     for reason, count in rejected.most_common():

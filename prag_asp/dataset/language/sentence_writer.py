@@ -124,11 +124,11 @@ class SentenceWriter:
 
     def _names_source(self, view: View, shorter: Sequence[Sentence], atom: Atom, topic: str | None) -> bool:
         """Return whether the phrase for the object of an action names the place that the action moves it from."""
-        for sentence in shorter:
-            thing = sentence.arguments(atom)[sentence.moved]
-            relation = view.describe(thing).relation if thing in self._lexicon.appearance.nouns else None
-            return thing != topic and relation is not None and relation.about(thing) == sentence.sources.get(atom)
-        return False
+        if not shorter:
+            return False
+        thing = shorter[0].arguments(atom)[shorter[0].moved]
+        relation = view.describe(thing).relation if thing in self._lexicon.appearance.nouns else None
+        return thing != topic and relation is not None and relation.about(thing) == shorter[0].sources.get(atom)
 
     def facts(
         self, view: View, facts: Mapping[Atom, bool], topic: str | None = None, rng: PhraseRng | None = None
