@@ -124,7 +124,7 @@ def evaluate(
 def compare(*, first: str, second: str, across: bool) -> None:
     """Compare two evaluations on their shared scenarios.
 
-    Prints both rates of success, their difference, first minus second, with an 95 % interval (Newcombe's for pairs),
+    Prints both rates of success, their difference, first minus second, with a 95 % interval (Newcombe's for pairs),
     and the p-value of McNemar's exact test.
     """
     from prag_asp.evaluation import Results

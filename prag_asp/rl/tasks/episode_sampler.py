@@ -177,7 +177,7 @@ class EpisodeSampler:
         """
         parsed = scenario if isinstance(scenario, Scenario) else Scenario.parse(str(scenario))
         if parsed.start is None:
-            raise QueryError(f"scenario {parsed}: it has no initial state; give one that physics found feasible")
+            raise QueryError(f"scenario {parsed}: has no initial state; give one that physics found feasible")
         record = searched(self._scenarios.task(parsed), parsed.start, self.finder.validator)
         witness = Witness.from_json(record.witness or {})
         return Assignment(record.task, witness, parsed.rank, scenario=parsed)

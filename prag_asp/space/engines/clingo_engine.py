@@ -157,7 +157,7 @@ class ClingoEngine:
             if not noted:
                 self._progress(
                     Note(
-                        f"note: to sample, the engine clingo lists all {self._level}s of length {length}, at most "
+                        f"note: the engine clingo lists all {self._level}s of length {length}, at most "
                         f"{MOST_LISTED:,}, and has {found:,} after {REPORTED:g} s; ask for a shorter length, or set "
                         "--time"
                     )
