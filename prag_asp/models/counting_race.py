@@ -19,7 +19,7 @@ from prag_asp.models.compiled_program import CompiledProgram
 from prag_asp.models.enumeration.bounded_enumeration import BoundedEnumeration
 from prag_asp.models.enumeration.effort import (
     QUICK,
-    Own,
+    OwnEngine,
     Turn,
     first_effort,
     seconds_of_enumeration,
@@ -60,12 +60,15 @@ def count_by_race(compiled: CompiledProgram) -> int | None:
         whole=formula.whole,
         swept=prepared.order.swept,
     )
-    installed = [turn for turn in turns if isinstance(turn.engine, Own) or has_counter(turn.engine)]
+    installed = [turn for turn in turns if isinstance(turn.engine, OwnEngine) or has_counter(turn.engine)]
 
     def begins(counter: Counter) -> None:
         compiled.note(f"{counter.name} counts as well, because compiling takes long; the first answers")
 
-    own = {Own.CLINGO: enumeration.count_within, Own.DIAGRAM: lambda seconds: _count_by_diagram(compiled, seconds)}
+    own = {
+        OwnEngine.CLINGO: enumeration.count_within,
+        OwnEngine.DIAGRAM: lambda seconds: _count_by_diagram(compiled, seconds),
+    }
     return count_unless_compiled(installed, lambda: compiled.counting_formula.cnf, compiled.compile, begins, own)
 
 
@@ -89,7 +92,7 @@ def count_unless_compiled(
     formula: Callable[[], Cnf],
     compile_formula: Callable[[Callable[[], None]], None],
     begins: Callable[[Counter], None],
-    own: Mapping[Own, Callable[[float], int | None]] | None = None,
+    own: Mapping[OwnEngine, Callable[[float], int | None]] | None = None,
 ) -> int | None:
     """Return the number of models by the first engine to finish, or None if the compiler finished first.
 
@@ -120,7 +123,7 @@ def count_unless_compiled(
 
         for turn in turns:
             number = None
-            if isinstance(turn.engine, Own):
+            if isinstance(turn.engine, OwnEngine):
                 number = (own or {})[turn.engine](turn.seconds)
             elif turn.seconds:
                 stage(f"counting models with {turn.engine.name}")

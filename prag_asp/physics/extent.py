@@ -31,7 +31,7 @@ OBLIQUE = 0.98
 the rectangle along the axes of the file."""
 
 
-class Extent(NamedTuple):
+class BodyExtent(NamedTuple):
     """A bounding box: its centre relative to the origin of the body, and its half-extents, in metres.
 
     The centre is the origin for a body without a model.
@@ -49,13 +49,13 @@ class _Hull(NamedTuple):
 
 
 @lru_cache(maxsize=1 << 11)
-def extent(shape: Shape, quaternion: Quaternion) -> Extent:
+def extent(shape: Shape, quaternion: Quaternion) -> BodyExtent:
     """Return the axis-aligned bounding box of a rotated body at the origin."""
     if shape.model is None:
-        return Extent(ORIGIN, extents(shape, quaternion))
+        return BodyExtent(ORIGIN, extents(shape, quaternion))
     low, high = reach(shape, matrix(Pose(ORIGIN, quaternion))[:3, :3])
     (x, y, z), (dx, dy, dz) = ((high + low) / 2).tolist(), ((high - low) / 2).tolist()
-    return Extent((x, y, z), (dx, dy, dz))
+    return BodyExtent((x, y, z), (dx, dy, dz))
 
 
 @lru_cache(maxsize=1 << 11)

@@ -54,7 +54,7 @@ COMPILATION = 0.5
 """The seconds of a compilation that is likely to be short."""
 
 
-class Own(Enum):
+class OwnEngine(Enum):
     """The engines that run in this process."""
 
     CLINGO = "clingo"
@@ -67,7 +67,7 @@ class Turn(NamedTuple):
     Without seconds, it only runs in parallel; engines of this process do not.
     """
 
-    engine: Counter | Own
+    engine: Counter | OwnEngine
     seconds: float
     looks: int = 0
 
@@ -84,20 +84,19 @@ def turns_of_engines(predicted: float | None, width: int, *, tight: bool, whole:
     the diagram compiler.
     """
     counters = _turns_of_counters(width, tight=tight, whole=whole)
-    compilation = (Turn(Own.DIAGRAM, COMPILATION),) if swept and (tight or width > NARROW) else ()
-    if width <= NARROW and (predicted is None or predicted > SOON):
+    compilation = (Turn(OwnEngine.DIAGRAM, COMPILATION),) if swept and (tight or width > NARROW) else ()
+    narrow = width <= NARROW
+    if predicted is None and not narrow:
+        return (*compilation, Turn(OwnEngine.CLINGO, FEW), *counters, Turn(OwnEngine.CLINGO, 5 * FEW))
+    if predicted is None or predicted > (SOON if narrow else LAST):
         return (*compilation, *counters)
-    if width <= NARROW and predicted is not None:
-        short = (Turn(Own.DIAGRAM, predicted / 2),) if compilation else ()
-        return (*short, Turn(Own.CLINGO, seconds_of_enumeration(predicted)), *counters)
-    if predicted is None:
-        return (*compilation, Turn(Own.CLINGO, FEW), *counters, Turn(Own.CLINGO, 5 * FEW))
-    enumeration = (Turn(Own.CLINGO, seconds_of_enumeration(predicted)),)
+    enumeration = (Turn(OwnEngine.CLINGO, seconds_of_enumeration(predicted)),)
+    if narrow:
+        short = tuple(turn._replace(seconds=predicted / 2) for turn in compilation)
+        return (*short, *enumeration, *counters)
     if predicted <= LATER:
         first = (enumeration, compilation) if predicted <= SOON else (compilation, enumeration)
         return (*first[0], *first[1], *counters)
-    if predicted > LAST:
-        return (*compilation, *counters)
     longer = (turn._replace(seconds=max(turn.seconds, predicted / 8)) for turn in counters)
     return (*compilation, *longer, *enumeration)
 

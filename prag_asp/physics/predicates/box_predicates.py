@@ -11,7 +11,7 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
-from prag_asp.physics.extent import ORIGIN, Extent, extent
+from prag_asp.physics.extent import ORIGIN, BodyExtent, extent
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states
 from prag_asp.physics.predicates.volume import Side, Volume, opposite
 from prag_asp.physics.situation import Situation
@@ -20,7 +20,7 @@ from prag_asp.scene.geometry import Quaternion, heading, multiply, rotate, to_lo
 from prag_asp.scene.scene import BoxBounds, Own
 
 TOLERANCE, SLIVER = 0.002, 1e-6
-CENTRE = Extent(ORIGIN, (0.0, 0.0, 0.0))
+CENTRE = BodyExtent(ORIGIN, (0.0, 0.0, 0.0))
 
 
 def box_predicate(own: Own) -> Predicate:
@@ -34,7 +34,7 @@ def box_predicate(own: Own) -> Predicate:
     )
 
 
-def _extent(own: Own, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Extent:
+def _extent(own: Own, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> BodyExtent:
     """Return the bounding box of the subject, or of its centre, in the axes of the boxes."""
     if not own.whole:
         return CENTRE

@@ -13,7 +13,7 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
-from prag_asp.physics.extent import Extent, extent, least_reach, silhouette
+from prag_asp.physics.extent import BodyExtent, extent, least_reach, silhouette
 from prag_asp.physics.predicates.gaps import Demand, Z, above, along, between, bottom
 from prag_asp.physics.predicates.predicate import Arguments, Predicate, states, words
 from prag_asp.physics.predicates.volume import Volume, opposite, over_rectangle
@@ -74,7 +74,7 @@ def rims(situation: Situation, container: str, margin: float = 0.0) -> Iterator[
         yield rectangle(*middle.position[:2], half_x, half_y, yaw_of(middle.quaternion))
 
 
-def _extent_within(situation: Situation, subject: str, container: str, quaternion: Quaternion) -> Extent:
+def _extent_within(situation: Situation, subject: str, container: str, quaternion: Quaternion) -> BodyExtent:
     """Return the bounding box of a rotated body in the axes of a container."""
     x, y, z, w = situation.pose(container).quaternion
     return extent(situation.shape(subject), multiply((-x, -y, -z, w), quaternion))

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from prag_asp.physics.extent import Extent, extent, side_yaw
+from prag_asp.physics.extent import BodyExtent, extent, side_yaw
 from prag_asp.physics.predicates import Gripper, Ring, Volume
 from prag_asp.physics.predicates.inside import INSIDE
 from prag_asp.physics.predicates.on_top import ON_TOP
@@ -280,7 +280,7 @@ def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fa
 
 
 def _neighbours(
-    situation: Situation, others: Iterable[str], support: str, turned: tuple[Shape, Quaternion, Extent], z: float
+    situation: Situation, others: Iterable[str], support: str, turned: tuple[Shape, Quaternion, BodyExtent], z: float
 ) -> list[Neighbour]:
     """Return the other bodies that an object at a height can meet, without containers that it is put into.
 
