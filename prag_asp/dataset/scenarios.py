@@ -25,7 +25,7 @@ from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
-    from prag_asp.physics import Staging, Validator
+    from prag_asp.physics import Staging, Validator, Verdict
 
 
 class Scenarios:
@@ -81,7 +81,7 @@ class Scenarios:
         domain, other = self.domain, scenario
         if (other.domain, dict(other.constants)) != (domain.name, dict(domain.constants)):
             name = Scenario(other.domain, "", 0, 0, constants=other.constants)
-            raise QueryError(f"scenario {scenario}: belongs to {str(name).partition(':')[0]}, not of {domain.label}")
+            raise QueryError(f"scenario {scenario}: belongs to {str(name).partition(':')[0]}, not to {domain.label}")
         if other.digest != self.digest:
             raise QueryError(
                 f"scenario {scenario}: the domain {domain.label} or its scene has changed since (its digest is now "
@@ -118,17 +118,21 @@ class Scenarios:
         return self._spaces[key]
 
 
+def verdict_of(task: Task, start: SearchStart, validator: Validator) -> Verdict:
+    """Return the verdict of the search of a scenario on its task."""
+    from prag_asp.physics import Staging
+
+    staging = Staging(vary=start.vary)
+    return validator.validate(task, seed=start.seed, index=start.index, budget=start.budget, staging=staging)
+
+
 def searched(task: Task, start: SearchStart, validator: Validator) -> Record:
     """Return a task with the verdict and the witness of the search of its scenario.
 
     Raises:
         QueryError: the search finds no witness, because the version of prag_asp or PyBullet differs.
     """
-    from prag_asp.physics import Staging
-
-    verdict = validator.validate(
-        task, seed=start.seed, index=start.index, budget=start.budget, staging=Staging(vary=start.vary)
-    )
+    verdict = verdict_of(task, start, validator)
     if verdict.witness is None:
         raise QueryError(
             f"the search {start} finds no witness of {task}; use the versions of prag_asp and PyBullet that did"

@@ -18,8 +18,8 @@ from prag_asp.lazy import names_from
 from prag_asp.missing import require_gymnasium
 
 if TYPE_CHECKING:
-    from prag_asp.evaluation.comparison import Comparison, compare
-    from prag_asp.evaluation.episode import EpisodeResult, SubgoalResult
+    from prag_asp.evaluation.comparison import PolicyComparison, compare
+    from prag_asp.evaluation.episode import EvaluatedEpisode, SubgoalResult
     from prag_asp.evaluation.evaluating import evaluate
     from prag_asp.evaluation.paired import Pairs
     from prag_asp.evaluation.policies import load_policy
@@ -28,13 +28,13 @@ if TYPE_CHECKING:
     from prag_asp.evaluation.sources import FreshScenarios, NamedScenarios, StoredScenarios
 
 __all__ = [
-    "Comparison",
     "ComparisonDesign",
-    "EpisodeResult",
+    "EvaluatedEpisode",
     "EvaluationRecord",
     "FreshScenarios",
     "NamedScenarios",
     "Pairs",
+    "PolicyComparison",
     "Results",
     "StoredScenarios",
     "SubgoalResult",
@@ -44,8 +44,8 @@ __all__ = [
 ]
 
 _HOMES = {
-    "prag_asp.evaluation.comparison": ("Comparison", "compare"),
-    "prag_asp.evaluation.episode": ("EpisodeResult", "SubgoalResult"),
+    "prag_asp.evaluation.comparison": ("PolicyComparison", "compare"),
+    "prag_asp.evaluation.episode": ("EvaluatedEpisode", "SubgoalResult"),
     "prag_asp.evaluation.evaluating": ("evaluate",),
     "prag_asp.evaluation.paired": ("Pairs",),
     "prag_asp.evaluation.policies": ("load_policy",),

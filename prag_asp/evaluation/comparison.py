@@ -6,21 +6,21 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from prag_asp.errors import QueryError
-from prag_asp.evaluation.episode import EpisodeResult
+from prag_asp.evaluation.episode import EvaluatedEpisode
 from prag_asp.evaluation.paired import Pairs
 from prag_asp.evaluation.results import GROUPINGS, Results
 from prag_asp.wording import plural
 
 
 @dataclass(frozen=True)
-class Comparison:
+class PolicyComparison:
     """Pairs of episodes of two evaluations: one pair for each shared scenario.
 
     `only_first` and `only_second` count episodes without a counterpart, `other_states` the scenarios whose initial
     states differ, because different versions searched for them; none of these are compared.
     """
 
-    pairs: tuple[tuple[EpisodeResult, EpisodeResult], ...]
+    pairs: tuple[tuple[EvaluatedEpisode, EvaluatedEpisode], ...]
     only_first: int = 0
     only_second: int = 0
     other_states: int = 0
@@ -37,7 +37,7 @@ class Comparison:
         """
         if what not in PAIRED:
             raise QueryError(f"pairs are grouped by {', '.join(PAIRED)}, not by {what}")
-        groups: dict[int | str, list[tuple[EpisodeResult, EpisodeResult]]] = {}
+        groups: dict[int | str, list[tuple[EvaluatedEpisode, EvaluatedEpisode]]] = {}
         for pair in self.pairs:
             first = pair[0]
             keys: Sequence[int | str] = (
@@ -83,7 +83,7 @@ PAIRED = tuple(what for what in GROUPINGS if what != "action")
 """The groupings of pairs: none by action, because the subgoals that two policies pursue are not paired."""
 
 
-def compare(first: Results, second: Results, *, across: bool = False) -> Comparison:
+def compare(first: Results, second: Results, *, across: bool = False) -> PolicyComparison:
     """Pair the episodes of two evaluations by their scenarios.
 
     With `across`, evaluations with different domains, controls or step limits are compared, too.
@@ -102,23 +102,23 @@ def compare(first: Results, second: Results, *, across: bool = False) -> Compari
     pairs = tuple((one, two) for one, two in shared if one.initial == two.initial)
     if not pairs:
         raise QueryError("the evaluations have no scenario in common; evaluate both on the same scenarios")
-    return Comparison(pairs, len(ours) - len(shared), len(theirs) - len(shared), len(shared) - len(pairs))
+    return PolicyComparison(pairs, len(ours) - len(shared), len(theirs) - len(shared), len(shared) - len(pairs))
 
 
-def _by_scenario(results: Results) -> dict[str, EpisodeResult]:
+def _by_scenario(results: Results) -> dict[str, EvaluatedEpisode]:
     """Return the episodes of an evaluation by their scenarios.
 
     Raises:
         QueryError: a scenario occurs twice.
     """
-    found: dict[str, EpisodeResult] = {}
+    found: dict[str, EvaluatedEpisode] = {}
     for episode in results.episodes:
         if found.setdefault(episode.scenario, episode) is not episode:
             raise QueryError(f"scenario {episode.scenario} occurs twice in the evaluation of {results.record.policy}")
     return found
 
 
-def _counted(pairs: Sequence[tuple[EpisodeResult, EpisodeResult]]) -> Pairs:
+def _counted(pairs: Sequence[tuple[EvaluatedEpisode, EvaluatedEpisode]]) -> Pairs:
     """Return the numbers of pairs by the successes of both."""
     outcomes = [(one.success, two.success) for one, two in pairs]
     return Pairs(*map(outcomes.count, ((True, True), (True, False), (False, True), (False, False))))

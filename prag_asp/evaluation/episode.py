@@ -12,11 +12,11 @@ import gymnasium
 import msgspec
 
 from prag_asp.dataset.scenario import Scenario
-from prag_asp.dataset.scenarios import Scenarios
+from prag_asp.dataset.scenarios import Scenarios, verdict_of
 from prag_asp.dataset.validation_jobs import initial_state_key
 from prag_asp.errors import PragError, QueryError
 from prag_asp.evaluation.policies.policy import Policy, PolicyMaker
-from prag_asp.physics import Staging, open_validator
+from prag_asp.physics import open_validator
 from prag_asp.rl.environment import TaskEnv
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.tables.json_fields import Whole
@@ -41,7 +41,7 @@ class SubgoalResult(msgspec.Struct, frozen=True):
     steps: Whole
 
 
-class EpisodeResult(msgspec.Struct, frozen=True):
+class EvaluatedEpisode(msgspec.Struct, frozen=True):
     """The result of an episode.
 
     `part` is the part of a dataset or a suite, or "". `initial` is a digest of the initial state, and `classes` are the
@@ -102,7 +102,7 @@ class EpisodeRunner:
         """The number of steps per second."""
         return int(self._env.unwrapped.metadata["render_fps"])
 
-    def run(self, job: EpisodeJob, watch: Watch = lambda env: None) -> EpisodeResult | None:
+    def run(self, job: EpisodeJob, watch: Watch = lambda env: None) -> EvaluatedEpisode | None:
         """Return the result of an episode, or None if the search finds no witness of its task.
 
         The result depends on the scenario, the policy and the seed alone.
@@ -132,7 +132,7 @@ class EpisodeRunner:
             if info["is_success"]:
                 cause = SUCCESS
         subgoals = [SubgoalResult(str(task.actions[i]), i < reached, steps[i]) for i in range(stage + 1)]
-        return EpisodeResult(
+        return EvaluatedEpisode(
             str(job.scenario), job.part, initial_digest(witness), len(task), [str(each) for each in task.actions],
             classes_of(task), info["instruction"], cause == SUCCESS, reached, subgoals, sum(steps),
             cause, sum(steps) / self.frame_rate,
@@ -143,10 +143,7 @@ class EpisodeRunner:
         task, start = self._scenarios.task(scenario), scenario.start
         if start is None:
             raise QueryError(f"scenario {scenario}: has no initial state; give one that physics found feasible")
-        verdict = self._validator.validate(
-            task, seed=start.seed, index=start.index, budget=start.budget, staging=Staging(vary=start.vary)
-        )
-        return task, verdict.witness
+        return task, verdict_of(task, start, self._validator).witness
 
     @contextmanager
     def _errors(self, scenario: Scenario) -> Iterator[None]:
@@ -182,11 +179,11 @@ def open_runner(setup: EpisodeSetup, **options: Any) -> Iterator[EpisodeRunner]:
 
 
 @contextmanager
-def open_episodes(setup: EpisodeSetup) -> Iterator[Callable[[int, EpisodeJob], EpisodeResult | None]]:
+def open_episodes(setup: EpisodeSetup) -> Iterator[Callable[[int, EpisodeJob], EvaluatedEpisode | None]]:
     """Yield a function that runs a numbered episode, for a worker."""
     with open_runner(setup) as runner:
 
-        def run(_: int, job: EpisodeJob) -> EpisodeResult | None:
+        def run(_: int, job: EpisodeJob) -> EvaluatedEpisode | None:
             return runner.run(job)
 
         yield run

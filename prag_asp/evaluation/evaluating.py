@@ -15,7 +15,7 @@ import numpy as np
 
 from prag_asp.dataset.scenarios import Scenarios
 from prag_asp.errors import NotFound, OutputError, QueryError
-from prag_asp.evaluation.episode import EpisodeJob, EpisodeResult, EpisodeSetup, open_episodes, open_runner
+from prag_asp.evaluation.episode import EpisodeJob, EpisodeSetup, EvaluatedEpisode, open_episodes, open_runner
 from prag_asp.evaluation.policies import load_policy
 from prag_asp.evaluation.policies.python_callable import CallablePolicy
 from prag_asp.evaluation.results import EVALUATION, EvaluationRecord, Results
@@ -126,19 +126,19 @@ def _evaluated(
     lines: Sequence[bytes],
     write: Callable[[bytes], None],
     progress: Progress,
-) -> tuple[EvaluationRecord, tuple[EpisodeResult, ...]]:
+) -> tuple[EvaluationRecord, tuple[EvaluatedEpisode, ...]]:
     """Return the record and the episodes, those of an interrupted evaluation first; `write` stores each new episode.
 
     Raises:
         NotFound: there are fewer feasible scenarios than requested.
     """
-    episodes: list[EpisodeResult] = []
+    episodes: list[EvaluatedEpisode] = []
     rejected = 0
 
     def successes() -> str:
         return f"{sum(each.success for each in episodes)} of {plural(len(episodes), 'episode')} succeeded"
 
-    def add(result: EpisodeResult | None) -> None:
+    def add(result: EvaluatedEpisode | None) -> None:
         nonlocal rejected
         if result is None:
             rejected += 1
@@ -147,7 +147,7 @@ def _evaluated(
         progress(successes(), len(episodes), record.episodes)
 
     for line in lines:
-        add(msgspec.json.decode(line, type=EpisodeResult | None))
+        add(msgspec.json.decode(line, type=EvaluatedEpisode | None))
     left = enumerate(islice(source.jobs(), len(lines), None), len(lines))
     opened = partial(open_episodes, setup)
     if len(episodes) < record.episodes:

@@ -14,7 +14,7 @@ import msgspec
 from prag_asp.atom import parse_atom
 from prag_asp.dataset.store.manifest_file import ManifestFile
 from prag_asp.errors import QueryError
-from prag_asp.evaluation.episode import EpisodeResult
+from prag_asp.evaluation.episode import EvaluatedEpisode
 from prag_asp.missing import require_pyarrow
 from prag_asp.output import file_in, replace_file
 from prag_asp.rl.skill_chains import Rate
@@ -68,7 +68,7 @@ class Results:
     """
 
     record: EvaluationRecord
-    episodes: tuple[EpisodeResult, ...] = field(repr=False)
+    episodes: tuple[EvaluatedEpisode, ...] = field(repr=False)
 
     @classmethod
     def open(cls, folder: str | Path) -> Results:
@@ -89,7 +89,7 @@ class Results:
             raise QueryError(f"{path}: has no complete evaluation; {hint}")
         try:
             rows = parquet.read_table(BytesIO(read_bytes(path / EPISODES, within=path))).to_pylist()
-            episodes = msgspec.convert(rows, tuple[EpisodeResult, ...])
+            episodes = msgspec.convert(rows, tuple[EvaluatedEpisode, ...])
         except (OSError, pa.ArrowException, msgspec.ValidationError) as error:
             reason = " ".join(str(error).split())
             raise QueryError(f"{path / EPISODES}: is damaged: {reason:.200}; evaluate again") from None
@@ -155,12 +155,12 @@ GROUPINGS = ("part", "length", "action", "class")
 """The groupings of results, in the order of the table."""
 
 
-def rate(episodes: Sequence[EpisodeResult]) -> Rate:
+def rate(episodes: Sequence[EvaluatedEpisode]) -> Rate:
     """Return the rate of success of some episodes."""
     return Rate(sum(episode.success for episode in episodes), len(episodes))
 
 
-def _outcomes(episode: EpisodeResult, what: str) -> Iterable[tuple[Any, bool]]:
+def _outcomes(episode: EvaluatedEpisode, what: str) -> Iterable[tuple[Any, bool]]:
     """Yield the groups that an episode belongs to, with the success that each counts."""
     if what == "action":
         return ((parse_atom(subgoal.action).name, subgoal.success) for subgoal in episode.subgoals)
