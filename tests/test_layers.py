@@ -67,6 +67,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "lint": (GROUND - {"task"}) | {"program", "pruning", "scene", "grammar"},
     "pddl": (GROUND - {"task"}) | {"program"},
     "reduction": (GROUND - {"task"}) | {"program", "lint"},
+    "bddl": (GROUND - {"task"}) | {"program", "pddl"},
     "domain": (GROUND - {"task"}) | {"program", "scene", "lint", "pddl", "reduction"},
     "logic": (GROUND - {"task"}) | {"program", "domain"},
     "models": (GROUND - {"task"}) | {"program", "logic"},
