@@ -17,7 +17,7 @@ BASELINES = ("oracle", "random", "zeros")
 KINDS: Mapping[str, tuple[Callable[[str], bool], str]] = {
     "a baseline": (BASELINES.__contains__, "baselines"),
     "a policy server": (lambda text: text.startswith(("ws://", "wss://")), "server"),
-    "a checkpoint of LeRobot": (lambda text: Path(text).is_dir(), "lerobot"),
+    "a checkpoint of LeRobot": (lambda text: Path(text).is_dir(), "lerobot_policy"),
     "a Stable-Baselines3 zip": (lambda text: Path(text).suffix == ".zip", "stable_baselines"),
     "module:callable": (lambda text: ":" in text, "python_callable"),
 }
