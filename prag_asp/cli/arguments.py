@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from prag_asp.errors import QueryError
+from prag_asp.integers import with_short_numbers
 from prag_asp.program.paths import is_file_name
 from prag_asp.space.lengths import parse_range
 
@@ -26,7 +27,7 @@ def parse_lengths(text: str) -> int | range:
     Raises:
         QueryError: the text is neither a number nor a range.
     """
-    return parse_range(text, f"--length {text}")
+    return parse_range(text, f"--length {with_short_numbers(text)}")
 
 
 def parse_length(text: str) -> int:
@@ -35,7 +36,7 @@ def parse_length(text: str) -> int:
     Raises:
         QueryError: the text is not a number, or a range.
     """
-    length = parse_range(text, f"--length {text}", remedy="write a whole number, such as 4")
+    length = parse_range(text, f"--length {with_short_numbers(text)}", remedy="write a whole number, such as 4")
     if isinstance(length, range):
         raise QueryError(f"--length {text}: a range, but one length is needed; give a number, such as 4")
     return length

@@ -15,6 +15,7 @@ from prag_asp.atom import Atom
 from prag_asp.batches import growing_batches
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
+from prag_asp.exact_numbers import Number
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.space.conditions.condition import Condition
@@ -24,7 +25,7 @@ from prag_asp.space.engines.engine import Letters, Progress
 from prag_asp.space.engines.prefix import Prefix, checked_level, engine_prefix, parse_plan
 from prag_asp.space.lengths import checked_length, parse_lengths, spelled_lengths
 from prag_asp.space.limits import UNLIMITED, Limits
-from prag_asp.space.weights.weights import Number, Weights, parse_weights
+from prag_asp.space.weights.weights import Weights, parse_weights
 from prag_asp.space.word_set import WordSet
 from prag_asp.task import Task
 
