@@ -27,11 +27,7 @@ def parse_lengths(text: str) -> int | Sequence[int]:
     Raises:
         QueryError: the text is none of these.
     """
-<<<<<<< HEAD
-    return parse_range(text, f"--length {with_short_numbers(text)}")
-=======
-    return parse_length_list(text, f"--length {text}")
->>>>>>> rooms
+    return parse_length_list(text, f"--length {with_short_numbers(text)}")
 
 
 def parse_length(text: str) -> int:
@@ -40,15 +36,9 @@ def parse_length(text: str) -> int:
     Raises:
         QueryError: the text is not a number.
     """
-<<<<<<< HEAD
-    length = parse_range(text, f"--length {with_short_numbers(text)}", remedy="write a whole number, such as 4")
-    if isinstance(length, range):
-        raise QueryError(f"--length {text}: a range, but one length is needed; give a number, such as 4")
-=======
-    length = parse_length_list(text, f"--length {text}", remedy="write a whole number, such as 4")
+    length = parse_length_list(text, f"--length {with_short_numbers(text)}", remedy="write a whole number, such as 4")
     if not isinstance(length, int):
         raise QueryError(f"--length {text}: several lengths, but one is needed; give a number, such as 4")
->>>>>>> rooms
     return length
 
 
