@@ -79,7 +79,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
     "analysis": GROUND | {"program", "domain", "logic", "space"},
     "cli": GROUND
-    | {"program", "scene", "grammar", "pddl", "reduction", "domain", "logic", "space", "models", "planners"}
+    | {"program", "scene", "grammar", "pddl", "bddl", "reduction", "domain", "logic", "space", "models", "planners"}
     | {"physics", "dataset", "evaluation", "analysis", "versions"},
     "__main__": frozenset(["cli"]),
 }
