@@ -79,9 +79,9 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
     "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
     "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
-    "analysis": GROUND | {"domain", "logic", "space"},
+    "analysis": GROUND | {"program", "domain", "logic", "space"},
     "cli": GROUND
-    | {"program", "scene", "grammar", "pddl", "reduction", "domain", "logic", "space", "models", "planners"}
+    | {"program", "scene", "grammar", "pddl", "bddl", "reduction", "domain", "logic", "space", "models", "planners"}
     | {"physics", "dataset", "evaluation", "analysis", "versions"},
     "__main__": frozenset(["cli"]),
 }
