@@ -227,7 +227,7 @@ class Scene:
 
     Most fields map names of entities: to `shapes`, `colors` (``#rrggbb``) and `materials`; `robots` maps robots to
     their mounts, and `fixed` bodies that never move to their place: x, y in metres and yaw in radians. If the size of
-    an entity is sampled for each task, `ranges` has all its possible shapes, the smallest first, and `shapes` the
+    an entity is sampled for each task, `ranges` holds all its possible shapes, the smallest first, and `shapes` the
     largest of them. By default there is one Panda, at the origin.
 
     `workspace` is the part of the table top where the search places objects: low x, high x, low y, high y in metres.
@@ -236,7 +236,7 @@ class Scene:
     robot.
 
     `own` has the spatial predicates that the domain adds, by name; their Python files are run only if `trusted` is set.
-    `cameras` are also named; the default is one camera, `front`. `vary` has the ranges of domain randomization.
+    `cameras` are also named; the default is one camera, `front`. `vary` holds the ranges of domain randomization.
     `balance` is the margin in metres by which the centre of mass of a placed object stays within its support, if the
     support is large enough.
     """

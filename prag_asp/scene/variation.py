@@ -32,7 +32,7 @@ USUAL_LIGHT: Vector = (-0.3, 0.8, 1.8)
 class Variation:
     """The variation of an episode; missing properties are as in the scene.
 
-    `friction` has the coefficients of entities, `mass` their masses in kilograms, `light` the direction to the light,
+    `friction` holds the coefficients of entities, `mass` their masses in kilograms, `light` the direction to the light,
     `cameras` the positions of cameras and their targets in metres, and `colours` the colours of entities as
     ``#rrggbb``.
     """

@@ -29,7 +29,7 @@ STRIDE, TURN = 1.0, 5.0
 """The same speeds of `ee_delta_upright`, which are lower so that agents learn."""
 
 FINGERS = 0.2
-"""The maximum speed of opening or closing a gripper, in metres a second."""
+"""The maximum speed of opening or closing a gripper, in metres per second."""
 
 FARTHEST = 1.5
 """A distance in metres from the base that no tool of a robot can exceed along an axis."""

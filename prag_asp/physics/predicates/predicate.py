@@ -94,7 +94,7 @@ class Predicate:
 
     Relations: with `supports`, the last argument carries the subject; with `places`, it is the place where the subject
     rests or is held above; with `rests_on_other`, the subject may stand on or in it. `direction` points from the
-    second argument to the subject in the frame of the robot. `apart` has the smallest and the largest horizontal
+    second argument to the subject in the frame of the robot. `apart` holds the smallest and the largest horizontal
     distance between the bounding boxes of the first two arguments, in metres. With `lies_between`, the subject is
     between the two others. `gripper` is the relation of a gripper that the predicate states.
 

@@ -284,7 +284,7 @@ def _neighbours(
 ) -> list[Neighbour]:
     """Return the other bodies that an object at a height can meet, without containers that it is put into.
 
-    `turned` has the shape of the object, its orientation, and its bounding box at the origin. Furniture has the
+    `turned` holds the shape of the object, its orientation, and its bounding box at the origin. Furniture has the
     bounding boxes of its body and of the swept moving part.
     """
     neighbours = []
