@@ -76,7 +76,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
     "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
     "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
-    "analysis": GROUND | {"domain", "space"},
+    "analysis": GROUND | {"domain", "logic", "space"},
     "cli": GROUND
     | {"program", "scene", "grammar", "pddl", "reduction", "domain", "logic", "space", "models", "planners"}
     | {"physics", "dataset", "evaluation", "analysis", "versions"},
