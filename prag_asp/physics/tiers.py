@@ -1,4 +1,4 @@
-"""The pipeline of tiers, in order of cost, for witnesses that the validator finds and for those to check again.
+"""The pipeline of tiers, in order of cost, for witnesses that the validator finds and for witnesses to check again.
 
 A witness that a search finds satisfies the first tier, kinematics, by construction; `check_witness` checks it.
 """

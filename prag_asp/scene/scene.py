@@ -18,7 +18,7 @@ from prag_asp.scene.predicate_names import PREDICATE_ROLES
 from prag_asp.scene.shape_kinds import KINDS, Kind
 
 GREY = "#808080"
-"""The colour of an entity without one in the scene."""
+"""The colour of an entity to which the scene assigns no colour."""
 
 IGNORED = "none"
 """The value in ``scene.predicates`` of a fluent that physics ignores."""
@@ -76,9 +76,9 @@ class BodyModel(NamedTuple):
     inertia in kg m² about `axes`, a unit quaternion (x, y, z, w).
 
     `base` and `crown` are the convex outlines, seen from above and counter-clockwise, of its lowest points, on which it
-    stands, and of its highest points, on which others stand; empty ones mean those of its box. `settled` is the angle
-    in radians by which it was tilted from its orientation in the file, because it is not stable in that one. `looks`
-    are its visual parts; without them, its collision solids are shown.
+    stands, and of its highest points, on which others stand; empty outlines mean those of its box. `settled` is the
+    angle in radians by which it was tilted from its orientation in the file, because it is not stable in that
+    orientation. `looks` are its visual parts; without them, its collision solids are shown.
     """
 
     solids: tuple[Solid, ...]
@@ -218,7 +218,7 @@ class TableTop:
 
 
 BALANCE = 0.01
-"""The default of `Scene.balance`: robots put things down within a few millimetres."""
+"""The default of `Scene.balance`: robots put objects down with an accuracy of a few millimetres."""
 
 
 @dataclass(frozen=True)

@@ -66,7 +66,7 @@ class Variation:
         return replace(scene, materials=materials, shapes=shapes, cameras=cameras, colors=colors, table=table)
 
     def to_text(self) -> str:
-        """Return the variation as JSON, without missing parts."""
+        """Return the variation as JSON, without the properties that do not vary."""
         data: dict[str, Any] = {
             "friction": dict(self.friction),
             "mass": dict(self.mass),

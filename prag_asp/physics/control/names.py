@@ -23,4 +23,4 @@ RATES = tuple(rate for rate in range(1, STEPS_A_SECOND + 1) if STEPS_A_SECOND % 
 """The possible numbers of actions per second: those that last a whole number of simulation steps."""
 
 USUAL_RATE = 20
-"""The default number of actions per second, that of recordings."""
+"""The default number of actions per second, the same as in recordings."""

@@ -54,7 +54,7 @@ class SentenceFunction(Protocol):
 
 
 class Gripper(Enum):
-    """The relation of the first argument's gripper to the second argument, which `OPEN` lacks."""
+    """The relation of the first argument's gripper to the second argument; `OPEN` has no second argument."""
 
     HOLDS = "holds"
     AT = "is at"
@@ -85,9 +85,9 @@ class Predicate:
 
     Definition: `violations` are the distances of a situation from each condition, in metres or radians. `subject` is
     the index of the argument that moves to make the predicate true. `volume` is the region of the gripper if
-    `of_gripper`, the range of the joint of furniture if `of_joint`, otherwise the region of the subject; with `turns`
-    it has ranges of yaws. `inverse` names the predicate that then holds for the swapped arguments, which is the same
-    one if it is symmetric. With `looks_around`, the violations may depend on bodies that are not arguments.
+    `of_gripper`, the range of the joint of furniture if `of_joint`, otherwise the region of the subject; with `turns`,
+    it has ranges of yaws. `inverse` names the predicate that then holds for the swapped arguments: the predicate itself
+    if it is symmetric. With `looks_around`, the violations may depend on bodies that are not arguments.
 
     Words: `sentence` states the predicate, `robot_sentence` does so in scenes with several robots. Captions state
     predicates in the order of `caption_rank`, and those of infinite rank only if there are no others.
