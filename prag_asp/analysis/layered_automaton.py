@@ -134,6 +134,8 @@ def layers_of(automaton: Automaton, length: int) -> tuple[LayerEdges, ...] | Non
     layers: list[LayerEdges] = []
     for step in range(length - 1, -1, -1):
         used = np.flatnonzero(reached[step][sources] & (blocks[targets] >= 0))
+        if not len(used):
+            return None
         layer, blocks = _merged(automaton, used, blocks)
         layers.append(layer)
     return tuple(reversed(layers)) if blocks[0] >= 0 else None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
 
 import clingo
@@ -50,6 +50,27 @@ def letter_renamings(space: TaskSpace, by: Level, letters: tuple[str, ...]) -> N
                 "compare plans or skeletons"
             )
     return np.array([each[:-1] for each in found.values()])
+
+
+def plan_images(space: TaskSpace, plan: Sequence[clingo.Symbol]) -> list[tuple[clingo.Symbol, ...]]:
+    """Return the distinct plans that the renamings of a space make of a plan, which is the first.
+
+    Raises:
+        QueryError: there are more than `MOST`.
+    """
+    renamings = list(swaps(space.symmetries))
+    images = {tuple(plan): None}
+    waiting = list(images)
+    while waiting:
+        one = waiting.pop()
+        for names in renamings:
+            other = tuple(renamed(action, names) for action in one)
+            if other not in images:
+                images[other] = None
+                waiting.append(other)
+        if len(images) > MOST:
+            raise QueryError(f"the plan has more than {MOST:,} renamings in {space.title}; it names too many entities")
+    return list(images)
 
 
 def swaps(symmetries: Symmetries) -> Iterator[Mapping[clingo.Symbol, clingo.Symbol]]:
