@@ -19,24 +19,28 @@ if TYPE_CHECKING:
     from prag_asp.analysis.curve import Curve, Series, counts_by_length, draw_curve
     from prag_asp.analysis.hamming import DistanceDistribution, hamming_distribution, mean_hamming
     from prag_asp.analysis.neighbours import NearestTask, count_neighbours, nearest_task
+    from prag_asp.analysis.vendi import VendiScore, vendi_score
 
 __all__ = [
     "Curve",
     "DistanceDistribution",
     "NearestTask",
     "Series",
+    "VendiScore",
     "count_neighbours",
     "counts_by_length",
     "draw_curve",
     "hamming_distribution",
     "mean_hamming",
     "nearest_task",
+    "vendi_score",
 ]
 
 _HOMES = {
     "prag_asp.analysis.curve": ("Curve", "Series", "counts_by_length", "draw_curve"),
     "prag_asp.analysis.hamming": ("DistanceDistribution", "hamming_distribution", "mean_hamming"),
     "prag_asp.analysis.neighbours": ("NearestTask", "count_neighbours", "nearest_task"),
+    "prag_asp.analysis.vendi": ("VendiScore", "vendi_score"),
 }
 
 __getattr__ = names_from(__name__, _HOMES)
