@@ -28,6 +28,7 @@ GROUND = frozenset(
         "stop_reason",
         "wording",
         "integers",
+        "exact_numbers",
         "atom",
         "task",
         "lazy",
@@ -58,6 +59,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "output": frozenset(["errors", "lazy", "safe_reading"]),
     "wording": frozenset(["errors"]),
     "integers": frozenset(),
+    "exact_numbers": frozenset(["errors", "integers"]),
     "atom": frozenset(["errors", "integers"]),
     "task": frozenset(["errors", "atom", "integers"]),
     "program": GROUND - {"task"},
@@ -67,6 +69,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "lint": (GROUND - {"task"}) | {"program", "pruning", "scene", "grammar"},
     "pddl": (GROUND - {"task"}) | {"program"},
     "reduction": (GROUND - {"task"}) | {"program", "lint"},
+    "bddl": (GROUND - {"task"}) | {"program", "pddl"},
     "domain": (GROUND - {"task"}) | {"program", "scene", "lint", "pddl", "reduction"},
     "logic": (GROUND - {"task"}) | {"program", "domain"},
     "models": (GROUND - {"task"}) | {"program", "logic"},
@@ -76,9 +79,9 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
     "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
     "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
-    "analysis": GROUND | {"domain", "space"},
+    "analysis": GROUND | {"program", "domain", "logic", "space"},
     "cli": GROUND
-    | {"program", "scene", "grammar", "pddl", "reduction", "domain", "logic", "space", "models", "planners"}
+    | {"program", "scene", "grammar", "pddl", "bddl", "reduction", "domain", "logic", "space", "models", "planners"}
     | {"physics", "dataset", "evaluation", "analysis", "versions"},
     "__main__": frozenset(["cli"]),
 }

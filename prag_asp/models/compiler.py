@@ -39,7 +39,7 @@ Node = int
 class _Part:
     """The variables of a component of the formula and its listed clauses and sums, both sorted.
 
-    Sums have the numbers after those of the clauses, and `missing` says what each lacks.
+    Sums are numbered after the clauses; `missing` holds the missing weights of each sum.
     """
 
     variables: tuple[int, ...]
@@ -207,7 +207,7 @@ class _Compiler:
         return None if model is None else (_Case(decisions, len(implied), model), new)
 
     def _after(self, part: _Part, new: Sequence[Literal]) -> dict[int, Missing]:
-        """Return what the open sums of a component lack after further literals are true."""
+        """Return the missing weights of the open sums of a component after further literals become true."""
         missing = dict(part.missing)
         for literal in new:
             for number in self._where[abs(literal)]:

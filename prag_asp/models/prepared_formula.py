@@ -13,7 +13,7 @@ from prag_asp.models.variable_order import DecisionOrder, decision_order
 
 
 class Missing(NamedTuple):
-    """The weight that a sum lacks to reach its bound, the weight of its open literals, and its value: 0 while open."""
+    """The missing weight of a sum up to its bound, the weight of its open literals, and its value: 0 while open."""
 
     bound: int
     rest: int
@@ -61,7 +61,7 @@ class PreparedFormula:
 
     The clauses `nodes` define the `sums`; their further variables have the last numbers, and are not decided. `names`
     has the variable of each number, from 1; `projection` has the numbers of decision variables, and `kept` the names of
-    the variables whose values the diagram has. `copies` has the atom of each copy, 0 for a fixed one, and None for a
+    the variables whose values the diagram has. `copies` holds the atom of each copy, 0 for a fixed one, and None for a
     gate. All models have the literals `fixed`; no clause or sum restricts the variables `free`. If the formula is
     `contradictory`, the other fields are meaningless.
     """
