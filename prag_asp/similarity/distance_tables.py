@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
@@ -46,34 +46,51 @@ class DistanceTable(Protocol):
         ...
 
 
-def coded(features: Iterable[Feature]) -> tuple[tuple[Symbol, ...], list[Numbers]]:
-    """Return the symbols in some features, and each feature as the numbers of its symbols."""
+@dataclass(frozen=True)
+class CodedSequences:
+    """Sequences as numbers of their symbols, shape (sequences, longest); only the first `lengths` of a row count."""
+
+    codes: Numbers
+    lengths: NDArray[np.int64]
+
+    def pairs(
+        self, rows: Numbers, columns: Numbers, function: Callable[[Numbers, Numbers], Values], kind: type
+    ) -> Values:
+        """Return a function of two arrays of sequences of one length, for sequences of all lengths."""
+        result: Values = np.empty((len(rows), len(columns)), kind)
+        for length in np.unique(self.lengths[rows]):
+            here = np.flatnonzero(self.lengths[rows] == length)
+            for width in np.unique(self.lengths[columns]):
+                there = np.flatnonzero(self.lengths[columns] == width)
+                block = function(self.codes[rows[here], :length], self.codes[columns[there], :width])
+                if block.shape == result.shape:
+                    return block.astype(kind, copy=False)
+                result[np.ix_(here, there)] = block
+        return result
+
+    def sums(self, values: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return the sum of the values of the symbols of each sequence."""
+        counted = np.arange(self.codes.shape[1]) < self.lengths[:, None]
+        total: NDArray[np.int64] = np.where(counted, values[self.codes], 0).sum(axis=1)
+        return total
+
+
+def coded(features: Sequence[Feature]) -> tuple[tuple[Symbol, ...], CodedSequences]:
+    """Return the symbols in some features, and the features as the numbers of their symbols."""
     numbers: dict[Symbol, int] = {}
-    codes = [np.array([numbers.setdefault(each, len(numbers)) for each in f], dtype=np.intp) for f in features]
-    return tuple(numbers), codes
-
-
-def of_lengths(
-    codes: Sequence[Numbers], rows: Numbers, columns: Numbers, function: Callable[[Any, Any], Values], kind: type
-) -> Values:
-    """Return a function of two arrays of sequences of one length, for sequences of all lengths."""
-    lengths = np.array([len(each) for each in codes], dtype=np.intp)
-    result = np.empty((len(rows), len(columns)), kind)
-    for length in np.unique(lengths[rows]):
-        here = np.flatnonzero(lengths[rows] == length)
-        stacked = np.array([codes[at] for at in rows[here]], dtype=np.intp).reshape(len(here), length)
-        for width in np.unique(lengths[columns]):
-            there = np.flatnonzero(lengths[columns] == width)
-            others = np.array([codes[at] for at in columns[there]], dtype=np.intp).reshape(len(there), width)
-            result[np.ix_(here, there)] = function(stacked, others)
-    return result
+    lengths = np.array(list(map(len, features)), dtype=np.int64)
+    codes = np.zeros((len(features), max(lengths.max(initial=0), 0)), dtype=np.intp)
+    for row, feature in zip(codes, features, strict=True):
+        row[: len(feature)] = [numbers.setdefault(each, len(numbers)) for each in feature]
+    return tuple(numbers), CodedSequences(codes, lengths)
 
 
 def steinhaus_block(block: Values, one: Values, other: Values) -> NDArray[np.float32]:
     """Return distances between 0 and 1, given the distances of the features from the empty one."""
     distances = block.astype(np.float32)
     total = one.astype(np.float32)[:, None] + other.astype(np.float32) + distances
-    return np.divide(2 * distances, total, out=np.zeros_like(distances), where=distances > 0)
+    result: NDArray[np.float32] = np.divide(2 * distances, total, out=np.zeros_like(distances), where=distances > 0)
+    return result
 
 
 @dataclass(frozen=True)
@@ -81,7 +98,7 @@ class EditTable:
     """Edit distances; `sizes` are the costs of deleting each feature, in units."""
 
     costs: CostTable
-    codes: list[Numbers]
+    codes: CodedSequences
     sizes: NDArray[np.int64]
 
     @classmethod
@@ -89,7 +106,7 @@ class EditTable:
         """Return the table of some features."""
         symbols, codes = coded(features)
         costs = CostTable.of(symbols, cost)
-        return cls(costs, codes, np.array([costs.costs[-1, each].sum() for each in codes], dtype=np.int64))
+        return cls(costs, codes, codes.sums(costs.costs[-1]))
 
     @property
     def denominator(self) -> int:
@@ -106,8 +123,8 @@ class EditTable:
         costs, kind = self.costs, small_type(self.largest)
         if costs.uniform:
             symbols = len(costs.symbols)
-            return of_lengths(self.codes, rows, columns, lambda a, b: unit_edit_distances(a, b, symbols), kind)
-        return of_lengths(self.codes, rows, columns, lambda a, b: weighted_edit_distances(a, b, costs.costs), kind)
+            return self.codes.pairs(rows, columns, lambda a, b: unit_edit_distances(a, b, symbols), kind)
+        return self.codes.pairs(rows, columns, lambda a, b: weighted_edit_distances(a, b, costs.costs), kind)
 
     def normalised(self, block: Values, rows: Numbers, columns: Numbers) -> NDArray[np.float32]:
         """Return the Steinhaus transform."""
@@ -130,7 +147,7 @@ class PlaceTable:
         """
         check_lengths({len(each) for each in features})
         symbols, codes = coded(features)
-        return cls(CostTable.of(symbols, cost), np.array(codes, dtype=np.intp).reshape(len(codes), len(codes[0])))
+        return cls(CostTable.of(symbols, cost), codes.codes)
 
     @property
     def denominator(self) -> int:
@@ -140,7 +157,7 @@ class PlaceTable:
     @property
     def largest(self) -> int:
         """The number of units if all places differ."""
-        return int(self.costs.costs.max()) * self.codes.shape[1]
+        return int(self.costs.costs.max()) * int(self.codes.shape[1])
 
     def block(self, rows: Numbers, columns: Numbers) -> Values:
         """Return the distances in units."""
@@ -148,7 +165,10 @@ class PlaceTable:
 
     def normalised(self, block: Values, rows: Numbers, columns: Numbers) -> NDArray[np.float32]:
         """Return the mean cost of a place."""
-        return block.astype(np.float32) / np.float32(max(self.codes.shape[1], 1) * self.denominator)
+        values: NDArray[np.float32] = block.astype(np.float32) / np.float32(
+            max(self.codes.shape[1], 1) * self.denominator
+        )
+        return values
 
 
 @dataclass(frozen=True)
@@ -159,7 +179,7 @@ class StateTable:
     """
 
     members: NDArray[np.bool_]
-    codes: list[Numbers]
+    codes: CodedSequences
     denominator: int = 1
 
     @classmethod
@@ -171,8 +191,7 @@ class StateTable:
     @cached_property
     def sizes(self) -> NDArray[np.int64]:
         """The costs of deleting each feature."""
-        gaps = 1 + self.members.sum(axis=1, dtype=np.int64)
-        return np.array([gaps[each].sum() for each in self.codes], dtype=np.int64)
+        return self.codes.sums(1 + self.members.sum(axis=1, dtype=np.int64))
 
     @property
     def largest(self) -> int:
@@ -181,7 +200,7 @@ class StateTable:
 
     def block(self, rows: Numbers, columns: Numbers) -> Values:
         """Return the distances."""
-        states = [np.unique(np.concatenate([self.codes[at] for at in side])) for side in (rows, columns)]
+        states = [np.unique(self.codes.codes[side]) for side in (rows, columns)]
         one, other = (self.members[each].astype(np.float32) for each in states)
         sizes, others = one.sum(axis=1), other.sum(axis=1)
         costs = np.zeros((len(one) + 1, len(other) + 1), dtype=np.int64)
@@ -192,7 +211,7 @@ class StateTable:
         def distances(some: Numbers, more: Numbers) -> Values:
             return weighted_edit_distances(np.searchsorted(first, some), np.searchsorted(second, more), costs)
 
-        return of_lengths(self.codes, rows, columns, distances, small_type(self.largest))
+        return self.codes.pairs(rows, columns, distances, small_type(self.largest))
 
     def normalised(self, block: Values, rows: Numbers, columns: Numbers) -> NDArray[np.float32]:
         """Return the Steinhaus transform."""
@@ -210,9 +229,9 @@ class SetTable:
     def of(cls, features: Sequence[Feature]) -> SetTable:
         """Return the table of some features."""
         elements, codes = coded(features)
-        members = np.zeros((len(codes), len(elements)), dtype=np.bool_)
-        for row, each in zip(members, codes, strict=True):
-            row[each] = True
+        members = np.zeros((len(features), len(elements)), dtype=np.bool_)
+        for row, each, length in zip(members, codes.codes, codes.lengths, strict=True):
+            row[each[:length]] = True
         return cls(members)
 
     @property
@@ -224,7 +243,8 @@ class SetTable:
         """Return the sizes of the symmetric differences; floats of 32 bits are exact up to 2**24."""
         one, other = (self.members[each].astype(np.float32) for each in (rows, columns))
         common = one @ other.T
-        return (one.sum(axis=1)[:, None] + other.sum(axis=1) - 2 * common).astype(small_type(self.largest))
+        values: Values = one.sum(axis=1)[:, None] + other.sum(axis=1) - 2 * common
+        return values.astype(small_type(self.largest))
 
     def normalised(self, block: Values, rows: Numbers, columns: Numbers) -> NDArray[np.float32]:
         """Return the Jaccard distances."""
@@ -282,7 +302,8 @@ class MixedTable:
     def block(self, rows: Numbers, columns: Numbers) -> Values:
         """Return the weighted means."""
         blocks = (w * table.normalised(table.block(rows, columns), rows, columns) for w, table in self.parts)
-        return np.sum(np.array(list(blocks)), axis=0, dtype=np.float32)
+        values: Values = np.array(list(blocks)).sum(axis=0, dtype=np.float32)
+        return values
 
     def normalised(self, block: Values, rows: Numbers, columns: Numbers) -> NDArray[np.float32]:
         """Return the distances themselves."""

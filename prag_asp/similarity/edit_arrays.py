@@ -9,12 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 Codes = NDArray[np.intp]
+Distances = NDArray[np.unsignedinteger]
 
 WORDS = (np.uint8, np.uint16, np.uint32, np.uint64)
 """Types of integers, smallest first: small ones make numpy fast."""
-
-CELLS = 1 << 15
-"""Pairs that are processed together: arrays of two bytes for each stay in the cache of a core."""
 
 
 def small_type(largest: int) -> type[np.unsignedinteger]:
@@ -22,7 +20,7 @@ def small_type(largest: int) -> type[np.unsignedinteger]:
     return next(word for word in WORDS if largest <= np.iinfo(word).max)
 
 
-def weighted_edit_distances(rows: Codes, columns: Codes, costs: NDArray[np.int64]) -> NDArray[np.unsignedinteger]:
+def weighted_edit_distances(rows: Codes, columns: Codes, costs: NDArray[np.int64]) -> Distances:
     """Return edit distances with costs (Wagner and Fischer 1974), one cell of the table for all pairs at a time.
 
     `costs` has the shape (symbols of rows + 1, symbols of columns + 1); its last row and column are those of insertions
@@ -51,7 +49,7 @@ def weighted_edit_distances(rows: Codes, columns: Codes, costs: NDArray[np.int64
     return before[-1]
 
 
-def unit_edit_distances(rows: Codes, columns: Codes, symbols: int) -> NDArray[np.unsignedinteger]:
+def unit_edit_distances(rows: Codes, columns: Codes, symbols: int) -> Distances:
     """Return Levenshtein distances with unit costs, by bit vectors (Myers 1999, as in Hyyrö 2003).
 
     A bit of `up` or `down` says that the table grows or shrinks by 1 from one row to the next; the distance is the
@@ -87,7 +85,8 @@ def unit_edit_distances(rows: Codes, columns: Codes, symbols: int) -> NDArray[np
         np.invert(across, out=across)
         np.bitwise_or(up, across, out=up)
     ups, downs = _bit_counts(up & mask), _bit_counts(down & mask)
-    return (small_type(length + width)(width) + ups - downs).T
+    distances: Distances = (small_type(length + width)(width) + ups - downs).T
+    return distances
 
 
 def _bit_counts(words: NDArray[np.unsignedinteger]) -> NDArray[np.uint8]:
@@ -96,10 +95,11 @@ def _bit_counts(words: NDArray[np.unsignedinteger]) -> NDArray[np.uint8]:
         counts: NDArray[np.uint8] = np.bitwise_count(words)
         return counts
     octets = words.view(np.uint8).reshape(*words.shape, -1)
-    return np.unpackbits(octets, axis=-1).sum(axis=-1, dtype=np.uint8)
+    summed: NDArray[np.uint8] = np.unpackbits(octets, axis=-1).sum(axis=-1, dtype=np.uint8)
+    return summed
 
 
-def aligned_distances(rows: Codes, columns: Codes, costs: NDArray[np.int64]) -> NDArray[np.unsignedinteger]:
+def aligned_distances(rows: Codes, columns: Codes, costs: NDArray[np.int64]) -> Distances:
     """Return the sum of the costs place by place; all sequences have one length."""
     kind = small_type(int(max(rows.shape[1], 1) * max(int(costs.max()), 1)))
     total, spare = (np.zeros((len(rows), len(columns)), kind) for _ in range(2))
