@@ -68,6 +68,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "lint": (GROUND - {"task"}) | {"program", "pruning", "scene", "grammar"},
     "pddl": (GROUND - {"task"}) | {"program"},
     "reduction": (GROUND - {"task"}) | {"program", "lint"},
+    "bddl": (GROUND - {"task"}) | {"program", "pddl"},
     "domain": (GROUND - {"task"}) | {"program", "scene", "lint", "pddl", "reduction"},
     "logic": (GROUND - {"task"}) | {"program", "domain"},
     "models": (GROUND - {"task"}) | {"program", "logic"},
@@ -77,7 +78,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
     "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
     "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
-    "analysis": GROUND | {"domain", "space", "similarity"},
+    "analysis": GROUND | {"domain", "logic", "space", "similarity"},
     "cli": GROUND
     | {"program", "scene", "grammar", "pddl", "reduction", "domain", "logic", "space", "models", "planners"}
     | {"physics", "dataset", "evaluation", "analysis", "similarity", "versions"},

@@ -48,11 +48,13 @@ COMMANDS = {
 """The commands, each with the module of `prag_asp.cli.commands` that defines it under the command's name."""
 
 GROUPS = {
-    "Domains": ("domains", "new", "check", "explain", "learn", "import"),
-    "Task spaces": ("count", "task", "sample", "enumerate", "scenario", "split", "stats", "validate", "render"),
-    "Datasets": ("generate", "merge", "verify", "suite", "export"),
-    "Policies": ("evaluate", "compare", "power"),
-    "Other": ("models", "completion"),
+    "Define": ("domains", "new", "check", "import", "explain"),
+    "Count and sample": ("count", "task", "sample", "enumerate", "scenario", "split", "stats"),
+    "Check by physics": ("validate", "learn", "render"),
+    "Data": ("generate", "merge", "verify", "suite", "export"),
+    "Learn and evaluate": ("evaluate", "compare", "power"),
+    "Any program": ("models",),
+    "Shell": ("completion",),
 }
 """The commands in the order of the help."""
 

@@ -28,8 +28,8 @@ COUNT = 100
 @click.argument("names", metavar="[DOMAIN]...", nargs=-1, shell_complete=shell_completion.domains)
 @domain_options(*PROGRAM, WHERE, options.trust)
 @click.option(
-    "-n", "--length", "lengths", type=parse_lengths, metavar="N|A..B",
-    help="With DOMAIN: sample feasible tasks with N actions, or with A to B, without repetition.",
+    "-n", "--length", "lengths", type=parse_lengths, metavar="N|A..B|N,M",
+    help="With DOMAIN: sample feasible tasks with N actions, with A to B, or with N or M, without repetition.",
 )  # fmt: skip
 @click.option(
     "--data", metavar="DIR", shell_complete=shell_completion.files,

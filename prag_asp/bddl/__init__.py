@@ -1,0 +1,36 @@
+"""BDDL: problems of LIBERO, LIBERO-PRO and BEHAVIOR-1K.
+
+>>> from prag_asp.bddl import parse_bddl
+>>> problem = parse_bddl('''(define (problem tidy) (:domain robosuite) (:language put the cup on the plate)
+...     (:objects cup_1 - cup plate_1 - plate) (:init) (:goal (and (on cup_1 plate_1))))''')
+>>> problem.language, problem.objects
+('put the cup on the plate', {'cup_1': 'cup', 'plate_1': 'plate'})
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from prag_asp.lazy import names_from
+
+if TYPE_CHECKING:
+    from prag_asp.bddl.bddl_problem import BddlFact, BddlFormula, BddlProblem, Connective, Quantifier, Region
+    from prag_asp.bddl.bddl_reader import parse_bddl, read_bddl
+    from prag_asp.bddl.bddl_writing import bddl_text
+
+__all__ = [
+    "BddlFact", "BddlFormula", "BddlProblem", "Connective", "Quantifier", "Region", "bddl_text", "parse_bddl",
+    "read_bddl",
+]  # fmt: skip
+
+_HOMES = {
+    "prag_asp.bddl.bddl_problem": ("BddlFact", "BddlFormula", "BddlProblem", "Connective", "Quantifier", "Region"),
+    "prag_asp.bddl.bddl_reader": ("parse_bddl", "read_bddl"),
+    "prag_asp.bddl.bddl_writing": ("bddl_text",),
+}
+
+__getattr__ = names_from(__name__, _HOMES)
+
+
+def __dir__() -> list[str]:
+    return __all__
