@@ -78,7 +78,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
     "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
     "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
-    "analysis": GROUND | {"domain", "logic", "space", "similarity"},
+    "analysis": GROUND | {"program", "domain", "logic", "space", "similarity"},
     "cli": GROUND
     | {"program", "scene", "grammar", "pddl", "reduction", "domain", "logic", "space", "models", "planners"}
     | {"physics", "dataset", "evaluation", "analysis", "similarity", "versions"},
