@@ -27,7 +27,7 @@ LONGEST = 500
 
 CUT = " ... "
 HEAD = 300
-"""Characters kept from the beginning of a longer line (place and problem); its end (what to do) is kept too."""
+"""Characters kept from the beginning of a longer line (place and problem); its end (what to do) is also kept."""
 
 
 def plain(text: str) -> str:

@@ -69,8 +69,8 @@ class Task:
     """A plan with the known facts of every state that it passes through.
 
     `entities` maps each entity that an action or a known fluent names to its class. `states[k]` has the facts that are
-    known after action k+1, and `subgoals[k]` the facts that this action itself makes true or false, so both are as long
-    as `actions`. `goal` has the facts that must hold at the end. `log_probability` is the natural logarithm of the
+    known after action k+1, and `subgoals[k]` the facts that this action itself makes true or false; both are as long as
+    `actions`. `goal` holds the facts that must hold at the end. `log_probability` is the natural logarithm of the
     probability with which the task was sampled, or None if it was not sampled. `constants` maps the names of the
     domain's ``#const``s that were set to their terms.
     """

@@ -28,6 +28,7 @@ GROUND = frozenset(
         "stop_reason",
         "wording",
         "integers",
+        "exact_numbers",
         "atom",
         "task",
         "lazy",
@@ -58,6 +59,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "output": frozenset(["errors", "lazy", "safe_reading"]),
     "wording": frozenset(["errors"]),
     "integers": frozenset(),
+    "exact_numbers": frozenset(["errors", "integers"]),
     "atom": frozenset(["errors", "integers"]),
     "task": frozenset(["errors", "atom", "integers", "similarity"]),
     "similarity": GROUND - {"task"},
@@ -80,7 +82,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
     "analysis": GROUND | {"program", "domain", "logic", "space", "similarity"},
     "cli": GROUND
-    | {"program", "scene", "grammar", "pddl", "reduction", "domain", "logic", "space", "models", "planners"}
+    | {"program", "scene", "grammar", "pddl", "bddl", "reduction", "domain", "logic", "space", "models", "planners"}
     | {"physics", "dataset", "evaluation", "analysis", "similarity", "versions"},
     "__main__": frozenset(["cli"]),
 }

@@ -63,10 +63,11 @@ def evaluate(
 ) -> Results:
     """Run a policy in each scenario of a source, and return the results.
 
-    `policy` is a text that `load_policy` takes, or a function of an observation (and of `info`, if it has a parameter
-    of that name) or a class of such functions; `environment` has options of `TaskEnv` (those in `ENVIRONMENT`). A
-    `wrapper` wraps the environment, as in training. The global random generators of Python, NumPy and PyTorch are
-    seeded for each episode, so results do not depend on the number of `workers`, unless the policy itself does.
+    `policy` is a text that `load_policy` accepts, a function of an observation (and of `info`, if it has a parameter of
+    that name), or a class whose instances are such functions; `environment` holds options of `TaskEnv` (those in
+    `ENVIRONMENT`). A `wrapper` wraps the environment, as in training. The global random generators of Python, NumPy and
+    PyTorch are seeded for each episode, so results do not depend on the number of `workers`, unless the policy itself
+    does.
 
     With a `folder`, the results are written there: evaluation.json, a table of episodes, and `videos` of the first
     failures. An interrupted evaluation continues there, and keeps all episodes before the oldest running one.
@@ -74,7 +75,7 @@ def evaluate(
     Raises:
         QueryError: an argument is wrong, or the policy fails.
         NotFound: fewer feasible scenarios are found than requested.
-        OutputError: the folder has other results, or cannot be written.
+        OutputError: the folder contains other results, or cannot be written.
         WorkerError: workers died repeatedly.
     """
     if workers < 1:

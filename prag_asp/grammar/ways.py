@@ -1,4 +1,4 @@
-"""Find which arguments of an action are the source and the destination of something that it moves, by its effects."""
+"""Find, by its effects, the arguments of an action that are the source and the destination of an object."""
 
 from __future__ import annotations
 

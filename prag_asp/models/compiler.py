@@ -40,7 +40,7 @@ Node = int
 class _Part:
     """The variables of a component of the formula and its listed clauses and sums, both sorted.
 
-    Sums have the numbers after those of the clauses, and `missing` says what each lacks.
+    Sums are numbered after the clauses; `missing` holds the missing weights of each sum.
     """
 
     variables: tuple[int, ...]
@@ -67,7 +67,7 @@ class PreparedFormula:
 
     The clauses `nodes` define the `sums`; their further variables have the last numbers, and are not decided. `names`
     has the variable of each number, from 1; `projection` has the numbers of decision variables, and `kept` the names of
-    the variables whose values the diagram has. `copies` has the atom of each copy, 0 for a fixed one, and None for a
+    the variables whose values the diagram has. `copies` holds the atom of each copy, 0 for a fixed one, and None for a
     gate. All models have the literals `fixed`; no clause or sum restricts the variables `free`. If the formula is
     `contradictory`, the other fields are meaningless.
     """
@@ -307,7 +307,7 @@ class _Compiler:
         return None if model is None else (_Case(decisions, len(implied), model), new)
 
     def _after(self, part: _Part, new: Sequence[Literal]) -> dict[int, Missing]:
-        """Return what the open sums of a component lack after further literals are true."""
+        """Return the missing weights of the open sums of a component after further literals become true."""
         missing = dict(part.missing)
         for literal in new:
             for number in self._where[abs(literal)]:

@@ -1,4 +1,4 @@
-"""Sums of weighted literals, some of them open: the data that a compiler needs of a sum instead of its clauses."""
+"""Sums of weighted literals, some of them open: the data that a compiler uses instead of the clauses of a sum."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from prag_asp.logic.formula.clause_builder import Literal, Sum
 
 
 class Missing(NamedTuple):
-    """The weight that a sum lacks to reach its bound, the weight of its open literals, and its value: 0 while open."""
+    """The missing weight of a sum up to its bound, the weight of its open literals, and its value: 0 while open."""
 
     bound: int
     rest: int

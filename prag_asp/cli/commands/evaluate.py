@@ -143,7 +143,7 @@ def _source(
     """Return the scenarios of a command line.
 
     Raises:
-        QueryError: it names no scenarios, or contradicts itself.
+        QueryError: the command line names no scenarios, or contradicts itself.
     """
     from prag_asp.dataset.scenarios import read_scenarios
     from prag_asp.evaluation.sources import FreshScenarios, NamedScenarios, StoredScenarios

@@ -33,12 +33,12 @@ NO_TASK = "has no such task; request others"
 
 @dataclass(frozen=True, eq=False)
 class ExportEpisode:
-    """A recording as N time steps, each of a camera image or a frame, and the actions between them, for R robots.
+    """A recording of R robots as N time steps, one for each camera image or frame, and the actions between them.
 
     `frames` (N,) are the frames of the recording at these steps; `state` (N, 8R) has the joint angles in radians and
     the gripper opening in metres of each robot, in the order of `EpisodeSource.joints`; `commands` (N + 1, R, 8) has
     the motor commands at these steps and at the end of the recording. `subgoal` (N,) is the index of the action of the
-    task that is being executed; `subgoals` has a sentence for each.
+    task that is being executed; `subgoals` holds a sentence for each.
     """
 
     entry: DatasetEntry
@@ -54,7 +54,7 @@ class ExportEpisode:
 
     @property
     def subgoals(self) -> tuple[str, ...]:
-        """A sentence for each action of the task; a single empty one if the task has no actions."""
+        """A sentence for each action of the task; a single empty sentence if the task has no actions."""
         return self.entry.subgoals or ("",)
 
     @property
@@ -94,7 +94,7 @@ class ExportEpisode:
 
     @property
     def rewards(self) -> Floats:
-        """0 at each step, shape (N,), but 1 at the last if the facts of the final state of the task were verified."""
+        """Rewards, shape (N,): 1 at the last step if the facts of the final state were verified, otherwise 0."""
         rewards = np.zeros(self.length, dtype=np.float32)
         rewards[-1] = self.demonstration.success
         return rewards
@@ -216,7 +216,7 @@ class EpisodeSource:
             raise QueryError(f"{self.data.folder}: {NO_TASK}")
 
     def instruction(self, entry: DatasetEntry) -> str:
-        """Return the instruction of a task at this level, or the plain one if it has no levels."""
+        """Return the instruction of a task at this level, or the plain instruction if it has no levels."""
         return entry.instruction.get(self.level, entry.instruction.get(PLAIN, ""))
 
     def actions_of(self, episode: ExportEpisode) -> Floats:

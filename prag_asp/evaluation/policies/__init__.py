@@ -19,7 +19,7 @@ KINDS: Mapping[str, tuple[Callable[[str], bool], str]] = {
     "a Stable-Baselines3 zip": (lambda text: Path(text).suffix == ".zip", "stable_baselines"),
     "module:callable": (lambda text: ":" in text, "python_callable"),
 }
-"""Each kind of policy: a test of the text, and the module here whose function `maker` takes the text."""
+"""Each kind of policy: a test of the text, and the module of this package whose function `maker` accepts the text."""
 
 
 def load_policy(text: str) -> PolicyMaker:

@@ -28,7 +28,7 @@ CELLS, WIDEST = 64, 0.004
 in metres: half of `GAP`, so that gaps are closed in the grid of any body."""
 
 SHALLOW, NARROW = 0.012, 0.02
-"""The smallest depth and the smallest width of a cavity in metres: nothing stands in a smaller one."""
+"""The smallest depth and the smallest width of a cavity in metres: nothing stands in a smaller cavity."""
 
 GAP = 0.008
 """The approximate width in metres of gaps and holes that are closed; the grid has whole cells.
