@@ -9,7 +9,7 @@ that it looks like an earlier one; that is an automorphism, so its result is the
 from __future__ import annotations
 
 from collections.abc import Hashable, Iterable, Mapping, Sequence
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 Relation: TypeAlias = "tuple[str, tuple[Hashable, ...]]"
 """A label with objects in order."""
@@ -21,7 +21,7 @@ _Token: TypeAlias = "tuple[int, int]"
 """An object that is distinguished: the depth at which it was, and its rank there."""
 
 
-def canonical_form(colours: Mapping[Hashable, str], relations: Iterable[Relation]) -> Form:
+def canonical_form(colours: Mapping[Any, str], relations: Iterable[Relation]) -> Form:
     """Return the form of some relations between coloured objects, equal just for isomorphic ones.
 
     Two structures are isomorphic if a bijection of their objects keeps colours and maps one set of relations on the
