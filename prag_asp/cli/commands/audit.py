@@ -43,7 +43,7 @@ def audit(
     class maps one on the other. The exit code is 1 if there are mistakes.
     """
     from prag_asp.audit import audit as audit_folders
-    from prag_asp.audit.report import audit_json, audit_page, audit_text
+    from prag_asp.audit.audit_report import audit_json, audit_page, audit_text
     from prag_asp.output import replace_file
 
     with progress() as tell:
