@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 def import_(domain: str, problem: str, cost_factor: str | None, output: str, untimed: bool) -> None:
     """Convert a PDDL domain and problem into a domain in a new folder.
 
-    Its tasks are the plans of the problem, of every length. The other commands also take the two PDDL files directly.
+    Its tasks are the plans of the problem, of every length. The other commands also accept the two PDDL files directly.
     """
     from prag_asp.output import new_folder, replace_file
     from prag_asp.pddl import read
