@@ -41,6 +41,11 @@ def shortened(digits: str) -> str:
     return digits if len(digits) <= 24 else f"{digits[:20]}... ({len(digits)} digits)"
 
 
+def with_short_numbers(text: str) -> str:
+    """Return a text of the user with its long numbers as messages show them."""
+    return re.sub(r"\d{40,}", lambda number: shortened(number[0]), text)
+
+
 def digits_of(number: int) -> str:
     """Return the decimal digits of a number of any size, for which Python's `str` takes quadratic time.
 

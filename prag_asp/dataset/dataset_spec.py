@@ -19,8 +19,8 @@ from prag_asp.tables.json_fields import Whole
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
+    from prag_asp.exact_numbers import Number
     from prag_asp.space.weights.temperature import Temperature
-    from prag_asp.space.weights.weights import Number
     from prag_asp.space.without_replacement import Division
 
 SHARD = 1000

@@ -18,8 +18,9 @@ from statistics import NormalDist
 
 from prag_asp.errors import QueryError
 from prag_asp.evaluation.exact_power import CLOSE, paired_power, unpaired_power
+from prag_asp.exact_numbers import parse_number
 
-Number = int | float | str | Fraction
+Probability = int | float | str | Fraction
 """A probability; a float stands for its shortest decimal."""
 
 MOST = 100_000
@@ -59,10 +60,10 @@ class ComparisonDesign:
         QueryError: a number is out of its range, or both `correlation` and `discordant` are given.
     """
 
-    rate: Number = Fraction(1, 2)
-    alpha: Number = Fraction(1, 20)
-    correlation: Number | None = None
-    discordant: Number | None = None
+    rate: Probability = Fraction(1, 2)
+    alpha: Probability = Fraction(1, 20)
+    correlation: Probability | None = None
+    discordant: Probability | None = None
     tasks: int | None = None
 
     def __post_init__(self) -> None:
@@ -87,7 +88,7 @@ class ComparisonDesign:
         """The name of the test."""
         return "McNemar's exact test" if self.paired else "Fisher's exact test"
 
-    def power(self, scenarios: int, effect: Number) -> float:
+    def power(self, scenarios: int, effect: Probability) -> float:
         """Return the probability that the test finds an effect with a number of scenarios for each policy.
 
         Rejections in both directions count. With `tasks`, the power is that of the effective number of scenarios,
@@ -99,7 +100,7 @@ class ComparisonDesign:
         """
         return self._power(self._effective(scenarios), _exact("effect", effect))
 
-    def scenarios(self, effect: Number, power: Number = Fraction(4, 5)) -> int:
+    def scenarios(self, effect: Probability, power: Probability = Fraction(4, 5)) -> int:
         """Return how many scenarios each policy needs so that the test finds an effect with a given power.
 
         Exact power is not monotone in the number. The result, before the correction for `tasks`, reaches the power, and
@@ -116,7 +117,7 @@ class ComparisonDesign:
             return number
         return math.ceil(Fraction(number * self.tasks, self.tasks + number - 1))
 
-    def smallest_effect(self, scenarios: int, power: Number = Fraction(4, 5)) -> Fraction | None:
+    def smallest_effect(self, scenarios: int, power: Probability = Fraction(4, 5)) -> Fraction | None:
         """Return the smallest effect, in steps of 0.0001, that the test finds with a given power.
 
         The result is None if the rate of the second policy cannot be large enough.
@@ -236,21 +237,16 @@ class ComparisonDesign:
         return high
 
 
-def _exact(name: str, value: Number) -> Fraction:
+def _exact(name: str, value: Probability) -> Fraction:
     """Return a number as a fraction; a float stands for its shortest decimal.
 
     Raises:
         QueryError: the value is not a number.
     """
-    try:
-        return Fraction(str(value))
-    except (ValueError, ZeroDivisionError):
-        raise QueryError(
-            f"{name} {value} is not a number; write a decimal or a fraction, such as 0.05 or 1/20"
-        ) from None
+    return parse_number(name, str(value))
 
 
-def _within(name: str, value: Number, low: int | Fraction, high: int | Fraction) -> Fraction:
+def _within(name: str, value: Probability, low: int | Fraction, high: int | Fraction) -> Fraction:
     """Return a number as a fraction.
 
     Raises:

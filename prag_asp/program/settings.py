@@ -9,11 +9,11 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from prag_asp.exact_numbers import MAX_EXPONENT
 from prag_asp.program.sources import Source, read_text
 from prag_asp.tables.toml_text import key_line, parse_toml, without_blanks
 
 KEYS = ("title", "description", "weights", "language", "scene")
-MAX_EXPONENT = 1000
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from prag_asp.atom import Atom
 from prag_asp.batches import growing_batches
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
+from prag_asp.exact_numbers import Number
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.space.conditions.condition import Condition
@@ -24,12 +25,13 @@ from prag_asp.space.engines.engine import Letters, Progress
 from prag_asp.space.engines.prefix import Prefix, checked_level, engine_prefix, parse_plan
 from prag_asp.space.lengths import checked_length, parse_lengths, spelled_lengths
 from prag_asp.space.limits import UNLIMITED, Limits
-from prag_asp.space.weights.weights import Number, Weights, parse_weights
+from prag_asp.space.weights.weights import Weights, parse_weights
 from prag_asp.space.word_set import WordSet
 from prag_asp.task import Task
 
 if TYPE_CHECKING:
     from prag_asp.logic.formula.approximate import Estimate
+    from prag_asp.similarity.background import Background
     from prag_asp.space.parts.ranked_tasks import RankedTasks
     from prag_asp.space.plans.readings import Readings
     from prag_asp.space.sampling.samplers import Over
@@ -110,6 +112,16 @@ class TaskSpace:
     def symmetries(self) -> Symmetries:
         """The interchangeable entities and units; tasks are plans up to the renamings that these generate."""
         return self.engines.model.symmetries(self.length)
+
+    @property
+    def background(self) -> Background:
+        """The classes, preconditions and interchangeable entities, for distances between tasks."""
+        from prag_asp.space.plans.task_background import background_of
+
+        model, length = self.engines.model, max(self.lengths)
+        return self.engines.latest(
+            "background", length, lambda: background_of(model.domain.facts, model.symmetries(length))
+        )
 
     def __repr__(self) -> str:
         length = self.lengths[0] if len(self.lengths) == 1 else spelled_lengths(self.lengths)

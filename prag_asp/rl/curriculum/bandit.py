@@ -8,6 +8,7 @@ from decimal import Context, Decimal
 from fractions import Fraction
 
 from prag_asp.errors import QueryError
+from prag_asp.exact_numbers import Number
 from prag_asp.rl.curriculum.proposal_stream import ProposalStream, scale_weights
 from prag_asp.rl.curriculum.task_pool import (
     Proposal,
@@ -19,7 +20,6 @@ from prag_asp.rl.curriculum.task_pool import (
     sample_index,
 )
 from prag_asp.rl.curriculum.task_sampler import ActionKeys, EpisodeResult, State
-from prag_asp.space.weights.weights import Number
 
 EMPHASIS = 8
 """The factor for the weight of an arm's name, pair or class while the arm is pulled."""

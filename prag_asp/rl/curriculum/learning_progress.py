@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
+from prag_asp.exact_numbers import Number
 from prag_asp.rl.curriculum.proposal_stream import ProposalStream, scale_weights
 from prag_asp.rl.curriculum.task_pool import (
     Proposal,
@@ -18,7 +19,6 @@ from prag_asp.rl.curriculum.task_pool import (
     sample_index,
 )
 from prag_asp.rl.curriculum.task_sampler import ActionKeys, EpisodeResult, State
-from prag_asp.space.weights.weights import Number
 
 EMPHASIS = 4
 """The weight factor for the greatest progress, relative to no progress."""

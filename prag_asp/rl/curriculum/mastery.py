@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
+from prag_asp.exact_numbers import Number
 from prag_asp.rl.curriculum.task_pool import parse_count, parse_share
-from prag_asp.space.weights.weights import Number
 
 
 @dataclass

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from fractions import Fraction
 from itertools import chain
 
+from prag_asp.exact_numbers import Number
 from prag_asp.rl.curriculum.task_pool import Proposal, TaskPool, Word
 from prag_asp.rl.curriculum.task_sampler import skip
-from prag_asp.space.weights.weights import Number
 
 
 class ProposalStream:

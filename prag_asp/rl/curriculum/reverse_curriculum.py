@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
+from prag_asp.exact_numbers import Number
 from prag_asp.rl.curriculum.mastery import Mastery, review_shares
 from prag_asp.rl.curriculum.task_pool import parse_share, sample_index
 from prag_asp.rl.curriculum.task_sampler import EpisodeResult, State
-from prag_asp.space.weights.weights import Number
 
 
 @dataclass(frozen=True)

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from prag_asp.batches import growing_batches
 from prag_asp.errors import NotFound, QueryError
+from prag_asp.exact_numbers import Number, parse_number
 from prag_asp.random_bits import SeededBits
 from prag_asp.space.distinct_sampling import MISSES
 from prag_asp.space.engines import Draw
 from prag_asp.space.sampling.streams import log_probability
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.weights.weights import Number, Weights, parse_number
+from prag_asp.space.weights.weights import Weights
 from prag_asp.task import Task
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ from itertools import takewhile
 from typing import Protocol, overload
 
 from prag_asp.errors import QueryError
+from prag_asp.exact_numbers import Number
 from prag_asp.space.parts.shares import divided, parse_shares
 from prag_asp.space.parts.shuffle import Shuffle
-from prag_asp.space.weights.weights import Number
 from prag_asp.task import Task
 from prag_asp.wording import plural
 
