@@ -17,16 +17,20 @@ if TYPE_CHECKING:
     from prag_asp.bddl.bddl_problem import BddlFact, BddlFormula, BddlProblem, Connective, Quantifier, Region
     from prag_asp.bddl.bddl_reader import parse_bddl, read_bddl
     from prag_asp.bddl.bddl_writing import bddl_text
+    from prag_asp.bddl.domain_writer import SuiteDomain, read_suite
+    from prag_asp.bddl.ground_problems import GroundProblem, ground_problem
 
 __all__ = [
-    "BddlFact", "BddlFormula", "BddlProblem", "Connective", "Quantifier", "Region", "bddl_text", "parse_bddl",
-    "read_bddl",
+    "BddlFact", "BddlFormula", "BddlProblem", "Connective", "GroundProblem", "Quantifier", "Region",
+    "SuiteDomain", "bddl_text", "ground_problem", "parse_bddl", "read_bddl", "read_suite",
 ]  # fmt: skip
 
 _HOMES = {
     "prag_asp.bddl.bddl_problem": ("BddlFact", "BddlFormula", "BddlProblem", "Connective", "Quantifier", "Region"),
     "prag_asp.bddl.bddl_reader": ("parse_bddl", "read_bddl"),
     "prag_asp.bddl.bddl_writing": ("bddl_text",),
+    "prag_asp.bddl.domain_writer": ("SuiteDomain", "read_suite"),
+    "prag_asp.bddl.ground_problems": ("GroundProblem", "ground_problem"),
 }
 
 __getattr__ = names_from(__name__, _HOMES)

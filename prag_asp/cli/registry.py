@@ -14,6 +14,7 @@ import click
 from prag_asp.cli import exit_control
 from prag_asp.cli.exits import MEANINGS, Exit
 from prag_asp.cli.terminal import say, shown_progress, tell_line
+from prag_asp.integers import with_short_numbers
 
 PROGRAM, COMPLETION = "prag-asp", "_PRAG_ASP_COMPLETE"
 """The name of the program, and the environment variable by which a shell requests completions."""
@@ -109,7 +110,7 @@ class Commands(click.Group):
                 if where is None or isinstance(error, getattr(click.exceptions, "NoArgsIsHelpError", ())):
                     error.show()  # a group without a command prints its help
                 else:
-                    message = " ".join(error.format_message().split()).rstrip(".")
+                    message = " ".join(with_short_numbers(error.format_message()).split()).rstrip(".")
                     tell_line(f"{where.command_path}: {message}; see {where.command_path} --help")
                 return Exit.USAGE if isinstance(error, click.UsageError) else Exit.BAD_INPUT
             except exit_control.ERRORS as error:

@@ -113,7 +113,7 @@ class Verdict:
     failed attempts by cause (one of `CAUSES`), and `details` has their facts and bodies; `restarts` is the number of
     initial states tried, including those packed tightly. `seed` and `index` together reproduce the search.
     `demonstration` is present if the budget includes one; it is too large for JSON, and has a separate file. `nearest`
-    says in words how far the best attempts came if no witness was found; it is not part of the JSON either.
+    describes in words how far the best attempts came if no witness was found; it is not part of the JSON either.
     """
 
     status: Status
@@ -135,7 +135,7 @@ class Verdict:
 
     @property
     def detail(self) -> str:
-        """The fact or bodies, in words, most often to blame for the `reason` if no witness was found."""
+        """The fact or bodies, in words, that most often caused the `reason` if no witness was found."""
         return next((str(detail) for detail in self.details if detail.cause == self.reason), "")
 
     def to_json(self) -> dict[str, Any]:

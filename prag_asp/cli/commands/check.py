@@ -1,4 +1,4 @@
-"""``prag-asp check``: errors and warnings of a domain, and a summary of what it declares."""
+"""``prag-asp check``: errors and warnings of a domain, and a summary of its declarations."""
 
 from __future__ import annotations
 

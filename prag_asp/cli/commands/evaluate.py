@@ -92,8 +92,9 @@ def evaluate(
     """Evaluate a policy: its success by part, length, action and class.
 
     POLICY is `oracle`, `random` or `zeros`; MODULE:CALLABLE, a Python function from an observation to an action, or a
-    class of such objects; a zip file of Stable-Baselines3; or ws://HOST:PORT, a policy server with the protocol of
-    openpi. Modules and zip files run code. The output folder has a Parquet table with a row for each episode. If the
+    class of such objects; a zip file of Stable-Baselines3; a folder pretrained_model of LeRobot, which also determines
+    the control and the cameras; or ws://HOST:PORT, a policy server with the protocol of openpi. Modules, zip files and
+    checkpoints run code. The output folder has a Parquet table with a row for each episode. If the
     command is interrupted, run it again: it continues.
     """
     from prag_asp.evaluation import evaluate as evaluated
@@ -143,7 +144,7 @@ def _source(
     """Return the scenarios of a command line.
 
     Raises:
-        QueryError: it names no scenarios, or contradicts itself.
+        QueryError: the command line names no scenarios, or contradicts itself.
     """
     from prag_asp.dataset.scenarios import read_scenarios
     from prag_asp.evaluation.sources import FreshScenarios, NamedScenarios, StoredScenarios

@@ -220,7 +220,7 @@ class _Renderer:
 
 
 def _suffixes(form: str) -> tuple[str, ...]:
-    """Return the suffixes that files of a form can have, the usual one first."""
+    """Return the possible suffixes of files of a form, the usual one first."""
     return (f".{form}",) if form in ANIMATED else STILLS
 
 

@@ -126,7 +126,7 @@ def _write_feasible(
     space: TaskSpace, drawing: Mapping[str, Any], requested_count: int, validation: PhysicsOptions, output: str | None,
     line: Callable[[Record], str], tell: Tell,
 ) -> None:  # fmt: skip
-    """Write the feasible tasks among the sampled ones; `drawing` has arguments of `feasible`.
+    """Write the feasible tasks among the sampled ones; `drawing` holds arguments of `feasible`.
 
     Raises:
         NotFound: physics finds fewer feasible tasks than were requested.
