@@ -56,7 +56,7 @@ def test_a_task_is_a_problem_whose_goal_is_what_its_plan_changes() -> None:
 
 
 def test_tasks_of_a_dataset_are_audited(tmp_path: Path) -> None:
-    made = run("generate", "blocks", "-n", "2", "--tasks", "3", "-o", "data", cwd=tmp_path)
+    made = run("generate", "blocks", "-n", "3", "--tasks", "3", "--trivial", "-o", "data", cwd=tmp_path)
     assert made.returncode == 0
     found = audit(tmp_path / "data")
     assert (found.total.files, found.total.problems) == (3, 3)
