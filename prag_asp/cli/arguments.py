@@ -10,7 +10,7 @@ from prag_asp.space.lengths import parse_length_list
 
 
 def domain_and_others(words: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the words that name a domain, and those after them.
+    """Return the words that name a domain, and the words after them.
 
     A domain is one word, or all files (and standard input) that come first.
     """

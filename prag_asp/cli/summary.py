@@ -1,4 +1,4 @@
-"""Tasks in words: the states of one, and the summary of validated ones on stderr, a line and a table of causes."""
+"""Tasks in words: the states of a task, and a summary of validated tasks on stderr: a line and a table of causes."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def _table(tally: Tally) -> Table:
 def described(found: Task, space: TaskSpace, *, false_facts: bool = False) -> list[str]:
     """Return lines with the rank of a task, its initial state, the effects of its actions, its goal, its readings.
 
-    The states have their true facts, and with `false_facts` those that are known to be false.
+    The states list their true facts, and with `false_facts` also the facts that are known to be false.
     """
     lines = [f"task {space.index(found)} of {space.count()}", f"start  {_state(found.initial, false_facts)}"]
     width = max((len(str(action)) for action in found.actions), default=0)
@@ -96,7 +96,7 @@ def described(found: Task, space: TaskSpace, *, false_facts: bool = False) -> li
 
 
 def _state(state: State, false_facts: bool) -> str:
-    """Return the true facts of a state as text, or all that are known."""
+    """Return the true facts of a state as text, or all known facts."""
     return _facts_text({fluent: value for fluent, value in state.items() if value or false_facts}) or "no true fact"
 
 

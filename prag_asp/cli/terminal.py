@@ -57,7 +57,7 @@ class Tell(Protocol):
 
 
 class _Display:
-    """What a command does: a line on a terminal, or a line of a log file each minute.
+    """The display of a command's activity: a line on a terminal, or a line of a log file each minute.
 
     The line of a terminal appears once `PATIENCE` seconds have passed without any output. A thread watches the time,
     because native code may run for minutes without a report.
@@ -126,7 +126,7 @@ _display: _Display | None = None
 
 @contextmanager
 def shown_progress() -> Iterator[None]:
-    """Show what a command does on stderr: on a terminal after two seconds without output, elsewhere each minute."""
+    """Show a command's activity on stderr: on a terminal after two seconds without output, elsewhere each minute."""
     global _display  # noqa: PLW0603  a process runs one command at a time
     if _display is not None or sys.stderr is None:
         yield

@@ -24,10 +24,10 @@ Probability = int | float | str | Fraction
 """A probability; a float stands for its shortest decimal."""
 
 MOST = 100_000
-"""The largest number of scenarios: far above any evaluation, and its power takes a second to compute."""
+"""The maximum number of scenarios: more than any evaluation has; computing its power takes a second."""
 
 AHEAD = 30
-"""How many further numbers of scenarios must reach the power too, because exact power is not monotone.
+"""The number of further numbers of scenarios that must also reach the power, because exact power is not monotone.
 
 Critical values are integers, so power falls where one changes. The fluctuation is largest if all results differ; then,
 for effects of 0.06 to 0.3, numbers that reach a power of 0.8 and numbers that do not are mixed in a range of 7 to 39
@@ -45,12 +45,12 @@ LEAST_ALPHA = Fraction(1, 10**6)
 class ComparisonDesign:
     """Two policies whose rates of success are compared at a two-sided level of significance `alpha`.
 
-    `rate` is the probability of success of the first; that of the second is larger by an effect. If neither
-    `correlation` nor `discordant` is given, each policy has a sample of scenarios of its own, and the test is Fisher's
-    exact test, which for samples of equal size doubles the smaller tail. Otherwise both run in the same scenarios, and
-    the test is McNemar's exact one (1947), as in `compare`; its unconditional power sums over the number of scenarios
-    in which one policy alone succeeds (Duffy, Statistics in Medicine 3, 1984; Connor, Biometrics 43, 1987).
-    `correlation` is that of both results in a scenario, `discordant` the share of scenarios in which they differ.
+    `rate` is the probability of success of the first policy; that of the second is larger by an effect. If neither
+    `correlation` nor `discordant` is given, each policy has its own sample of scenarios, and the test is Fisher's exact
+    test, which for samples of equal size doubles the smaller tail. Otherwise both run in the same scenarios, and the
+    test is McNemar's exact one (1947), as in `compare`; its unconditional power sums over the number of scenarios in
+    which one policy alone succeeds (Duffy, Statistics in Medicine 3, 1984; Connor, Biometrics 43, 1987). `correlation`
+    is the correlation of both results in a scenario, `discordant` the share of scenarios in which they differ.
 
     With `tasks`, the number N of all tasks, scenarios are sampled from them without replacement and the claim is about
     these tasks. The variance of a rate over n scenarios is then smaller by the factor (N - n) / (N - 1), like that of a
@@ -183,7 +183,7 @@ class ComparisonDesign:
     def _discordant_shares(self, effect: Fraction) -> tuple[float, float] | None:
         """Return the shares of scenarios in which the first policy alone succeeds, and the second alone.
 
-        They are negative where rates, effect and correlation contradict each other, and None if samples are not paired.
+        They are negative if rates, effect and correlation contradict each other, and None if samples are not paired.
         """
         first = _exact("rate", self.rate)
         second = first + effect

@@ -20,7 +20,7 @@ KEYS = ("title", "description", "weights", "language", "scene")
 class Settings:
     """The tables of a domain.toml; `path` is its path even if the file does not exist, and `text` its contents.
 
-    `weights` has as keys names of actions (``grasp``), pairs of consecutive ones (``grasp>move``), ground actions,
+    The keys of `weights` are names of actions (``grasp``), pairs of consecutive names (``grasp>move``), ground actions,
     classes and entities. `language` maps names of actions and fluents to their first sentence. `grammar` is the whole
     table ``[language]``, with the tables of languages. `scene` is the table that physics reads.
     """

@@ -1,8 +1,8 @@
 """Parse a file of PDDL into nested expressions, whose words carry their lines.
 
 PDDL is a language of nested lists, but the files of many projects deviate from its grammar: names that begin with a
-digit, arbitrarily nested effects, requirements of other dialects. This parser only reads lists and leaves all of that
-to `file_reader`, which reports problems with their lines.
+digit, arbitrarily nested effects, requirements of other dialects. This parser only reads lists, and leaves all further
+checks to `file_reader`, which reports problems with their lines.
 """
 
 from __future__ import annotations

@@ -74,7 +74,7 @@ class LengthSampler:
         return {"length": self._lengths[self._reached]}
 
     def state_dict(self) -> State:
-        """Return the state as values of JSON."""
+        """Return the state as JSON values."""
         return {
             "seed": self._seed,
             "reached": self._reached,

@@ -44,7 +44,7 @@ class Mastery:
 
 
 def review_shares(review: Fraction, places: int) -> list[Fraction]:
-    """Return the probability of each of several places: all but the last share `review` equally."""
+    """Return the probability of each of several places: all places except the last one share `review` equally."""
     if places == 1:
         return [Fraction(1)]
     return [review / (places - 1)] * (places - 1) + [1 - review]

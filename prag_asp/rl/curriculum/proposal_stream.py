@@ -22,7 +22,7 @@ class ProposalStream:
         draws = pool.draws(seed=seed, weights=self._weights)
         self._symbols = {str(action): action for action in pool.space.domain.facts.actions}
         first = next(draws)
-        # The probability of a task is its weight divided by the total, so any sample gives the total.
+        # The probability of a task is its weight divided by the total, so the total follows from any sample.
         self.total = self._weight_of(first.word) / first.probability
         self._draws = chain([first], draws)
         self.taken = 0

@@ -118,9 +118,9 @@ class TaskPool:
         return word in self.part
 
     def proposals(self, *, seed: int, length: int | None = None) -> Iterator[Proposal]:
-        """Yield independent tasks by the weights of the domain, without end, of the given length if any.
+        """Yield independent tasks by the weights of the domain, endlessly, and only of the given length, if any.
 
-        The probability is that among all tasks of the space, or among those of the length.
+        The probability is that among all tasks of the space, or of the length.
 
         Raises:
             QueryError: the pool has no task.
@@ -155,7 +155,7 @@ class TaskPool:
         raise NotFound(f"none of {misses} sampled tasks in a row is in the part; give a larger part")
 
     def batched(self, draws: Iterator[Draw]) -> Iterator[Draw]:
-        """Yield draws, and record their batches: when a task is needed, all tasks of its batch are made."""
+        """Yield draws, and record their batches: when a task is needed, all tasks of its batch are created."""
         for batch in growing_batches(draws, BATCH):
             if len(self._batches) > NOTED:
                 self._batches.clear()

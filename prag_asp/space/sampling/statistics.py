@@ -41,8 +41,8 @@ class Statistics:
     """Exact statistics of a random word of a level: a plan, a task or a skeleton of `length`, sampled by weight.
 
     `words` is the number of words of positive weight and `total_weight` the sum of their weights. `entropy` is in bits,
-    with 30 decimal places. The `expected` mappings have the expected numbers of occurrences of an action, a name and
-    two consecutive names; the `contains` mappings have the probability that a word contains an action, a name, an
+    with 30 decimal places. The `expected` mappings hold the expected numbers of occurrences of an action, a name and
+    two consecutive names; the `contains` mappings hold the probability that a word contains an action, a name, an
     entity, or an entity of a class. Actions, names and pairs that never occur are absent; entities and classes are
     complete. Skeletons have only names and pairs.
     """
