@@ -1,8 +1,8 @@
 """Read archives written by `numpy.savez`: only the expected arrays, and no more bytes than their headers state.
 
-An archive of a few kilobytes can hold many gigabytes, and an array can be a pickle, which runs code. So the sizes in
-the directory of the archive are checked before anything is unpacked, the header of each array before it is read, and
-no more bytes are unpacked than stated.
+An archive of a few kilobytes can hold many gigabytes, and an array can be a pickle, which runs code. Therefore the
+sizes in the directory of the archive are checked before anything is unpacked, the header of each array before it is
+read, and no more bytes are unpacked than stated.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class BadArchive(Exception):
 
 
 def read_arrays(file: BinaryIO, names: Collection[str], at_most: int) -> dict[str, NDArray[Any]]:
-    """Return those of the named arrays that an archive has; `at_most` bounds their total size in bytes, unpacked.
+    """Return the named arrays that an archive contains; `at_most` bounds their total unpacked size in bytes.
 
     Raises:
         OSError: the file cannot be read.

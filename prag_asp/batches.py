@@ -1,4 +1,4 @@
-"""Batches that double in size: the first item comes at once, later items share the cost of a batch."""
+"""Batches that double in size: the first item is available at once, and later items share the cost of a batch."""
 
 from __future__ import annotations
 

@@ -11,7 +11,8 @@ PragError
 │   ├── PicturesMissingError
 │   ├── DatasetsMissingError
 │   ├── LearningMissingError
-│   └── RayMissingError
+│   ├── RayMissingError
+│   └── SimilarityMissingError
 ├── NotFound           less was found than requested
 ├── WorkerError        processes that validate tasks died repeatedly, or could not be started
 └── OutputError        a result could not be written
@@ -26,7 +27,7 @@ LONGEST = 500
 
 CUT = " ... "
 HEAD = 300
-"""Characters kept from the beginning of a longer line (place and problem); its end (what to do) is kept too."""
+"""Characters kept from the beginning of a longer line (place and problem); its end (what to do) is also kept."""
 
 
 def plain(text: str) -> str:
@@ -116,6 +117,10 @@ class LearningMissingError(MissingError):
 
 class RayMissingError(MissingError):
     """Work on a cluster needs Ray."""
+
+
+class SimilarityMissingError(MissingError):
+    """String metrics need rapidfuzz."""
 
 
 class NotFound(PragError):

@@ -37,8 +37,13 @@ def too_large(text: str) -> Iterator[tuple[int, str]]:
 
 
 def shortened(digits: str) -> str:
-    """Return a number as messages show it."""
+    """Return a number in the form that messages use."""
     return digits if len(digits) <= 24 else f"{digits[:20]}... ({len(digits)} digits)"
+
+
+def with_short_numbers(text: str) -> str:
+    """Return a text of the user with its long numbers as messages show them."""
+    return re.sub(r"\d{40,}", lambda number: shortened(number[0]), text)
 
 
 def digits_of(number: int) -> str:
@@ -67,7 +72,7 @@ def digits_of(number: int) -> str:
 
 
 def number_of(digits: str) -> int:
-    """Return the number that decimal digits spell, however many; Python's `int` accepts only a few thousand.
+    """Return the number that any number of decimal digits spell; Python's `int` accepts only a few thousand digits.
 
     Raises:
         ValueError: the text has a character that is not a decimal digit.

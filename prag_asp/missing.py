@@ -21,7 +21,7 @@ from prag_asp.errors import (
 )
 
 NEWEST = (3, 13)
-"""The newest Python that PyBullet and frankik have wheels for, as pyproject.toml states too."""
+"""The newest Python for which PyBullet and frankik have wheels, as pyproject.toml also states."""
 
 
 def needed(module: str) -> ModuleType:
@@ -112,7 +112,7 @@ def advice(version: tuple[int, int]) -> str:
 
 
 def _origin() -> str:
-    """Return the folder or file that prag_asp was installed from, otherwise its name."""
+    """Return the folder or file from which prag_asp was installed, otherwise its name."""
     import json  # noqa: PLC0415 - only errors need these
     from importlib.metadata import PackageNotFoundError, distribution  # noqa: PLC0415
     from urllib.parse import urlsplit  # noqa: PLC0415

@@ -42,14 +42,14 @@ def is_inside(path: str | Path, folder: str | Path) -> bool:
 
 
 def read_bytes(path: str | Path, *, within: str | Path | None = None, at_most: int = LARGEST_TEXT) -> bytes:
-    """Return the content of a file; `within` is the folder that it must be in, or None if the user named the file.
+    """Return the content of a file; `within` is the folder that must contain it, or None if the user named the file.
 
     Raises:
         OSError: the file is missing, unreadable, not a regular file, too large, or outside `within`.
     """
     with open_binary(path, within=within, at_most=at_most) as file:
         content = file.read(at_most + 1)
-    if len(content) > at_most:  # it has grown, or is a pipe
+    if len(content) > at_most:  # the file has grown, or is a pipe
         raise _too_large(path, at_most)
     return content
 

@@ -9,10 +9,10 @@ from contextlib import contextmanager
 from prag_asp.errors import QueryError
 
 SIMILAR = 0.6
-"""Similarity of two names (as `difflib` measures it) from which one is suggested for the other."""
+"""Minimum similarity of two names (as measured by `difflib`) for which one is suggested for the other."""
 
 ALIKE = 0.7
-"""Similarity from which a name counts as a misspelling of another."""
+"""Minimum similarity for which a name counts as a misspelling of another."""
 
 LISTED = 8
 """The largest number of names that a message lists."""

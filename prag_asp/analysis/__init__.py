@@ -1,9 +1,12 @@
-"""Plot the numbers of plans, tasks and skeletons of a space by length.
+"""Plot counts by length, and compute distances, neighbours and diversity over whole task spaces, exactly.
 
 >>> from prag_asp import TaskSpace, load_domain
 >>> from prag_asp.analysis import counts_by_length
 >>> [line.counts for line in counts_by_length(TaskSpace(load_domain("blocks"), length=2)).series][:2]
 [(4, 16), (1, 2)]
+>>> from prag_asp.analysis import hamming_distribution
+>>> hamming_distribution(TaskSpace(load_domain("blocks"), length=2)).pairs
+(2, 2, 0)
 """
 
 from __future__ import annotations
@@ -14,10 +17,36 @@ from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
     from prag_asp.analysis.curve import Curve, Series, counts_by_length, draw_curve
+    from prag_asp.analysis.frequencies import Frequency, FrequencyTest, compare_frequencies
+    from prag_asp.analysis.hamming import DistanceDistribution, hamming_distribution, mean_hamming
+    from prag_asp.analysis.neighbours import NearestTask, count_neighbours, nearest_task
+    from prag_asp.analysis.vendi import VendiScore, vendi_score
 
-__all__ = ["Curve", "Series", "counts_by_length", "draw_curve"]
+__all__ = [
+    "Curve",
+    "DistanceDistribution",
+    "Frequency",
+    "FrequencyTest",
+    "NearestTask",
+    "Series",
+    "VendiScore",
+    "compare_frequencies",
+    "count_neighbours",
+    "counts_by_length",
+    "draw_curve",
+    "hamming_distribution",
+    "mean_hamming",
+    "nearest_task",
+    "vendi_score",
+]
 
-_HOMES = {"prag_asp.analysis.curve": ("Curve", "Series", "counts_by_length", "draw_curve")}
+_HOMES = {
+    "prag_asp.analysis.curve": ("Curve", "Series", "counts_by_length", "draw_curve"),
+    "prag_asp.analysis.frequencies": ("Frequency", "FrequencyTest", "compare_frequencies"),
+    "prag_asp.analysis.hamming": ("DistanceDistribution", "hamming_distribution", "mean_hamming"),
+    "prag_asp.analysis.neighbours": ("NearestTask", "count_neighbours", "nearest_task"),
+    "prag_asp.analysis.vendi": ("VendiScore", "vendi_score"),
+}
 
 __getattr__ = names_from(__name__, _HOMES)
 

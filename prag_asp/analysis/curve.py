@@ -33,7 +33,7 @@ COLORS = ("#0072b2", "#d55e00", "#009e73", "#777777")
 """Colours for colour-blind readers (Okabe and Ito 2008)."""
 
 MARKED = 60
-"""The number of lengths up to which each has a marker."""
+"""The maximum number of lengths for which each length has a marker."""
 
 STYLE = (
     "body{font:16px sans-serif;max-width:60em;margin:auto;padding:1em}svg{max-width:100%;height:auto}"

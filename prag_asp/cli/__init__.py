@@ -20,7 +20,7 @@ GARBAGE = (100_000, 50, 100)
 
 def main() -> None:
     """Run the command, and exit with its code."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # our matrices are small, and each thread takes memory
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the matrices here are small, and each thread takes memory
     gc.set_threshold(*GARBAGE)  # before the imports, which take a third of the time of a short command
     code = 1
     try:

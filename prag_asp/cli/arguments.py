@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from prag_asp.errors import QueryError
+from prag_asp.integers import with_short_numbers
 from prag_asp.program.paths import is_file_name
-from prag_asp.space.lengths import parse_range
+from prag_asp.space.lengths import parse_length_list
 
 
 def domain_and_others(words: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the words that name a domain, and those after them.
+    """Return the words that name a domain, and the words after them.
 
     A domain is one word, or all files (and standard input) that come first.
     """
@@ -20,24 +21,24 @@ def domain_and_others(words: Sequence[str]) -> tuple[tuple[str, ...], tuple[str,
     return tuple(words[:count]), tuple(words[count:])
 
 
-def parse_lengths(text: str) -> int | range:
-    """Return the number of actions in a text, or all numbers of a range such as ``3..6``.
+def parse_lengths(text: str) -> int | Sequence[int]:
+    """Return the number of actions in a text, or all numbers of a range or a list such as ``3..6`` or ``2,4``.
 
     Raises:
-        QueryError: the text is neither a number nor a range.
+        QueryError: the text is none of these.
     """
-    return parse_range(text, f"--length {text}")
+    return parse_length_list(text, f"--length {with_short_numbers(text)}")
 
 
 def parse_length(text: str) -> int:
     """Return the number of actions in a text.
 
     Raises:
-        QueryError: the text is not a number, or a range.
+        QueryError: the text is not a number.
     """
-    length = parse_range(text, f"--length {text}", remedy="write a whole number, such as 4")
-    if isinstance(length, range):
-        raise QueryError(f"--length {text}: a range, but one length is needed; give a number, such as 4")
+    length = parse_length_list(text, f"--length {with_short_numbers(text)}", remedy="write a whole number, such as 4")
+    if not isinstance(length, int):
+        raise QueryError(f"--length {text}: several lengths, but one is needed; give a number, such as 4")
     return length
 
 

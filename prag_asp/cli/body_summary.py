@@ -16,7 +16,7 @@ from prag_asp.scene.scene import BodyModel, Scene, Shape
 from prag_asp.wording import plural
 
 FAR = math.radians(30.0)
-"""The tilt in radians from which a body probably rests in an unintended pose: scans lean by a few degrees."""
+"""The tilt in radians above which a body probably rests in an unintended pose: scans lean by a few degrees."""
 
 
 def body_lines(scene: Scene) -> Iterator[str]:
@@ -50,7 +50,7 @@ def grasps_text(scene: Scene, entity: str) -> str:
 
 
 def solid_containers(domain: Domain, scene: Scene) -> Iterator[Problem]:
-    """Yield a warning for each shape from a file that has no cavity although the logic may put things in it."""
+    """Yield a warning for each shape from a file that has no cavity although the logic may put objects in it."""
     from prag_asp.physics.predicates import PREDICATES
 
     filled = dict[Shape, list[str]]()
@@ -68,7 +68,7 @@ def solid_containers(domain: Domain, scene: Scene) -> Iterator[Problem]:
 
 
 def tilted(domain: Domain, scene: Scene) -> Iterator[Problem]:
-    """Yield a warning for each shape that tips by more than `FAR` to come to rest."""
+    """Yield a warning for each shape that tips by more than `FAR` before it comes to rest."""
     for shape, entities in _models(scene).items():
         model = shape.model
         assert model is not None
@@ -87,7 +87,7 @@ def _shape_line(domain: Domain, entity: str) -> int:
 
 
 def rest_text(model: BodyModel) -> str:
-    """Return how a body comes to rest, in words."""
+    """Return a description of how a body comes to rest."""
     return f"comes to rest turned by {math.degrees(model.settled):.1f} degrees"
 
 

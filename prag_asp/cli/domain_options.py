@@ -39,7 +39,7 @@ class DomainOptions:
     encodings: str | None = None
     flat: bool = False
     learned: bool = True
-    length: int | range = 0
+    length: int | Sequence[int] = 0
     engine: str = "auto"
     where: tuple[str, ...] = ()
     cached: bool = True
@@ -99,24 +99,23 @@ class DomainOptions:
 
     def space(self, tell: Callable[[str], None] | None = None, domain: Domain | None = None) -> TaskSpace:
         """Return the task space of the domain, or of another one; `tell` receives its progress."""
-        return self._space(self.one_length, tell, domain)
+        return self._space_of(domain or self.domain(), self.one_length, tell)
 
     def spaces(self, tell: Callable[[str], None] | None = None) -> TaskSpace:
-        """Return the task space of the length, or of all lengths of a range."""
-        return self._space(self.length, tell, None)
+        """Return the task space of all lengths."""
+        return self._space_of(self.domain(), self.length, tell)
 
-    def _space(self, length: int | range, tell: Callable[[str], None] | None, domain: Domain | None) -> TaskSpace:
+    def _space_of(self, domain: Domain, length: int | Sequence[int], tell: Callable[[str], None] | None) -> TaskSpace:
         from prag_asp.space.task_space import TaskSpace
 
-        self.conditions()
         limits = exit_control.limits(cached=self.cached)
-        space = TaskSpace(domain or self.domain(), length, engine=self.engine, progress=tell, limits=limits)
-        return space.where(*self.where)
+        space = TaskSpace(domain, length, engine=self.engine, progress=tell, limits=limits)
+        return space.where(*self.conditions())
 
     @property
     def one_length(self) -> int:
-        """The length, for a command that takes no range."""
-        assert isinstance(self.length, int), "a range is refused where the option is read"
+        """The length, for a command that takes only one."""
+        assert isinstance(self.length, int), "several lengths are refused where the option is read"
         return self.length
 
     def conditions(self) -> tuple[str, ...]:
@@ -207,8 +206,8 @@ LENGTH = click.option(
     "-n", "--length", type=parse_length, required=True, metavar="N", help="Number of actions of a task."
 )
 LENGTHS = click.option(
-    "-n", "--length", type=parse_lengths, required=True, metavar="N|A..B",
-    help="Number of actions of a task, or all numbers from A to B.",
+    "-n", "--length", type=parse_lengths, required=True, metavar="N|A..B|N,M",
+    help="Number of actions of a task, all numbers from A to B, or several.",
 )  # fmt: skip
 ENGINE = (
     WHERE,

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from prag_asp.space.limits import Limits
 
 LONGEST_REPORT = 1000
-"""The maximum number of bytes of a report: fewer than the 4096 that a pipe takes atomically."""
+"""The maximum number of bytes of a report: fewer than the 4096 bytes that a pipe accepts atomically."""
 
 STAGE, LIMITS, SIGNALLED, DONE = "stage", "limits", "signalled", "done"
 """The kinds of reports to the supervisor."""

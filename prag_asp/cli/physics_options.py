@@ -52,7 +52,7 @@ class PhysicsOptions:
     demonstrate: str | None = None
 
     def refuse_without_physics(self, others: Mapping[str, bool]) -> None:
-        """Refuse options of physics if it is off; `others` has further options, and whether each is given.
+        """Refuse options of physics if it is off; `others` maps further options to whether each is given.
 
         Raises:
             QueryError: an option of physics is given although physics is off.

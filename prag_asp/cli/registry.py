@@ -14,6 +14,7 @@ import click
 from prag_asp.cli import exit_control
 from prag_asp.cli.exits import MEANINGS, Exit
 from prag_asp.cli.terminal import say, shown_progress, tell_line
+from prag_asp.integers import with_short_numbers
 
 PROGRAM, COMPLETION = "prag-asp", "_PRAG_ASP_COMPLETE"
 """The name of the program, and the environment variable by which a shell requests completions."""
@@ -23,6 +24,7 @@ COMMANDS = {
     "compare": "evaluate",
     "completion": "completion",
     "count": "count",
+    "diversity": "diversity",
     "domains": "domains",
     "enumerate": "enumerate",
     "evaluate": "evaluate",
@@ -48,11 +50,13 @@ COMMANDS = {
 """The commands, each with the module of `prag_asp.cli.commands` that defines it under the command's name."""
 
 GROUPS = {
-    "Domains": ("domains", "new", "check", "explain", "learn", "import"),
-    "Task spaces": ("count", "task", "sample", "enumerate", "scenario", "split", "stats", "validate", "render"),
-    "Datasets": ("generate", "merge", "verify", "suite", "export"),
-    "Policies": ("evaluate", "compare", "power"),
-    "Other": ("models", "completion"),
+    "Define": ("domains", "new", "check", "import", "explain"),
+    "Count and sample": ("count", "task", "sample", "enumerate", "scenario", "split", "stats", "diversity"),
+    "Check by physics": ("validate", "learn", "render"),
+    "Data": ("generate", "merge", "verify", "suite", "export"),
+    "Learn and evaluate": ("evaluate", "compare", "power"),
+    "Any program": ("models",),
+    "Shell": ("completion",),
 }
 """The commands in the order of the help."""
 
@@ -106,7 +110,7 @@ class Commands(click.Group):
                 if where is None or isinstance(error, getattr(click.exceptions, "NoArgsIsHelpError", ())):
                     error.show()  # a group without a command prints its help
                 else:
-                    message = " ".join(error.format_message().split()).rstrip(".")
+                    message = " ".join(with_short_numbers(error.format_message()).split()).rstrip(".")
                     tell_line(f"{where.command_path}: {message}; see {where.command_path} --help")
                 return Exit.USAGE if isinstance(error, click.UsageError) else Exit.BAD_INPUT
             except exit_control.ERRORS as error:

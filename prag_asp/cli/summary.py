@@ -1,4 +1,4 @@
-"""Tasks in words: the states of one, and the summary of validated ones on stderr, a line and a table of causes."""
+"""Tasks in words: the states of a task, and a summary of validated tasks on stderr: a line and a table of causes."""
 
 from __future__ import annotations
 
@@ -77,14 +77,16 @@ def _table(tally: Tally) -> Table:
     return table
 
 
-def described(found: Task, space: TaskSpace) -> list[str]:
-    """Return lines with the rank of a task, its initial state, the effects of its actions, its goal, its readings."""
-    fluents = len(space.domain.facts.fluents)
-    lines = [f"task {space.index(found)} of {space.count()}", f"start  {_state(found.initial, fluents)}"]
+def described(found: Task, space: TaskSpace, *, false_facts: bool = False) -> list[str]:
+    """Return lines with the rank of a task, its initial state, the effects of its actions, its goal, its readings.
+
+    The states list their true facts, and with `false_facts` also the facts that are known to be false.
+    """
+    lines = [f"task {space.index(found)} of {space.count()}", f"start  {_state(found.initial, false_facts)}"]
     width = max((len(str(action)) for action in found.actions), default=0)
     for number, (action, subgoal) in enumerate(zip(found.actions, found.subgoals, strict=True), 1):
         lines.append(f"{number:>5}  {action!s:<{width}}  {_facts_text(subgoal)}".rstrip())
-    lines.append(f"goal   {_state(found.goal, fluents)}")
+    lines.append(f"goal   {_state(found.goal, false_facts)}")
     readings = space.readings(found) if space.domain.facts.composites else None
     if readings is not None:
         lines += [f"read   {' '.join(map(str, reading))}" for reading in islice(readings, READINGS)]
@@ -93,9 +95,9 @@ def described(found: Task, space: TaskSpace) -> list[str]:
     return lines
 
 
-def _state(state: State, fluents: int) -> str:
-    """Return the known facts of a state as text; if all facts are known, only the true ones."""
-    return _facts_text({fluent: value for fluent, value in state.items() if value or len(state) < fluents})
+def _state(state: State, false_facts: bool) -> str:
+    """Return the true facts of a state as text, or all known facts."""
+    return _facts_text({fluent: value for fluent, value in state.items() if value or false_facts}) or "no true fact"
 
 
 def _facts_text(state: State) -> str:

@@ -5,11 +5,11 @@
         └── waits, checks limits, passes on signals, and prints the line that the command cannot print any more
 
 Native code (clingo's grounder, solvers, PyBullet) reacts neither to Ctrl-C nor to a limit, and may end the process
-without a message. So the supervisor first sends a signal, after which the command should end as it does after Ctrl-C.
+without a message. Therefore the supervisor first sends a signal, after which the command should end as after Ctrl-C.
 If it does not end within 2 s, or 8 s after it has handled the signal, it is killed with all its workers. If the
 supervisor is killed, the kernel ends the command.
 
-This works on Linux only; on other systems limits apply only where our own code checks them.
+This works on Linux only; on other systems, limits are checked only by prag_asp's own code.
 """
 
 from __future__ import annotations
@@ -112,7 +112,7 @@ class _Supervisor:
             # The result is ignored, because it is arbitrary if a stop (Ctrl-Z) interrupts the wait.
             signal.sigtimedwait({signal.SIGCHLD}, POLL)
             sent = signal.sigtimedwait(self._watched, 0)
-            if sent is not None:  # first: the command may already have ended because of it
+            if sent is not None:  # first of all: the command may already have ended because of this
                 self._pass_on(sent.si_signo)
             ended, status = os.waitpid(self._command, os.WNOHANG)
             self._read_reports()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from threading import Event, RLock, Thread
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Protocol
@@ -15,8 +15,8 @@ from prag_asp.processes.progress_events import Note, hear, note, so_far
 if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
-PATIENCE, WATCH = 2.0, 0.25
-"""Seconds without output after which a terminal shows progress, and between two looks at the time."""
+PATIENCE, LOG_EVERY, WATCH = 2.0, 60.0, 0.25
+"""Seconds without output after which a terminal shows progress, between two lines of a log, between two checks."""
 
 
 def say(text: object) -> None:
@@ -57,12 +57,15 @@ class Tell(Protocol):
 
 
 class _Display:
-    """A progress line on the terminal: it appears once `PATIENCE` seconds have passed without any output.
+    """The display of a command's activity: a line on a terminal, or a line of a log file each minute.
 
-    A thread watches the time, because native code may run for minutes without a report.
+    The line of a terminal appears once `PATIENCE` seconds have passed without any output. A thread watches the time,
+    because native code may run for minutes without a report.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, on_terminal: bool) -> None:
+        self._on_terminal = on_terminal
+        self._wait = PATIENCE if on_terminal else LOG_EVERY
         self._lock = RLock()
         self._words, self._done = "starting", 0.0
         self._total: int | None = None
@@ -76,13 +79,14 @@ class _Display:
         """Set the words and, if they are known, the number done and the total."""
         with self._lock:
             self._words, self._done, self._total = _first_line(words), done, total
-            if self._bar is not None or monotonic() - self._quiet_since > PATIENCE:
+            if self._bar is not None or self._is_due():
                 self._show()
 
     def hide(self) -> None:
-        """Remove the line, before output that may go to the same terminal."""
+        """Remove the line of a terminal, before output that may go to the same one."""
         with self._lock:
-            self._quiet_since = monotonic()
+            if self._on_terminal:
+                self._quiet_since = monotonic()
             if self._bar is not None:
                 self._bar[0].stop()
                 self._bar = None
@@ -92,13 +96,22 @@ class _Display:
         self._ended.set()
         self.hide()
 
+    def _is_due(self) -> bool:
+        return not self._ended.is_set() and monotonic() - self._quiet_since > self._wait
+
     def _watch(self) -> None:
         while not self._ended.wait(WATCH):
             with self._lock:
-                if self._bar is None and not self._ended.is_set() and monotonic() - self._quiet_since > PATIENCE:
+                if self._bar is None and self._is_due():
                     self._show()
 
     def _show(self) -> None:
+        if not self._on_terminal:
+            self._quiet_since = monotonic()
+            done = "" if self._total is None else f" ({self._done:.0f} of {self._total})"
+            with suppress(OSError):
+                tell_line(f"... {self._words}{done}")
+            return
         new = self._bar is None
         if self._bar is None:
             bar = _bar()
@@ -113,12 +126,12 @@ _display: _Display | None = None
 
 @contextmanager
 def shown_progress() -> Iterator[None]:
-    """Show on a terminal what a command does, in a line on stderr that appears after two seconds without output."""
+    """Show a command's activity on stderr: on a terminal after two seconds without output, elsewhere each minute."""
     global _display  # noqa: PLW0603  a process runs one command at a time
-    if _display is not None or sys.stderr is None or not sys.stderr.isatty():
+    if _display is not None or sys.stderr is None:
         yield
         return
-    _display = _Display()
+    _display = _Display(sys.stderr.isatty())
     try:
         yield
     finally:
@@ -128,9 +141,9 @@ def shown_progress() -> Iterator[None]:
 
 @contextmanager
 def progress() -> Iterator[Tell]:
-    """Yield a function that reports progress; a terminal shows it, see `shown_progress`.
+    """Yield a function that reports progress, which `shown_progress` shows.
 
-    A note is a permanent line, on a terminal and elsewhere; equal notes are printed once.
+    A note is a permanent line; equal notes are printed once.
     """
     printed: set[str] = set()
 

@@ -1,4 +1,4 @@
-"""The request for a dataset as one value: everything besides the task space that determines its bytes."""
+"""The request for a dataset as one value: all inputs besides the task space that determine its bytes."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from prag_asp.tables.json_fields import Whole
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
+    from prag_asp.exact_numbers import Number
     from prag_asp.space.weights.temperature import Temperature
-    from prag_asp.space.weights.weights import Number
     from prag_asp.space.without_replacement import Division
 
 SHARD = 1000
 """The default number of tasks in a full shard."""
 
 LARGEST_SHARD, MOST_STARTS = 20_000, 1000
-"""The maximum number of tasks of a shard and of witnesses of a task: they are in memory together, some GB at most."""
+"""The maximum number of tasks of a shard and of witnesses of a task: they are in memory together, a few GB at most."""
 
 DRAWS_FOR_EACH = 1000
 """The default number of draws per requested task after which sampling for a part stops."""
@@ -37,7 +37,7 @@ LARGEST_SEED = 2**63 - 1
 
 
 class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
-    """The request for a dataset, as `generate` takes it and dataset.json stores it.
+    """The request for a dataset, as passed to `generate` and stored in dataset.json.
 
     `split` has the exact share of each part. `weights` and `temperature` are exact numbers as text. Without a `budget`,
     physics is not run. Unless `trivial`, tasks whose final state is the initial state are left out. `part`, such as
@@ -93,13 +93,13 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
 
         Tasks are sampled without replacement, by `weights` or those of the domain; lengths occur in exact proportion,
         or in turn with `evenly`. With `split`, each part gets its share of the tasks, and no two parts have a task
-        (with `skeletons`: a skeleton) in common; with `hold_out`, only ``test`` has the tasks held out. A witness is
-        sought from `starts` initial states of each task. Unless `trivial`, tasks whose final state is the initial state
-        are left out. With `demonstrate`, the robot performs each task; `staging` has the cameras that record it and the
-        properties that vary. Without `physics`, the default if the domain has no
-        scene, all sampled tasks are accepted. Instructions are in a `language` of the domain, and use some of its
-        `phrasings`, such as ``1 of 2``. A shard has at most `shard` tasks. With ``part="3/64"``, only every 64th draw
-        from the third on is validated, for a 64th of the tasks.
+        (with `skeletons`: a skeleton) in common; with `hold_out`, only ``test`` has the held-out tasks. A witness is
+        searched for from `starts` initial states of each task. Unless `trivial`, tasks whose final state is the initial
+        state are left out. With `demonstrate`, the robot performs each task; `staging` has the cameras that record it
+        and the properties that vary. Without `physics`, the default if the domain has no scene, all sampled tasks are
+        accepted. Instructions are in a `language` of the domain, and use some of its `phrasings`, such as ``1 of 2``. A
+        shard has at most `shard` tasks. With ``part="3/64"``, only every 64th draw from the third on is validated, for
+        a 64th of the tasks.
 
         Raises:
             QueryError: a value is out of range, or two of them contradict each other.
@@ -172,7 +172,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         return max_draws or DRAWS_FOR_EACH * self.tasks_of(share)
 
     def fixed(self) -> dict[str, Any]:
-        """Return the values that may not change when a dataset grows: all but the number of tasks."""
+        """Return the values that may not change when a dataset grows: all except the number of tasks."""
         return {name: value for name, value in msgspec.to_builtins(self).items() if name != "tasks"}
 
 

@@ -34,8 +34,9 @@ def generate(
     task.
 
     The same call resumes an interrupted run; a larger number of tasks extends the dataset. Its bytes depend on the
-    request alone, neither on the number of `workers` nor on where they run: with ``on="ray"``, on the nodes of a Ray
-    cluster. With ``part="3/64"``, the folder is one of 64 machine parts, which `merge` combines into the dataset.
+    request alone, neither on the number of `workers` nor on the machines on which they run: with ``on="ray"``, the
+    nodes of a Ray cluster. With ``part="3/64"``, the folder is one of 64 machine parts, which `merge` combines into the
+    dataset.
 
     Raises:
         QueryError: the space is empty, or the request is wrong.

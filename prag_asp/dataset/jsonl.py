@@ -22,7 +22,7 @@ from prag_asp.task import FrozenDict, Task
 class Record:
     """A task with its verdict and witness as plain values, or None without physics.
 
-    `place` is the ``file:line`` of its source.
+    `place` is the source of the record as ``file:line``.
     """
 
     task: Task

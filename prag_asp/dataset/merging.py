@@ -99,7 +99,7 @@ def _in_order(parts: Sequence[Dataset]) -> list[Dataset]:
 
 
 def _difference(part: Manifest, first: Manifest) -> str:
-    """Return what distinguishes the dataset of a part from that of the first one, or "" without any difference."""
+    """Return the difference between the dataset of a part and that of the first part, or "" if there is none."""
     if part.spec.deal.of != first.spec.deal.of:
         return f"of {part.spec.deal.of} parts, not of {first.spec.deal.of}"
     difference = part.difference(first, ignored="part")

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 BATCH = 128
-"""The maximum number of tasks whose states are computed together, and that are read ahead."""
+"""The maximum number of tasks that are read ahead, and whose states are computed together."""
 
 CheckedRecord = tuple[Record, str]
 """A record, and the fault of its task, or "" if it is valid."""
@@ -68,14 +68,15 @@ def recheck(
 ) -> Generator[Outcome, None, None]:
     """Yield the outcome of each task of a file, or of records: check that the plan is valid and feasible.
 
-    Physics searches new witnesses, with an outcome that does not depend on the position of the task; with
-    `witness_only` it checks the witnesses in the file. Without a `domain`, each record names its own: a shipped one, or
-    a folder, in the current folder or next to the file (for records, in `folder`); `load` replaces the default loader.
-    Tasks have to satisfy the conditions `where`. With `demonstrate`, the robot performs each task, and recordings are
-    written into that folder, with the cameras and variations of `staging`. Records are read a little ahead.
+    Physics searches for new witnesses, with an outcome that does not depend on the position of the task; with
+    `witness_only`, it checks the witnesses in the file. Without a `domain`, each record names its own domain: a shipped
+    domain, or a folder in the current folder or next to the file (for records, in `folder`); `load` replaces the
+    default loader. Tasks must satisfy the conditions `where`. With `demonstrate`, the robot performs each task, and
+    recordings are written into that folder, with the cameras and variations of `staging`. Records are read a little
+    ahead.
 
     Raises:
-        QueryError: a line of the file is not a task, or its domain is not found; the message has the line.
+        QueryError: a line of the file is not a task, or its domain is not found; the message names the line.
         SceneError: a domain has no scene.
         OutputError: a recording cannot be written.
     """

@@ -2,8 +2,8 @@
 
 An id is ``DOMAIN:DIGEST:LENGTH:RANK[:START][~CONDITION...]``, such as ``tabletop:8f6c01b2d4:2:181:7.3~uses+can_1``:
 
-- the name of the domain, with set constants as ``,NAME=VALUE``, and a digest of all that its tasks and initial states
-  depend on (`prag_asp.dataset.scenarios`);
+- the name of the domain, with set constants as ``,NAME=VALUE``, and a digest of everything on which its tasks and
+  initial states depend (`prag_asp.dataset.scenarios`);
 - the length of the task, and its rank among the tasks of this length that satisfy the conditions;
 - the search that found the initial state, as ``SEED.INDEX``, and ``.RESTARTSxSAMPLES-TIER-KIND...`` if its budget is
   not the default, or properties vary in its demonstration; it is missing without physics;
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from prag_asp.physics import Budget, Staging
 
 DIGITS = 10
-"""The number of hexadecimal digits in the digest of a domain: two states of a domain agree by chance once in 10^12
+"""The number of hexadecimal digits in the digest of a domain: two versions of a domain agree by chance once in 10^12
 pairs."""
 
 LONGEST = 100_000
@@ -65,7 +65,7 @@ class SearchStart:
 
     @classmethod
     def parse(cls, text: str) -> SearchStart:
-        """Return the search from a text that `str` writes.
+        """Return the search that a text written by `str` describes.
 
         Raises:
             QueryError: the text is malformed.

@@ -36,7 +36,7 @@ class Scenarios:
     """
 
     def __init__(self, domain: Domain, space: TaskSpace | None = None) -> None:
-        """Use the engines of a `space` of the domain, if it is given, for tasks with its conditions."""
+        """Use the engines of a `space` of the domain, if given, for tasks with its conditions."""
         self.domain = domain
         self._whole = None if space is None else space.whole
         self._spaces: dict[tuple[tuple[str, ...], int], TaskSpace] = {}
@@ -171,11 +171,11 @@ def read_scenarios(file: str | Path) -> Iterator[Scenario]:
 def exclude(space: TaskSpace, scenarios: Iterable[Scenario]) -> Callable[[Task], bool]:
     """Return a function that tests whether a task of a space is not a task of given scenarios.
 
-    Initial states do not matter. A sample without replacement from which these tasks are left out is a sample without
-    replacement of the others.
+    Initial states do not matter. If these tasks are left out of a sample without replacement, the rest is a sample
+    without replacement of the others.
 
     Raises:
-        QueryError: a scenario has another domain than the space, other conditions, or no task.
+        QueryError: a scenario and the space have different domains or conditions, or a scenario has no task.
     """
     here, clauses, excluded = Scenarios(space.domain, space), _clauses(space.whole), set[tuple[str, ...]]()
     for scenario in scenarios:

@@ -24,10 +24,10 @@ MEND = "draw the task anew, or set its witness to null"
 
 
 def named_domain(own: str, place: str, folder: Path) -> str:
-    """Return the shipped domain of a name, or the folder of another, in the current folder or in `folder`.
+    """Return the shipped domain with a name, or the folder of another domain, in the current folder or in `folder`.
 
-    `place` is where the name stands, for errors. A name that leads outside these folders, even by a link, is refused: a
-    file must not make us read other folders.
+    `place` is the location of the name, for errors. A name that leads outside these folders, even by a link, is
+    refused: a file must not make prag_asp read other folders.
 
     Raises:
         QueryError: there is no such domain.
@@ -86,7 +86,7 @@ def errors_with_place(record: Record, domain: Domain | None = None, advice: str 
 
 
 def index_of(record: Record) -> int:
-    """Return the index of the verdict of a record, which repeats its search; without one, a hash of its plan."""
+    """Return the index of the verdict of a record, which repeats its search; without a verdict, a hash of its plan."""
     index = (record.verdict or {}).get("index")
     if type(index) is int and index >= 0:
         return index

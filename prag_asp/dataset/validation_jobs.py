@@ -26,8 +26,8 @@ START = 1 << 32
 """The difference between the indices of consecutive searches for the same task."""
 
 TRIES = 4
-"""The maximum number of searches per requested initial state: a search that finds no new one is replaced by the
-next."""
+"""The maximum number of searches per requested initial state: a search that finds no new initial state is replaced by
+the next."""
 
 
 class ValidationJob(NamedTuple):
@@ -150,7 +150,7 @@ def _result(
 
 
 def _verdicts(setup: ValidationSetup, job: ValidationJob, task: Task, validator: Validator) -> list[Verdict]:
-    """Return the verdict on a task, or if it is feasible, one for each of its initial states in order of search."""
+    """Return the verdict on a task or, if it is feasible, on each of its initial states, in order of search."""
 
     def verdict(search: int) -> Verdict:
         index = job.search + search * START

@@ -1,6 +1,6 @@
 """Load a domain: find, read and check its files.
 
-A domain is given as a shipped name, a folder, files, standard input, or a string.
+A domain is given as the name of a shipped domain, a folder, files, standard input, or a string.
 """
 
 from __future__ import annotations
@@ -101,7 +101,7 @@ def load_domain(
     strict: bool = False,
     untimed: bool = False,
 ) -> Domain:
-    """Read and check a domain: a shipped name, a folder, files that end in .lp, or a text.
+    """Read and check a domain: the name of a shipped domain, a folder, files that end in .lp, or a text.
 
     Files (``-`` is standard input) and a text together form one domain, named after the first. Includes are resolved in
     the folder of the file, or for a text in the working directory; such a domain has no domain.toml. Two files that end

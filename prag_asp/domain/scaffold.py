@@ -1,115 +1,27 @@
-"""Write a small domain as a starting point. It passes all checks, and its tasks are feasible."""
+"""Write a domain as a starting point: a small domain, or a copy of a shipped domain."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
 
+from prag_asp.domain.templates import PLAIN_LOGIC, PLAIN_SETTINGS, ROBOT_LOGIC, ROBOT_SETTINGS
 from prag_asp.errors import DomainError
 from prag_asp.output import new_folder, replace_file
 from prag_asp.program.paths import shipped_domains
+from prag_asp.wording import did_you_mean
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 
-LOGIC = """\
-% {name}: a panda puts two cubes onto a table and into a tray.
-%
-% Try:  prag-asp check {name}
-%       prag-asp count {name} --length 4
-%       prag-asp sample {name} --length 4 --count 5 --seed 1
 
-% Classes and entities -------------------------------------------------------------------------------------
+def write_new_domain(name: str, parent: Path = Path(), *, plain: bool = False, like: str | None = None) -> Path:
+    """Write a domain as a starting point into a new folder `name` in `parent`, and return the folder.
 
-class(robot).
-class(table).
-class(cube).
-class(tray).
-
-entity(panda, robot).
-entity(table_1, table).
-entity((cube_1; cube_2), cube).
-entity(tray_1, tray).
-
-% Fluents --------------------------------------------------------------------------------------------------
-
-% Physics gives these four a meaning by their names.
-fluent(holding(R,O))   :- is_a(R,robot), is_a(O,cube).
-fluent(reachable(R,O)) :- is_a(R,robot), is_a(O,cube).
-fluent(on_top(O,T))    :- is_a(O,cube), is_a(T,table).
-fluent(inside(O,T))    :- is_a(O,cube), is_a(T,tray).
-
-% Invariants: a cube is at one place, and a hand holds one cube.
-place(on_top(O,T), O, T) :- fluent(on_top(O,T)).
-place(inside(O,T), O, T) :- fluent(inside(O,T)).
-exclusive(F, G)                       :- place(F,O,_), place(G,O,_), F < G.
-exclusive(F, holding(R,O))            :- place(F,O,_), fluent(holding(R,O)).
-exclusive(holding(R,O), holding(R,P)) :- fluent(holding(R,O)), fluent(holding(R,P)), O < P.
-
-% Initial state and goal -----------------------------------------------------------------------------------
-
-% Fluents without an initial value are open: they take the values that the first actions need.
-initially(holding(R,O), false) :- fluent(holding(R,O)).
-
-% A goal is optional: plans that do not reach it are not counted.
-% goal(inside(cube_1,tray_1), true).
-
-% Actions --------------------------------------------------------------------------------------------------
-
-% pick(R,O,T): robot R takes cube O from T.
-action(pick(R,O,T))                             :- is_a(R,robot), place(_,O,T).
-precondition(pick(R,O,T), F, true)              :- action(pick(R,O,T)), place(F,O,T).
-precondition(pick(R,O,T), reachable(R,O), true) :- action(pick(R,O,T)).
-precondition(pick(R,O,T), holding(R,P), false)  :- action(pick(R,O,T)), fluent(holding(R,P)).
-postcondition(pick(R,O,T), holding(R,O), true)  :- action(pick(R,O,T)).
-postcondition(pick(R,O,T), F, false)            :- action(pick(R,O,T)), place(F,O,T).
-
-% put(R,O,T): robot R puts cube O onto the table or into the tray.
-action(put(R,O,T))                              :- is_a(R,robot), place(_,O,T).
-precondition(put(R,O,T), holding(R,O), true)    :- action(put(R,O,T)).
-postcondition(put(R,O,T), holding(R,O), false)  :- action(put(R,O,T)).
-postcondition(put(R,O,T), F, true)              :- action(put(R,O,T)), place(F,O,T).
-postcondition(put(R,O,T), reachable(R,O), true) :- action(put(R,O,T)).
-
-% Rules of a step --------------------------------------------------------------------------------------------
-
-% The step is t, and the step before it is t-1. This rule forbids to pick a cube up right after it was put down.
-#program step(t).
-:- occurs(put(R,O,T),t-1), occurs(pick(R,O,T),t).
-"""
-
-SETTINGS = """\
-title = "{name}"
-description = "A panda puts two cubes onto a table and into a tray."
-
-[weights]               # for sampling: of actions, pairs of actions, classes and entities; the default is 1
-put = 1
-"put>pick" = 1
-cube_1 = 1
-
-[language]              # sentences of actions; {{0}}, {{1}}, ... are the arguments
-pick = "pick {{1}} from {{2}}"
-put = "put {{1}} to {{2}}"
-
-[scene]                 # for physics; without this table, tasks are not simulated
-robot = "panda"
-workspace = {{ x = [0.30, 0.70], y = [-0.45, 0.45] }}
-
-[scene.shapes]          # metres
-robot = {{ kind = "robot" }}
-table = {{ kind = "table" }}
-cube = {{ kind = "box", size = [0.05, 0.05, 0.05] }}
-tray = {{ kind = "container", size = [0.26, 0.20, 0.035], wall = 0.006 }}
-
-[scene.fixed]           # x, y in metres, yaw in degrees
-tray_1 = [0.47, 0.26, 90]
-"""
-
-
-def write_new_domain(name: str, parent: Path = Path()) -> Path:
-    """Write a small domain as a starting point into a new folder `name` in `parent`, and return the folder.
+    It is a small commented domain with a robot, whose tasks are feasible; a `plain` domain has no robot. `like` is the
+    name of a shipped domain to copy instead, without its known counts.
 
     Raises:
-        DomainError: the name is invalid, or the folder exists.
+        DomainError: the name is invalid, the folder exists, there is no shipped domain `like`, or it is to be plain.
         OutputError: the folder cannot be written; in this case it is not created.
     """
     folder = parent / name
@@ -119,8 +31,30 @@ def write_new_domain(name: str, parent: Path = Path()) -> Path:
         raise DomainError(f"{folder.name}: a shipped domain has this name; choose another")
     if folder.exists():
         raise DomainError(f"{folder}: exists already; choose another name, or remove it first")
-    texts = {"domain.lp": LOGIC, "domain.toml": SETTINGS}
+    if like is not None and plain:
+        raise DomainError("a copy of a shipped domain is as it is; leave --plain or --from out")
+    files = _small_domain(folder.name, plain=plain) if like is None else _shipped_files(like)
     with new_folder(folder) as part:
-        for file, text in texts.items():
-            replace_file(part / file, text.format(name=folder.name).encode(), follow=False)
+        for file, content in files.items():
+            (part / file).parent.mkdir(parents=True, exist_ok=True)
+            replace_file(part / file, content, follow=False)
     return folder
+
+
+def _small_domain(name: str, *, plain: bool) -> dict[str, bytes]:
+    """Return the files of a small domain."""
+    logic, settings = (PLAIN_LOGIC, PLAIN_SETTINGS) if plain else (ROBOT_LOGIC, ROBOT_SETTINGS)
+    return {"domain.lp": logic.format(name=name).encode(), "domain.toml": settings.format(name=name).encode()}
+
+
+def _shipped_files(name: str) -> dict[str, bytes]:
+    """Return the files of a shipped domain by their path in its folder, without its known counts.
+
+    Raises:
+        DomainError: there is no such domain.
+    """
+    shipped = shipped_domains()
+    if name not in shipped:
+        raise DomainError(f"{name}: no such shipped domain; {did_you_mean(name, shipped, ', '.join(shipped))}")
+    paths = sorted(path for path in shipped[name].rglob("*") if path.is_file() and path.name != "counts.toml")
+    return {str(path.relative_to(shipped[name])): path.read_bytes() for path in paths}

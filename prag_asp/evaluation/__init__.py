@@ -7,7 +7,7 @@
 >>> results.whole().trials
 2
 
-Importing a name other than `ComparisonDesign` raises `LearningMissingError` where Gymnasium is not installed.
+Importing a name other than `ComparisonDesign` raises `LearningMissingError` if Gymnasium is not installed.
 """
 
 from __future__ import annotations

@@ -80,7 +80,7 @@ class PolicyComparison:
 
 
 PAIRED = tuple(what for what in GROUPINGS if what != "action")
-"""The groupings of pairs: none by action, because the subgoals that two policies pursue are not paired."""
+"""The groupings of pairs: there is none by action, because the subgoals that two policies pursue are not paired."""
 
 
 def compare(first: Results, second: Results, *, across: bool = False) -> PolicyComparison:
@@ -119,6 +119,6 @@ def _by_scenario(results: Results) -> dict[str, EvaluatedEpisode]:
 
 
 def _counted(pairs: Sequence[tuple[EvaluatedEpisode, EvaluatedEpisode]]) -> Pairs:
-    """Return the numbers of pairs by the successes of both."""
+    """Return the numbers of pairs in which both, one or neither policy succeeds."""
     outcomes = [(one.success, two.success) for one, two in pairs]
     return Pairs(*map(outcomes.count, ((True, True), (True, False), (False, True), (False, False))))

@@ -45,9 +45,9 @@ class EvaluatedEpisode(msgspec.Struct, frozen=True):
     """The result of an episode.
 
     `part` is the part of a dataset or a suite, or "". `initial` is a digest of the initial state, and `classes` are the
-    classes of the entities that the actions name. `reached` counts the subgoals that were reached, `subgoals` has a
-    result for each that was pursued. `cause` is one of `SUCCESS`, `LIMIT` and `GAVE_UP`; `seconds` is the simulated
-    time.
+    classes of the entities that the actions name. `reached` counts the subgoals that were reached, `subgoals` holds a
+    result for each subgoal that was pursued. `cause` is one of `SUCCESS`, `LIMIT` and `GAVE_UP`; `seconds` is the
+    simulated time.
     """
 
     scenario: str
@@ -158,7 +158,7 @@ class EpisodeRunner:
 
 @contextmanager
 def open_runner(setup: EpisodeSetup, **options: Any) -> Iterator[EpisodeRunner]:
-    """Open an environment, with further `options`, and make the policy.
+    """Open an environment with further `options`, and make the policy.
 
     Raises:
         PragError: the options are wrong, or the policy cannot be made.

@@ -16,7 +16,7 @@ import numpy as np
 from prag_asp.dataset.scenarios import Scenarios
 from prag_asp.errors import NotFound, OutputError, QueryError
 from prag_asp.evaluation.episode import EpisodeJob, EpisodeSetup, EvaluatedEpisode, open_episodes, open_runner
-from prag_asp.evaluation.policies import load_policy
+from prag_asp.evaluation.policies import environment_of, load_policy
 from prag_asp.evaluation.policies.python_callable import CallablePolicy
 from prag_asp.evaluation.results import EVALUATION, EvaluationRecord, Results
 from prag_asp.missing import require_pyarrow
@@ -63,10 +63,12 @@ def evaluate(
 ) -> Results:
     """Run a policy in each scenario of a source, and return the results.
 
-    `policy` is a text that `load_policy` takes, or a function of an observation (and of `info`, if it has a parameter
-    of that name) or a class of such functions; `environment` has options of `TaskEnv` (those in `ENVIRONMENT`). A
-    `wrapper` wraps the environment, as in training. The global random generators of Python, NumPy and PyTorch are
-    seeded for each episode, so results do not depend on the number of `workers`, unless the policy itself does.
+    `policy` is a text that `load_policy` accepts, a function of an observation (and of `info`, if it has a parameter of
+    that name), or a class whose instances are such functions; `environment` holds options of `TaskEnv` (those in
+    `ENVIRONMENT`), which take precedence over those that the policy determines, such as the control of a checkpoint of
+    LeRobot. A `wrapper` wraps the environment, as in training. The global random generators of Python, NumPy and
+    PyTorch are seeded for each episode, so results do not depend on the number of `workers`, unless the policy itself
+    does.
 
     With a `folder`, the results are written there: evaluation.json, a table of episodes, and `videos` of the first
     failures. An interrupted evaluation continues there, and keeps all episodes before the oldest running one.
@@ -74,7 +76,7 @@ def evaluate(
     Raises:
         QueryError: an argument is wrong, or the policy fails.
         NotFound: fewer feasible scenarios are found than requested.
-        OutputError: the folder has other results, or cannot be written.
+        OutputError: the folder contains other results, or cannot be written.
         WorkerError: workers died repeatedly.
     """
     if workers < 1:
@@ -86,6 +88,7 @@ def evaluate(
         raise QueryError(f"videos {videos}: videos need a folder for the results; give one")
     name = policy if isinstance(policy, str) else _name(policy)
     maker: PolicyMaker = load_policy(policy) if isinstance(policy, str) else partial(CallablePolicy, policy)
+    environment = {**(environment_of(policy) if isinstance(policy, str) else {}), **environment}
     domain, count = source.domain, source.count
     setup = EpisodeSetup(domain, source.lengths, {"reward": "sparse", **environment}, maker, wrapper, seed, name)
     options = {key: str(value) for key, value in sorted(environment.items())}

@@ -101,7 +101,7 @@ def sign_test_critical_values(differing: Integers, alpha: Fraction) -> Integers:
 
 
 def _tail_within(bound: int, term: int, number: int, before: Callable[[int, int], int]) -> bool:
-    """Return exactly whether a term and all before it, which decrease towards number 0, sum to at most a bound."""
+    """Return exactly whether a term and all earlier terms, which decrease towards number 0, sum to at most a bound."""
     tail = 0
     for k in range(number, -1, -1):
         tail += term

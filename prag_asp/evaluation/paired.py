@@ -1,4 +1,4 @@
-"""Statistics of paired successes: an exact test, and an interval for the difference of two shares."""
+"""Statistics of paired successes: an exact test, and an interval for the difference of two proportions."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from prag_asp.rl.skill_chains import Rate
 
 
 class Pairs(NamedTuple):
-    """The numbers of pairs in which both policies succeed, only the first, only the second, or neither."""
+    """The numbers of pairs in which both policies, only the first, only the second, or neither succeeds."""
 
     both: int
     first: int

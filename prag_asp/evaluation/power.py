@@ -18,15 +18,16 @@ from statistics import NormalDist
 
 from prag_asp.errors import QueryError
 from prag_asp.evaluation.exact_power import CLOSE, paired_power, unpaired_power
+from prag_asp.exact_numbers import parse_number
 
-Number = int | float | str | Fraction
+Probability = int | float | str | Fraction
 """A probability; a float stands for its shortest decimal."""
 
 MOST = 100_000
-"""The largest number of scenarios: far above any evaluation, and its power takes a second to compute."""
+"""The maximum number of scenarios: more than any evaluation has; computing its power takes a second."""
 
 AHEAD = 30
-"""How many further numbers of scenarios must reach the power too, because exact power is not monotone.
+"""The number of further numbers of scenarios that must also reach the power, because exact power is not monotone.
 
 Critical values are integers, so power falls where one changes. The fluctuation is largest if all results differ; then,
 for effects of 0.06 to 0.3, numbers that reach a power of 0.8 and numbers that do not are mixed in a range of 7 to 39
@@ -44,12 +45,12 @@ LEAST_ALPHA = Fraction(1, 10**6)
 class ComparisonDesign:
     """Two policies whose rates of success are compared at a two-sided level of significance `alpha`.
 
-    `rate` is the probability of success of the first; that of the second is larger by an effect. If neither
-    `correlation` nor `discordant` is given, each policy has a sample of scenarios of its own, and the test is Fisher's
-    exact test, which for samples of equal size doubles the smaller tail. Otherwise both run in the same scenarios, and
-    the test is McNemar's exact one (1947), as in `compare`; its unconditional power sums over the number of scenarios
-    in which one policy alone succeeds (Duffy, Statistics in Medicine 3, 1984; Connor, Biometrics 43, 1987).
-    `correlation` is that of both results in a scenario, `discordant` the share of scenarios in which they differ.
+    `rate` is the probability of success of the first policy; that of the second is larger by an effect. If neither
+    `correlation` nor `discordant` is given, each policy has its own sample of scenarios, and the test is Fisher's exact
+    test, which for samples of equal size doubles the smaller tail. Otherwise both run in the same scenarios, and the
+    test is McNemar's exact one (1947), as in `compare`; its unconditional power sums over the number of scenarios in
+    which one policy alone succeeds (Duffy, Statistics in Medicine 3, 1984; Connor, Biometrics 43, 1987). `correlation`
+    is the correlation of both results in a scenario, `discordant` the share of scenarios in which they differ.
 
     With `tasks`, the number N of all tasks, scenarios are sampled from them without replacement and the claim is about
     these tasks. The variance of a rate over n scenarios is then smaller by the factor (N - n) / (N - 1), like that of a
@@ -59,10 +60,10 @@ class ComparisonDesign:
         QueryError: a number is out of its range, or both `correlation` and `discordant` are given.
     """
 
-    rate: Number = Fraction(1, 2)
-    alpha: Number = Fraction(1, 20)
-    correlation: Number | None = None
-    discordant: Number | None = None
+    rate: Probability = Fraction(1, 2)
+    alpha: Probability = Fraction(1, 20)
+    correlation: Probability | None = None
+    discordant: Probability | None = None
     tasks: int | None = None
 
     def __post_init__(self) -> None:
@@ -87,7 +88,7 @@ class ComparisonDesign:
         """The name of the test."""
         return "McNemar's exact test" if self.paired else "Fisher's exact test"
 
-    def power(self, scenarios: int, effect: Number) -> float:
+    def power(self, scenarios: int, effect: Probability) -> float:
         """Return the probability that the test finds an effect with a number of scenarios for each policy.
 
         Rejections in both directions count. With `tasks`, the power is that of the effective number of scenarios,
@@ -99,7 +100,7 @@ class ComparisonDesign:
         """
         return self._power(self._effective(scenarios), _exact("effect", effect))
 
-    def scenarios(self, effect: Number, power: Number = Fraction(4, 5)) -> int:
+    def scenarios(self, effect: Probability, power: Probability = Fraction(4, 5)) -> int:
         """Return how many scenarios each policy needs so that the test finds an effect with a given power.
 
         Exact power is not monotone in the number. The result, before the correction for `tasks`, reaches the power, and
@@ -116,7 +117,7 @@ class ComparisonDesign:
             return number
         return math.ceil(Fraction(number * self.tasks, self.tasks + number - 1))
 
-    def smallest_effect(self, scenarios: int, power: Number = Fraction(4, 5)) -> Fraction | None:
+    def smallest_effect(self, scenarios: int, power: Probability = Fraction(4, 5)) -> Fraction | None:
         """Return the smallest effect, in steps of 0.0001, that the test finds with a given power.
 
         The result is None if the rate of the second policy cannot be large enough.
@@ -182,7 +183,7 @@ class ComparisonDesign:
     def _discordant_shares(self, effect: Fraction) -> tuple[float, float] | None:
         """Return the shares of scenarios in which the first policy alone succeeds, and the second alone.
 
-        They are negative where rates, effect and correlation contradict each other, and None if samples are not paired.
+        They are negative if rates, effect and correlation contradict each other, and None if samples are not paired.
         """
         first = _exact("rate", self.rate)
         second = first + effect
@@ -236,21 +237,16 @@ class ComparisonDesign:
         return high
 
 
-def _exact(name: str, value: Number) -> Fraction:
+def _exact(name: str, value: Probability) -> Fraction:
     """Return a number as a fraction; a float stands for its shortest decimal.
 
     Raises:
         QueryError: the value is not a number.
     """
-    try:
-        return Fraction(str(value))
-    except (ValueError, ZeroDivisionError):
-        raise QueryError(
-            f"{name} {value} is not a number; write a decimal or a fraction, such as 0.05 or 1/20"
-        ) from None
+    return parse_number(name, str(value))
 
 
-def _within(name: str, value: Number, low: int | Fraction, high: int | Fraction) -> Fraction:
+def _within(name: str, value: Probability, low: int | Fraction, high: int | Fraction) -> Fraction:
     """Return a number as a fraction.
 
     Raises:

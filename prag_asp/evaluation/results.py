@@ -23,13 +23,13 @@ from prag_asp.tables.json_fields import Whole
 from prag_asp.tables.report import shown
 
 EPISODES = "episodes.parquet"
-"""The file of the episodes, with a row for each."""
+"""The file of the episodes, one row per episode."""
 
 
 class EvaluationRecord(msgspec.Struct, frozen=True):
     """The contents of evaluation.json: the policy, the scenarios and the options of an evaluation.
 
-    `options` are those of the environment as text; `rejected` counts sampled tasks that physics found infeasible.
+    `options` are the options of the environment as text; `rejected` counts sampled tasks that physics found infeasible.
     """
 
     identity: str
@@ -64,7 +64,8 @@ EVALUATION = ManifestFile("evaluation.json", EvaluationRecord, "prag_asp evaluat
 class Results:
     """The results of an evaluation, in the order of the scenarios.
 
-    Wilson's intervals assume independent episodes, which several initial states of the same task do not quite give.
+    Wilson's intervals assume independent episodes, which episodes of the same task from several initial states are not
+    quite.
     """
 
     record: EvaluationRecord
@@ -121,7 +122,7 @@ class Results:
     def by(self, what: str) -> Mapping[str, Rate]:
         """Return the rates by ``part``, ``length``, ``class`` or ``action``.
 
-        An episode counts for each class of its entities, and once for each subgoal of an action that was pursued.
+        An episode counts for each class of its entities, and once for each pursued subgoal of an action.
 
         Raises:
             QueryError: there is no such grouping.
@@ -137,7 +138,7 @@ class Results:
         return {str(key): Rate(successes[key], trials[key]) for key in sorted(trials)}
 
     def causes(self) -> Mapping[str, int]:
-        """Return the number of episodes that ended by each cause."""
+        """Return the number of episodes that ended for each cause."""
         return dict(Counter(episode.cause for episode in self.episodes).most_common())
 
     def table(self) -> str:
@@ -161,7 +162,7 @@ def rate(episodes: Sequence[EvaluatedEpisode]) -> Rate:
 
 
 def _outcomes(episode: EvaluatedEpisode, what: str) -> Iterable[tuple[Any, bool]]:
-    """Yield the groups that an episode belongs to, with the success that each counts."""
+    """Yield the groups to which an episode belongs, with the success that counts for each group."""
     if what == "action":
         return ((parse_atom(subgoal.action).name, subgoal.success) for subgoal in episode.subgoals)
     groups: Mapping[str, Sequence[Any]] = {

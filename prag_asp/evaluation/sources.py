@@ -158,7 +158,7 @@ class StoredScenarios:
     def open(
         cls, folder: str | Path, parts: Sequence[str] = (), most: int | None = None, *, trust: bool = False
     ) -> StoredScenarios:
-        """Open all parts, or some, of a dataset or a suite.
+        """Open all or some parts of a dataset or a suite.
 
         Raises:
             QueryError: there is no dataset, no such part, or a part has no initial states.

@@ -45,7 +45,7 @@ class Where:
 
 @dataclass(frozen=True)
 class FactForms:
-    """The sentences of a true and of a false fluent, and its modifiers; a `silent` fluent is not mentioned."""
+    """The sentences for a true and for a false fluent, and its modifiers; a `silent` fluent is not mentioned."""
 
     true: tuple[Template, ...] = ()
     false: tuple[Template, ...] = ()
@@ -54,7 +54,7 @@ class FactForms:
 
 
 class PlainSentence(NamedTuple):
-    """A default sentence, and the actions that it is for; an empty set means all of the signature."""
+    """A default sentence, and its actions; an empty set means all actions of the signature."""
 
     template: Template
     actions: frozenset[str]
@@ -137,7 +137,7 @@ class GrammarReader:
 
         The object that an action moves is named even if it is constant: "pick the cup from the table", not "pick the
         table". If all arguments are constant, the first that is not a robot is named. The preposition before a place
-        depends on the predicate that relates the object to it, so actions of one name may have several sentences.
+        depends on the predicate that relates the object to it, so actions with one name may have several sentences.
         """
         defaults = self.words.table.get("defaults", {})
         if "action" not in defaults:

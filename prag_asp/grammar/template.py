@@ -16,7 +16,7 @@ VERBS = ("is",)
 
 
 BRACKETED = re.compile(r"\[([^\[\]]*)\]")
-"""Text that a sentence has only for an action that restores earlier facts."""
+"""Text that a sentence contains only for an action that restores earlier facts."""
 
 
 class Slot(NamedTuple):
@@ -31,8 +31,8 @@ class Template:
     """A sentence of alternating texts and slots, which begins and ends with a text.
 
     If a word agrees with the first argument, `genders` are the genders of arguments for which this sentence is used.
-    `phrasing` is its index, from 0, among the paraphrases. With `restores` true, it is only for actions that bring
-    about again what held before, and false, only for others.
+    `phrasing` is its index, from 0, among the paraphrases. If `restores` is true, the sentence is only for actions that
+    restore earlier facts; if false, only for other actions.
     """
 
     texts: tuple[str, ...]
@@ -84,7 +84,7 @@ def parse_template(
     verbs: Mapping[str, str] | None = None,
     genders: frozenset[str] = frozenset(),
 ) -> Template:
-    """Parse a sentence; `verbs` has the forms of verbs in braces for given `genders`.
+    """Parse a sentence; `verbs` holds the forms of verbs in braces for given `genders`.
 
     Raises:
         QueryError: the braces are wrong; the message has the problem and the remedy.
@@ -119,10 +119,10 @@ def parse_template(
 
 
 def restoring_forms(text: str) -> Iterator[tuple[str, bool | None]]:
-    """Yield a sentence without and with its text in brackets, ``put {1}[ back] into {2}``, and whether it has it.
+    """Yield a sentence without and with its text in brackets, ``put {1}[ back] into {2}``, and whether it is included.
 
-    The text in brackets is for actions that bring about again what held before. A sentence without brackets is yielded
-    once, for all actions.
+    The text in brackets is for actions that restore earlier facts. A sentence without brackets is yielded once, for all
+    actions.
     """
     whole = BRACKETED.sub(r"\1", text)
     if whole == text:

@@ -75,7 +75,7 @@ class Words:
         return tuple(self.table["joints"][kind])
 
     def verb_phrase(self, fact: str) -> int:
-        """Return where a sentence of a fact goes on after its subject and its verb, or 0 if the verb comes last."""
+        """Return the index after the subject and the verb of a sentence of a fact, or 0 if the verb comes last."""
         verbs = {self.agreeing("is", gender) for gender in self.genders}
         ends = [at + len(verb) + 2 for verb in verbs if (at := fact.find(f" {verb} ")) > 0]
         return min(ends, default=0)

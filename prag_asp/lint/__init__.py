@@ -1,7 +1,7 @@
 """Check a domain before it is used: every problem as one line ``file:line: what is wrong; what to do``.
 
     syntax -> vocabulary, directives, recursion -> (clingo grounds the base part) -> unsatisfiable atoms
-    -> hierarchy, effects -> composites, limits -> (`prag_asp.pruning`) -> what it found -> open world -> settings
+    -> hierarchy, effects -> composites, limits -> (`prag_asp.pruning`) -> occurrence -> open world -> settings
 
 Learned invariants are checked separately, after all other stages.
 

@@ -39,7 +39,7 @@ CHOICES = (ASTType.Aggregate, ASTType.Disjunction, ASTType.HeadAggregate)
 TIMED: frozenset[Signature] = frozenset([OCCURS, HOLDS])
 
 MOST = 10**8
-"""The maximum number of atoms of a fact. Each takes at least 100 bytes, so that these take 10 GB."""
+"""The maximum number of atoms of a fact. Each atom takes at least 100 bytes, so this number takes 10 GB."""
 
 NUMBER = re.compile(r"-?\d+")
 INTERVAL = re.compile(r"\((-?\d+|_*[a-z]\w*)\.\.(-?\d+|_*[a-z]\w*)\)")

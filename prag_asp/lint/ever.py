@@ -1,4 +1,4 @@
-"""Check the statements of ``ever``: if one for a possibly true fluent is missing, actions whose rules read it are lost.
+"""Check the statements of ``ever``: if a possibly true fluent lacks one, actions whose rules read it are lost.
 
 Actions are also lost if their rules read a fluent that the action does not require.
 

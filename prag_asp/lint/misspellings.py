@@ -80,7 +80,7 @@ def _unread_heads(
 
 
 def _takes(name: str, defined: Iterable[Signature]) -> str:
-    """Return the arities of the predicates with a name as text, empty if there are none."""
+    """Return the arities of the predicates with a name as text, or an empty text if there are none."""
     return " or ".join(str(arity) for other, arity in sorted(defined) if other == name)
 
 

@@ -1,4 +1,4 @@
-"""Compare a copy of the encodings with the shipped ones, about which the library makes assumptions.
+"""Compare a copy of the encodings with the shipped encodings, about which the library makes assumptions.
 
 Pruning, the refusal of unknown values, explanations, PDDL and physics assume the meaning of the shipped encodings.
 Engines compute from the ground rules; `automaton` and `symbolic` assume only that each step has one action, and refuse
@@ -32,10 +32,10 @@ FOLDERS = ("rules", "conditions")
 
 
 def edited_encodings(program: Program, statements: Sequence[Statement]) -> Mapping[Path, int]:
-    """Return files named like a shipped encoding with other statements, each with the line of the first one.
+    """Return files named like a shipped encoding with other statements, each with the line of the first such statement.
 
-    These are files of a copy of the encodings, also those that only the library adds to a program, and files of a
-    domain in a folder `rules` or `conditions`. A file that a copy lacks has line 0. `#defined` makes no difference.
+    These are files of a copy of the encodings, including those that only the library adds to a program, and files of a
+    domain in a folder `rules` or `conditions`. A file that is missing from a copy has line 0. `#defined` is ignored.
     """
     encodings, shipped = encodings_folder(program), data_folder("encodings")
     by_path: dict[Path, list[Statement]] = {}
@@ -55,9 +55,9 @@ def edited_encodings(program: Program, statements: Sequence[Statement]) -> Mappi
 
 
 def _edited_besides(encodings: Path, read: set[Path]) -> dict[Path, int]:
-    """Return the edited files of a copy that only the library reads, and the files without which no copy is whole.
+    """Return the edited files of a copy that only the library reads, and the required files that it lacks.
 
-    `read` are the files of the program, which are compared already.
+    `read` are the files of the program, which have already been compared.
     """
     shipped = data_folder("encodings")
     edited: dict[Path, int] = {}

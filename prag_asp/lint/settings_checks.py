@@ -7,10 +7,11 @@ from string import Formatter
 from typing import Any
 
 from prag_asp.atom import atom_of
+from prag_asp.exact_numbers import MAX_EXPONENT
 from prag_asp.program.entity_names import ambiguity, named
 from prag_asp.program.facts import Facts
 from prag_asp.program.problem import Problem
-from prag_asp.program.settings import KEYS, MAX_EXPONENT, Settings, weight_of
+from prag_asp.program.settings import KEYS, Settings, weight_of
 from prag_asp.tables.report import TableEntry, TableProblem, TableReport
 from prag_asp.wording import did_you_mean, is_misspelt
 

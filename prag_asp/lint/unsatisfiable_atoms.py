@@ -1,4 +1,4 @@
-"""Find atoms in rules that can never hold, because no derivable atom has one of their names at its place.
+"""Find atoms in rules that can never hold, because no derivable atom has one of their names at its position.
 
     precondition(dorp(R,O), empty(R), true) :- action(dorp(R,O)).
 
@@ -169,7 +169,7 @@ def read_term(text: str) -> TermPattern | None:
 
 
 def _missing(control: clingo.Control, demands: Iterable[NameDemand]) -> set[tuple[ArgumentPlace, Signature]]:
-    """Return pairs of a place and a name that no ground atom has there, except those within a missing term."""
+    """Return pairs of a place and a name that no ground atom has at this place, except those within a missing term."""
     required: dict[Signature, dict[ArgumentPlace, set[Signature]]] = {}
     for each in demands:
         if each.place is not None:

@@ -25,7 +25,7 @@ from prag_asp.pruning.rejected_actions import STEP
 from prag_asp.pruning.relaxed_rules import BOOLEAN, renamed_literals
 
 MOST_STEPS = 512
-"""The number of steps from which a carried predicate counts as endless; then no hypothesis is tested."""
+"""The number of steps from which a carried predicate counts as endless; in this case, no hypothesis is tested."""
 
 BEFORE = STEP - 1
 STATES = f"""

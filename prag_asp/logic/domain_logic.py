@@ -188,7 +188,7 @@ class DomainLogic:
         return stratified_step(ground_step(program, self.domain.facts, self._reads(program)))
 
     def _reads(self, program: Program) -> StepReads:
-        """Return what a step of a program reads, ignoring the facts that the library adds."""
+        """Return the predicates that a step of a program reads, ignoring the facts that the library adds."""
         from prag_asp.logic.ground.stationary import read_step  # noqa: PLC0415 - as above
 
         return read_step(Program(tuple(source for source in program.sources if source.path != ADDED)))

@@ -36,7 +36,7 @@ AnswerSet = tuple[clingo.Symbol, ...]
 Tell = Callable[[str], None]
 
 COUNTERS = {"ganak": GANAK, "d4": D4}
-"""The engines that only count, from the clauses."""
+"""The engines that only count, using the clauses."""
 
 
 def answer_sets(
@@ -92,9 +92,9 @@ def answer_sets(
 class AnswerSets:
     """The answer sets of one program; compiled formulas are cached between queries.
 
-    Iteration is lazy and in a fixed order: of two answer sets, the one with the first symbol, in clingo's order, that
-    the other lacks comes first. If clingo enumerates, its own order is used. With an `optimum`, only the optimal answer
-    sets are included.
+    Iteration is lazy and in a fixed order: of two answer sets, the one that contains the first symbol in which they
+    differ, in clingo's order, comes first. If clingo enumerates, its own order is used. With an `optimum`, only the
+    optimal answer sets are included.
     """
 
     given: GivenProgram
@@ -172,7 +172,7 @@ class AnswerSets:
         yield from map(self._print, islice(self._compiled.diagram.sample(seed), count))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
-        """Return, for each symbol that may be shown, the exact probability, by weight, that an answer set has it.
+        """Return, for each symbol that may be shown, the exact probability, by weight, that an answer set contains it.
 
         Raises:
             NotFound: there is no answer set, or all have weight 0.
@@ -188,7 +188,7 @@ class AnswerSets:
         return {symbol: Fraction(weights.get(literal, 0), whole) for symbol, literal in self._compiled.formula.printed}
 
     def facets(self) -> dict[clingo.Symbol, Facet]:
-        """Return, for each symbol that may be shown, its share, and if it is a facet, how much it narrows the sets.
+        """Return the share of each symbol that may be shown and, if it is a facet, how much it narrows the answer sets.
 
         Raises:
             NotFound: there is no answer set.
@@ -231,7 +231,7 @@ class AnswerSets:
         return tuple([self._symbols[place] for place in sorted(shown)])
 
     def _way(self, *, counts: bool = False) -> str:
-        """Return which engine answers, clingo or the diagram, and note a fallback.
+        """Return the engine to use, clingo or the diagram, and note a fallback.
 
         Raises:
             QueryError: the chosen engine cannot answer.

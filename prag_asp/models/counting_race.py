@@ -1,4 +1,4 @@
-"""Count answer sets if the fastest engine is unknown: by a short enumeration, then by turns of several engines.
+"""Count answer sets when the fastest engine is unknown: by a short enumeration, then by turns of several engines.
 
 A turn has a limit of processor time. Counters run in their own processes, and are paused after their turns. If no
 engine has finished, the counters continue in parallel, and this process compiles a diagram; the first count is the
@@ -97,7 +97,8 @@ def count_unless_compiled(
     """Return the number of models by the first engine to finish, or None if the compiler finished first.
 
     `compile_formula` receives a function that it calls periodically, and propagates its errors. `begins` receives each
-    counter that first starts in parallel. `own` are the engines of this process, each a function of its seconds.
+    counter that first starts in parallel. `own` holds the engines of this process, each a function of its time limit in
+    seconds.
     """
     looks = count()
     with ExitStack() as stack:

@@ -1,8 +1,8 @@
 """A compiled formula with exact totals, marginals and samples in time linear in its size.
 
 A node is a disjunction of mutually exclusive branches; a branch is a conjunction of literals and nodes that share no
-variable (a deterministic decomposable negation normal form; Darwiche 2001). So totals are sums of products, and models
-are sampled top-down by choosing each branch in proportion to its total.
+variable (a deterministic decomposable negation normal form; Darwiche 2001). Totals are therefore sums of products, and
+models are sampled top-down by choosing each branch in proportion to its total.
 """
 
 from __future__ import annotations

@@ -17,12 +17,12 @@ from prag_asp.program.problem import allowed_in_sources
 class GroundModels:
     """The ground rules of a program.
 
-    `names` has the atoms by their symbols, sorted, and `shown` the shown symbols, sorted, each with alternative
-    conditions. `projected` has the atoms of ``#project``, or is None without such a statement. `acyclic` is true if a
+    `names` holds the atoms by their symbols, sorted, and `shown` the shown symbols, sorted, each with alternative
+    conditions. `projected` holds the atoms of ``#project``, or is None without such a statement. `acyclic` is true if a
     graph must be acyclic (``#edge``), which rules do not express; `contested` has the externals that are not false and
-    that rules also derive. `minimized` has the weighted literals of each priority, the highest first. `notes` are
+    that rules also derive. `minimized` holds the weighted literals of each priority, the highest first. `notes` are
     clingo's notes on instances dropped because an operation is undefined, and `remarks` those on atoms that no rule
-    derives, unless their line has a comment ``% lint: allow undefined``. `grounder` has the ground program, without
+    derives, unless their line has a comment ``% lint: allow undefined``. `grounder` holds the ground program, without
     optimisation.
     """
 

@@ -7,7 +7,7 @@ clause (as Korhonen and Järvisalo 2021 do for model counting).
 Reachability does not split into halves: the variables of a formula with loops are ordered from one end to the other, as
 Cuthill and McKee (1969) number the rows of a matrix to reduce its bandwidth, so that a case depends on few earlier
 decisions. Neither does a formula with sums or clauses over all of its parts, such as "each cell is visited at some
-time": what such a clause keeps of earlier decisions is only whether one of its literals was true.
+time": such a clause only needs to know whether one of its literals was made true by an earlier decision.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Atomic files: a file is written next to its target, flushed, and renamed, while a lock excludes other writers.
 
 A rename is atomic, and data flushed before it survive a loss of power: a reader always sees either the old content or
-the new one. If the process is killed, the old file stays, and ``NAME.part`` next to it.
+the new one. If the process is killed, the old file and ``NAME.part`` remain.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ class AtomicFile:
 def open_atomic(file: str | Path, *, mode: int = EVERYBODY, follow: bool = True) -> Iterator[AtomicFile]:
     """Yield a file to write, which replaces its target when the block ends, and is removed if the block fails.
 
-    With `follow`, a link is followed, otherwise it is replaced. `mode` has the permissions of a new file.
+    With `follow`, a link is followed, otherwise it is replaced. `mode` holds the permissions of a new file.
 
     Raises:
         OutputError: the file cannot be written, or another run is writing it.
@@ -117,7 +117,7 @@ def open_atomic(file: str | Path, *, mode: int = EVERYBODY, follow: bool = True)
 def replace_file(file: str | Path, content: bytes, *, mode: int = EVERYBODY, follow: bool = True) -> None:
     """Write a file atomically: after an interruption, it has either its old or its new content.
 
-    A device or a pipe is written directly. `mode` and `follow` are those of `open_atomic`.
+    A device or a pipe is written directly. `mode` and `follow` have the same meaning as in `open_atomic`.
 
     Raises:
         OutputError: the file cannot be written.
@@ -145,7 +145,7 @@ def whole_file(file: Path) -> Iterator[Path]:
 
 
 def is_stream(path: Path) -> bool:
-    """Return whether a path exists and is not a regular file, so cannot be replaced: a device, a pipe, a folder."""
+    """Return whether a path exists but cannot be replaced, because it is a device, a pipe or a folder."""
     return path.exists() and not path.is_file()
 
 

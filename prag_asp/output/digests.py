@@ -1,6 +1,6 @@
 """Digests of values and files, for cache keys and to recognise a run that is resumed.
 
-They are 160 bits of BLAKE2b in hexadecimal. Datasets use SHA-256 instead, because other tools compute it, too.
+They are 160 bits of BLAKE2b in hexadecimal. Datasets use SHA-256 instead, because other tools also compute it.
 """
 
 from __future__ import annotations

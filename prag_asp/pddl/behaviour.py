@@ -30,7 +30,8 @@ class Behaviour:
         self._rules = rules
         self._bodies = Bodies(words, rules)
         self._in_steps: dict[bool, FileLine] = {}
-        """The places of the first rule of a step that adds (key true) and of the first that deletes (key false)."""
+        """The places of the first rule of a step that adds (key true) and of the first rule that deletes (key
+        false)."""
 
     @property
     def looks_ahead(self) -> bool:

@@ -115,7 +115,7 @@ class Bodies:
         return any(each.predicate not in self._words.static for each in literals(formula))
 
     def body(self, formula: Formula, part: str) -> list[str]:
-        """Return a formula as one body in a program part; the rest of the rule must bind its free variables."""
+        """Return a formula as one body in a program part; its free variables must be bound by the rest of the rule."""
         body: list[str] = []
         for each in conjuncts(formula):
             if isinstance(each, Literal):

@@ -14,7 +14,7 @@ OBJECT = "object"
 
 @dataclass(frozen=True)
 class SchemaEffect:
-    """A literal that an action adds (positive) or deletes, for all values of the variables that meet the condition."""
+    """A literal that an action adds (positive) or deletes, for all values of variables that satisfy the condition."""
 
     variables: tuple[Variable, ...]
     condition: Formula
@@ -23,7 +23,7 @@ class SchemaEffect:
 
 @dataclass(frozen=True)
 class NumericEffect:
-    """A change of a function, for all values of the variables that meet the condition.
+    """A change of a function, for all values of the variables that satisfy the condition.
 
     `operator` is one of ``increase decrease assign scale-up scale-down``.
     """

@@ -12,7 +12,7 @@ from prag_asp.pddl.definitions import DomainFile, ProblemFile, Schema
 from prag_asp.pddl.formulas import Equality, Literal, Variable, conjuncts, demanded, literals, variables
 
 MOST_FLUENTS, MOST_ACTIONS = 10**6, 10**7
-"""The maximum numbers of fluents, and of actions of one name. A fluent takes 3 kB and 0.1 ms, an action more."""
+"""The maximum numbers of fluents, and of actions of one name. A fluent takes 3 kB and 0.1 ms, an action takes more."""
 
 LARGE = 10**4
 """The number of actions of one name above which only actions with relaxed-reachable preconditions are ground."""
@@ -53,7 +53,7 @@ def fewest_instances(
     """Return a lower bound of the number of instances of an action with any instance, or 0 if the types give none.
 
     A positive precondition on a `required` predicate has at least the instances that hold initially. A parameter that
-    no such precondition binds ranges over all objects of its types, except those it must differ from. Joins of
+    no such precondition binds ranges over all objects of its types, except those from which it must differ. Joins of
     preconditions by a shared parameter give no bound. Other conditions on the state exclude no instance.
     """
     rows = [each for each in demanded(action.precondition) if each.predicate in required]

@@ -60,7 +60,7 @@ def read(domain: str | Path, problem: str | Path, *, untimed: bool = False) -> I
     """Read a PDDL domain and problem; both may be in one file, which is given twice.
 
     The logic program has the same plans of every length as the problem: sequences of actions that are applicable one
-    after the other and lead to the goal. With `untimed`, durative actions become instantaneous: each has the effect of
+    after another and lead to the goal. With `untimed`, durative actions become instantaneous: each has the effect of
     running from start to end without overlap.
 
     Raises:

@@ -17,7 +17,8 @@ _LOCK = Lock()
 _MUTED: dict[int, tuple[int, int]] = {}
 """For each muted descriptor: how many contexts mute it, and a duplicate of the original.
 
-Threads mute concurrently: if each saved the descriptor that it found, the last to leave would restore the null device.
+Threads mute concurrently: if each thread saved the descriptor that it found, the last thread to leave would restore the
+null device.
 """
 
 

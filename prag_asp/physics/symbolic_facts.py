@@ -56,12 +56,11 @@ class ActionEffect:
     """The physical effect of an action.
 
     `grasps`, `releases` and `visits` name the object that the gripper grasps, releases or moves to; `over` names the
-    one that it moves over. `holds` is the object held before and after. The gripper is that of `robot`; `giver` is the
-    other robot in a handover. `leaves` means that the gripper leaves its object, `lifts` that a grasped object leaves
-    its support, `stays` that the gripper remains at a released object. `moved` are the objects that the action makes
-    the subject of a relation, `turns` is the furniture that it opens or closes, `closes` means that it closes the
-    gripper.
-    `after` are the facts of the resulting state `number`, `fresh` those that are not in the state before.
+    object over which it moves. `holds` is the object held before and after. The gripper is that of `robot`; `giver` is
+    the other robot in a handover. `leaves` means that the gripper leaves its object, `lifts` that a grasped object
+    leaves its support, `stays` that the gripper remains at a released object. `moved` are the objects that the action
+    makes the subject of a relation, `turns` is the furniture that it opens or closes, `closes` means that it closes the
+    gripper. `after` are the facts of the resulting state `number`, `fresh` those that are not in the state before.
     """
 
     action: Atom
@@ -173,7 +172,7 @@ def of_robot(state: Iterable[Fact], robot: str | None) -> list[Fact]:
 
 
 def _acting(scene: Scene, subgoal: tuple[Fact, ...]) -> str | None:
-    """Return the robot that an action moves: the one that grasps an object, else the first one in the subgoal.
+    """Return the robot that an action moves: the robot that grasps an object, else the first robot in the subgoal.
 
     None if the subgoal concerns no gripper and there are several robots.
     """

@@ -1,4 +1,4 @@
-"""The pipeline of tiers, in order of cost, for witnesses that the validator finds and for those to check again.
+"""The pipeline of tiers, in order of cost, for witnesses that the validator finds and for witnesses to check again.
 
 A witness that a search finds satisfies the first tier, kinematics, by construction; `check_witness` checks it.
 """
@@ -28,7 +28,7 @@ from prag_asp.task import Task
 class TierOutcome(NamedTuple):
     """The result of a witness in the tiers: its first fault, None if it passes all, and the episode of the last tier.
 
-    The `witness` has the transit waypoints that the transit tier added.
+    The `witness` holds the transit waypoints that the transit tier added.
     """
 
     witness: Witness
@@ -52,7 +52,7 @@ class TierPipeline:
     ) -> TierOutcome:
         """Return the result of a witness in the tiers of a budget; transit waypoints are added if it has none.
 
-        `staging` has the options of the demonstration; `seeds` determine the random variation.
+        `staging` holds the options of the demonstration; `seeds` determine the random variation.
         """
         if budget.includes(Tier.SETTLING):
             if self._settling is None:
@@ -85,7 +85,7 @@ def open_tier_check(
     """Open simulators, yield a function that checks witnesses by the tiers of a budget, and close them afterwards.
 
     The function takes a task, a witness and the index of the task, on which variations depend (0 by default).
-    `staging` has the options of demonstrations. A witness without transit waypoints gets some if the budget includes
+    `staging` holds the options of demonstrations. A witness without transit waypoints gets some if the budget includes
     the transit tier.
 
     Raises:

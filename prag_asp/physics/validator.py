@@ -46,7 +46,7 @@ class Validator:
     ) -> Verdict:
         """Return the verdict on a task; it depends on the arguments and the scene alone.
 
-        `staging` has the options of the demonstration, if the budget includes that tier.
+        `staging` holds the options of the demonstration, if the budget includes that tier.
 
         Raises:
             SceneError: the task names an entity that has no shape.

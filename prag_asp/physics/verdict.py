@@ -38,9 +38,9 @@ TIERS = tuple(Tier)
 class Budget:
     """The effort of the search for a witness, and the checks that the witness has to pass.
 
-    `restarts` is the number of initial states to try for a task, `samples` that of attempts at each action. If objects
-    lack room, a few further restarts pack them tightly. `tier` is the most expensive tier of checks, as a `Tier` or its
-    name; the tiers before it in `TIERS` are included.
+    `restarts` is the number of initial states to try for a task, `samples` the number of attempts at each action. If
+    objects lack room, a few further restarts pack them tightly. `tier` is the most expensive tier of checks, as a
+    `Tier` or its name; the tiers before it in `TIERS` are included.
 
     Raises:
         QueryError: a number is not positive, or the tier is unknown.
@@ -113,7 +113,7 @@ class Verdict:
     failed attempts by cause (one of `CAUSES`), and `details` has their facts and bodies; `restarts` is the number of
     initial states tried, including those packed tightly. `seed` and `index` together reproduce the search.
     `demonstration` is present if the budget includes one; it is too large for JSON, and has a separate file. `nearest`
-    says in words how far the best attempts came if no witness was found; it is not part of the JSON either.
+    describes in words how far the best attempts came if no witness was found; it is not part of the JSON either.
     """
 
     status: Status
@@ -135,7 +135,7 @@ class Verdict:
 
     @property
     def detail(self) -> str:
-        """The fact or bodies, in words, most often to blame for the `reason` if no witness was found."""
+        """The fact or bodies, in words, that most often caused the `reason` if no witness was found."""
         return next((str(detail) for detail in self.details if detail.cause == self.reason), "")
 
     def to_json(self) -> dict[str, Any]:

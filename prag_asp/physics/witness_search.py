@@ -51,7 +51,8 @@ CROWDED = frozenset((EMPTY_VOLUME, OBJECTS_COLLIDE))
 """The causes of failed attempts that indicate a lack of room, where tight packing may help."""
 
 PACKED = 4
-"""The maximum number of further restarts, and at most half of the budget's: each returns or backtracks itself."""
+"""The maximum number of further restarts, which is also at most half of the budget's: each returns or backtracks
+itself."""
 
 RETURNS = 2
 """The maximum number of returns to earlier actions in one restart, per attempt at an action."""
@@ -60,7 +61,7 @@ RETURNS = 2
 def witnesses(
     physical: PhysicalTask, scene: Scene, search: Search, budget: Budget, log: FailureLog
 ) -> Iterator[tuple[int, Witness | None]]:
-    """Yield the number of each restart, from 1, with its witness in a scene, None if it finds none."""
+    """Yield the number of each restart, from 1, with its witness in a scene, or None if there is no witness."""
     ranges = {entity: scene.ranges[entity] for entity in physical.objects if entity in scene.ranges}
     search = replace(search, returns=any(scene.shapes[each].model is not None for each in _handled(physical)))
     begun, found, further = False, 0, min(budget.restarts // 2, PACKED)

@@ -35,7 +35,7 @@ class ActionFunctions:
 
 
 class StepFunctions:
-    """A step as functions of the state before it; `unknown` has the fluents that may be unknown.
+    """A step as functions of the state before it; `unknown` holds the fluents that may be unknown.
 
     Raises:
         TooLarge: a function has too many variables or too many nodes.

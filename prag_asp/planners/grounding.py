@@ -196,7 +196,7 @@ def _safe_precondition(
 ) -> Values | None:
     """Return the precondition under which an action preserves the invariants, or None if it always violates one.
 
-    `clauses` has, for each value, the values that an invariant requires if that value does not hold.
+    `clauses` holds, for each value, the values that an invariant requires if that value does not hold.
     """
     before = dict(action.precondition)
     known = entailed(before.items(), graph)

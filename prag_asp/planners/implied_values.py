@@ -13,7 +13,7 @@ from prag_asp.program.invariants import FluentValue, conflict, entailed, invaria
 
 
 class ImpliedValues:
-    """The invariants; `unknown` has the fluents that may be unknown, whose propositions state known values."""
+    """The invariants; `unknown` holds the fluents that may be unknown, whose propositions state known values."""
 
     def __init__(self, facts: Facts, unknown: Collection[clingo.Symbol]) -> None:
         self._graph = invariant_graph(facts, impossible=True)

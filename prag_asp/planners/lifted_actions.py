@@ -8,7 +8,7 @@ from typing import NamedTuple
 import clingo
 
 FEW = 4
-"""The maximum number of schemas for the actions of one name."""
+"""The maximum number of schemas for the actions with one name."""
 
 Literal = tuple[str, tuple[str, ...], bool]
 """A predicate, its terms, and whether it is asserted; a term is the name of an object or a variable."""

@@ -1,7 +1,7 @@
 """Write a domain, or one of its tasks, as a PDDL domain and problem.
 
-Actions of one name that differ only in their arguments become one action with parameters, with a predicate for its
-valid arguments; other actions are written without parameters.
+Actions with the same name that differ only in their arguments become one action with parameters, with a predicate for
+its valid arguments; other actions are written without parameters.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ def bounded(
     seconds: float | None = None,
     memory_bytes: int | None = None,
 ) -> Returned:
-    """Return the value of a function called in a separate process, which is killed at a limit or when this one ends.
+    """Call a function in a separate process, which is killed at a limit or when this process ends; return its value.
 
     The function is pickled by its module and name, so it must be defined in a module, not in a script or a notebook;
     the arguments and the value are pickled, too. `memory_bytes` limits the process and all its descendants together;

@@ -15,12 +15,12 @@ OWN_SIGNAL = 10
 
 
 def held_line() -> tuple[int, int]:
-    """Return two file descriptors: the read end for the dependent process, the write end for the one that holds it."""
+    """Return two file descriptors: the read end for the dependent process, the write end for the one that keeps it."""
     return tuple(map(above_the_standard_ones, os.pipe()))  # type: ignore[return-value]
 
 
 def hang_on(descriptor: int) -> None:
-    """Have the kernel kill this process when the write end is closed; exit at once if it is closed already."""
+    """Have the kernel kill this process when the write end is closed; exit at once if it is already closed."""
     os.set_inheritable(descriptor, False)
     if sys.platform == "linux":
         import fcntl  # noqa: PLC0415  not on Windows

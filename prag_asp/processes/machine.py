@@ -56,7 +56,7 @@ def memory_of(processes: list[int]) -> int:
 
 
 def memory_in_use() -> int:
-    """Return the resident memory of this process in bytes, or its peak where the system reports only that."""
+    """Return the resident memory of this process in bytes, or its peak if the system reports only the peak."""
     now = memory_of([os.getpid()])
     if now:
         return now

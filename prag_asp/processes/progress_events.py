@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from time import monotonic
+from typing import TypeVar
+
+Item = TypeVar("Item")
 
 Listener = Callable[[str], None]
 
@@ -12,6 +16,9 @@ class Note(str):
 
     __slots__ = ()
 
+
+OFTEN = 0.5
+"""Seconds between two reports of a loop."""
 
 _listeners: list[Listener] = []
 _now = ""
@@ -27,6 +34,17 @@ def stage(words: str) -> None:
 def so_far(words: str) -> None:
     """Report the progress of the current stage."""
     _publish(f"{_now} ({words})" if _now else words)
+
+
+def counted(items: Sequence[Item], what: str) -> Iterator[Item]:
+    """Yield items, and report every half second how many of them are done: ``3,000 of 10,000 steps``."""
+    last = monotonic()
+    for number, item in enumerate(items):
+        yield item
+        now = monotonic()
+        if now - last > OFTEN:
+            last = now
+            so_far(f"{number + 1:,} of {len(items):,} {what}")
 
 
 def note(words: str) -> None:

@@ -25,10 +25,11 @@ CHUNKS_AHEAD = 3
 """Chunks that are read ahead for each worker: the items may be endless, or expensive to generate."""
 
 SENT_AHEAD = 2
-"""The maximum number of chunks of a worker: the one that it works on, and the next, so that it need not wait."""
+"""The maximum number of chunks of a worker: the current one and the next, so that the worker need not wait."""
 
 REPLACEMENTS = 5
-"""Deaths of workers on the same chunk after which the pool gives up: an item may need more memory than there is."""
+"""The number of worker deaths on the same chunk after which the pool gives up: an item may need more memory than there
+is."""
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")

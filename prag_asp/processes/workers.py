@@ -32,7 +32,7 @@ from prag_asp.processes.machine import signal_name
 
 
 class WorkerEnded(Exception):
-    """A worker ended before it answered; the message says how."""
+    """A worker ended before it answered; the message states how it ended."""
 
 
 class RemoteTraceback(Exception):
@@ -41,15 +41,15 @@ class RemoteTraceback(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Worker:
-    """A process and the connection to it; messages wait there, not here, until the worker reads them."""
+    """A process and the connection to it; messages wait in that process until the worker reads them."""
 
     process: subprocess.Popen[bytes]
     connection: Connection
     lifeline: int
-    """The file descriptor that keeps it alive while it is open here."""
+    """The file descriptor that keeps the worker alive while it is open in this process."""
 
     def send(self, message: object) -> None:
-        """Send it a message, which is pickled.
+        """Send the worker a message, which is pickled.
 
         Raises:
             WorkerEnded: the worker has ended.
@@ -61,7 +61,7 @@ class Worker:
             raise WorkerEnded(self._exit()) from None
 
     def receive(self, seconds: float | None = None) -> Any:
-        """Return its next answer.
+        """Return the worker's next answer.
 
         Raises:
             TimeoutError: no answer came within `seconds`.

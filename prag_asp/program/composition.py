@@ -15,7 +15,7 @@ Actions = tuple[clingo.Symbol, ...]
 def composite_actions(facts: Facts) -> Mapping[clingo.Symbol, Actions]:
     """Return the atomic actions of each composite in order; composites may not form a cycle.
 
-    A composite comes after those that it contains.
+    A composite comes after the composites that it contains.
     """
     actions_of: dict[clingo.Symbol, Actions] = {}
     for composite in _innermost_first(facts):

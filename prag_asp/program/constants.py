@@ -51,7 +51,7 @@ def parse_constants(constants: Mapping[str, Constant]) -> dict[str, str]:
 def set_constants(sources: Sequence[Source], constants: Mapping[str, str], domain: str) -> tuple[Source, ...]:
     """Return the files of a domain with new values in their ``#const`` statements; line numbers do not change.
 
-    So all readers of the program (the linter, engines, the cache) see the same value.
+    All readers of the program (the linter, engines, the cache) therefore see the same value.
 
     Raises:
         DomainError: no file declares a constant, a constant may not be set, or a file cannot be parsed.

@@ -24,7 +24,7 @@ LATER = "_later"
 """The attribute with the function that grounds facts on first use."""
 
 Assignment = tuple[tuple[clingo.Symbol, str], ...]
-"""Fluents with their values; only postconditions have ``unknown``."""
+"""Fluents with their values; only postconditions can have the value ``unknown``."""
 
 
 @dataclass(frozen=True)

@@ -33,8 +33,8 @@ Part = tuple[str, Sequence[clingo.Symbol]]
 class Grounder:
     """A clingo control for one program, without output.
 
-    `notes` are the messages about undefined operations, which are errors only if `strict`. `remarks` are those about
-    atoms that no rule derives; clingo prints them with the option `REMARKS`. If `text` is given, it is an aspif
+    `notes` are the messages about undefined operations, which are errors only if `strict`. `remarks` are the messages
+    about atoms that no rule derives; clingo prints them with the option `REMARKS`. If `text` is given, it is an aspif
     program, which is ground instead of `program`, without further checks. An `observer` receives the ground program
     from clingo.
 

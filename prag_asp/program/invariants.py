@@ -17,7 +17,7 @@ Value = TypeVar("Value", bound=Hashable)
 
 Graph = Mapping[FluentValue, tuple[FluentValue, ...]]
 Reasons = Mapping[FluentValue, FluentValue]
-"""Maps each derived value to the value that it was derived from."""
+"""Maps each derived value to the value from which it was derived."""
 
 
 def invariant_graph(facts: Facts, *, impossible: bool = False) -> Graph:
@@ -33,7 +33,7 @@ def invariant_graph(facts: Facts, *, impossible: bool = False) -> Graph:
 
 
 def entailed(values: Iterable[Value], graph: Mapping[Value, tuple[Value, ...]]) -> dict[Value, Value]:
-    """Return values and their consequences, each mapped to the given value that it follows from."""
+    """Return values and their consequences, each mapped to the given value from which it follows."""
     if not graph:
         return {value: value for value in values}
     reasons: dict[Value, Value] = {}

@@ -1,7 +1,7 @@
 """The predicates of the encodings that Python reads or writes.
 
-Those of the contract have plain names (see ``encodings/contract.lp``). All others begin with `RESERVED`, which
-predicates of a domain may not begin with.
+Predicates of the contract have plain names (see ``encodings/contract.lp``). All others begin with the prefix
+`RESERVED`, which predicates of a domain may not have.
 """
 
 from __future__ import annotations

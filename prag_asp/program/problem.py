@@ -38,7 +38,7 @@ WARNINGS: Mapping[str, str] = {
 """The names of warnings: the domain is suspicious, but well-defined."""
 
 SHOWN = 5
-"""The maximum number of shown warnings of one name: more are rarely informative."""
+"""The maximum number of shown warnings with one name: more are rarely informative."""
 
 ALLOW = re.compile(r"\blint:\s*allow\b(?P<names>[^*#%\n]*)")
 """A comment that allows warnings, in a logic program (after %, or in %* *%) or in domain.toml (after #)."""
@@ -82,7 +82,7 @@ def raise_problems(problems: Iterable[Problem]) -> None:
 
 
 def first_of_each(warnings: Iterable[Problem]) -> Iterator[Problem]:
-    """Yield the first `SHOWN` warnings of each name; the last of them has the number of omitted ones."""
+    """Yield the first `SHOWN` warnings of each name; the last of them states how many are omitted."""
     warnings = list(warnings)
     total = Counter(each.name for each in warnings)
     texts: Counter[str] = Counter()

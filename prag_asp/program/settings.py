@@ -9,18 +9,18 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from prag_asp.exact_numbers import MAX_EXPONENT
 from prag_asp.program.sources import Source, read_text
 from prag_asp.tables.toml_text import key_line, parse_toml, without_blanks
 
 KEYS = ("title", "description", "weights", "language", "scene")
-MAX_EXPONENT = 1000
 
 
 @dataclass(frozen=True)
 class Settings:
     """The tables of a domain.toml; `path` is its path even if the file does not exist, and `text` its contents.
 
-    `weights` has as keys names of actions (``grasp``), pairs of consecutive ones (``grasp>move``), ground actions,
+    The keys of `weights` are names of actions (``grasp``), pairs of consecutive names (``grasp>move``), ground actions,
     classes and entities. `language` maps names of actions and fluents to their first sentence. `grammar` is the whole
     table ``[language]``, with the tables of languages. `scene` is the table that physics reads.
     """

@@ -78,7 +78,7 @@ class Program:
 
 
 def read_sources(path: Path | Source, encodings: Path, *, own: Path | None = None) -> tuple[Source, ...]:
-    """Return a file and everything that it includes, each file once, included files first.
+    """Return a file and all files that it includes, each once, included files first.
 
     An include is looked up in the folder of the including source, then in the folder of encodings. `own` is the folder
     that must contain the file. Without it, the user has named the file: it may be a link, and its folder must contain
@@ -223,7 +223,7 @@ def owned(program: Program) -> list[tuple[Source, bool]]:
 
 
 def added_encodings(program: Program) -> frozenset[Path]:
-    """Return the files in the encodings folder of a program that the shipped encodings do not have."""
+    """Return the files in the encodings folder of a program that the shipped encodings do not contain."""
     encodings, shipped = encodings_folder(program), data_folder("encodings")
     if encodings is None or encodings.resolve() == shipped.resolve():
         return frozenset()

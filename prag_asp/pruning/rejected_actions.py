@@ -2,8 +2,8 @@
 
 An action that is rejected in the state where only the static values are known is rejected in every state, because a
 precondition on an unknown value is met. A fluent that only rejected actions would change is static as well, which may
-reject more actions. By induction over the steps, all of them can be pruned together. The invariants yield candidates
-with reasons; the encodings confirm them.
+reject more actions. By induction over the steps, all these actions can be pruned together. The invariants yield
+candidates with reasons; the encodings confirm them.
 """
 
 from __future__ import annotations

@@ -39,7 +39,7 @@ INVARIANTS = (("exclusive", 2), ("implies", 2), ("impossible", 2))
 
 Group = tuple[clingo.Symbol, ...]
 Representatives = Mapping[clingo.Symbol, clingo.Symbol]
-"""Each entity that is not ground, with a ground entity of its group."""
+"""Maps each entity that is not ground to a ground entity of its group."""
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@
 'pick(panda,brick_1,table_1) place(panda,brick_1,behind,can_1)'
 >>> env.close()
 
-The names of environments are in `prag_asp.rl.registration`. Importing this package raises `LearningMissingError` where
+The names of environments are in `prag_asp.rl.registration`. Importing this package raises `LearningMissingError` if
 Gymnasium is not installed.
 """
 

@@ -39,7 +39,7 @@ class Arena:
         self._situation: Situation | None = None
 
     def start(self, witness: Witness, number: int) -> Situation:
-        """Reset the world to a moment of a witness, by its number; the simulation from then on depends on nothing else.
+        """Reset the world to a moment of a witness, by its number; the later simulation depends on nothing else.
 
         Raises:
             SceneError: the witness has sizes that the scene does not allow.
@@ -63,7 +63,7 @@ class Arena:
         return self._observe()
 
     def act(self, action: NDArray[np.float64]) -> Situation:
-        """Apply an action of the control until the next one is due."""
+        """Apply an action of the control for its duration."""
         assert self._situation is not None
         ways = {}
         values = self._control.values(action).reshape(len(self._motors), -1)
@@ -88,7 +88,7 @@ class Arena:
 
     @property
     def speeds(self) -> Mapping[str, Vector]:
-        """The velocity of the tool of each robot during the last action, in metres a second."""
+        """The velocity of the tool of each robot during the last action, in metres per second."""
         return self._speeds
 
     @property
@@ -123,6 +123,6 @@ def _driven(command: ArmCommand) -> Joints:
 
 
 def _speed(one: Sequence[float], two: Sequence[float], seconds: float) -> Vector:
-    """Return the mean velocity between two points, in metres a second."""
+    """Return the mean velocity between two points, in metres per second."""
     x, y, z = ((b - a) / seconds for a, b in zip(one, two, strict=True))
     return (x, y, z)

@@ -71,7 +71,7 @@ class Viewer:
 
 
 def cameras_of(scene: Scene, names: object, size: object) -> dict[str, Camera]:
-    """Return the named cameras of a scene; `size` is width and height in pixels.
+    """Return the named cameras of a scene; `size` is the width and height in pixels.
 
     Raises:
         QueryError: a camera does not exist or is named twice, or the size is invalid.

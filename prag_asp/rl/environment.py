@@ -65,14 +65,15 @@ class TaskEnv(GoalEnv):
     that name is used: a part of a dataset, or of a space divided by `shares` (80 % ``train`` and 20 % ``test`` by
     default), by whole `skeletons`, or by a held-out name (`hold_out`), as `generate` divides it with the same seed. The
     conditions `where` restrict a space or a dataset. Tasks of a space whose final state is the initial state are left
-    out unless `trivial` is true. So plain values define an environment.
+    out unless `trivial` is true. Plain values thus define an environment.
 
     An observation is an array of the kind `observation` (`layout.names` names its numbers); with `goals` or `cameras`,
-    it is a dictionary with this array as `observation`. By the convention of goal environments, `goals` add
-    `achieved_goal` and `desired_goal` of the shape (2 * `PLACES`,): for now, and for one step before;
+    it is a dictionary with this array as `observation`. By the convention of goal environments, `goals` adds
+    `achieved_goal` and `desired_goal` of the shape (2 * `PLACES`,): for the current and for the previous step;
     `prag_asp.rl.rewards` explains the vectors. `control` is the name of a control convention; the attribute `control`
-    has the names, units and scales of the numbers of actions. There are `rate` actions a second, a divisor of 120.
-    `action_scale` is a factor of changes, except those of the fingers, for skills that need small motions.
+    holds the names, units and scales of the numbers of actions. There are `rate` actions per second, a divisor of 120.
+    `action_scale` is a factor for the changes in actions, except those of the fingers, for skills that need small
+    motions.
 
     `stage` is the initial subgoal, from 0 (-1 is the last, "any" is random); the episode begins in the witness's state
     at its start. It lasts `until` that "subgoal" or the whole "task" is reached, and at most `steps` for each subgoal.
@@ -80,13 +81,13 @@ class TaskEnv(GoalEnv):
     of the action. The dense part of a "faded" reward is annealed over `fade` steps, or with "success"; `discount` is
     the discount of its potentials. Witnesses of tasks from a space are searched for within a `budget`.
 
-    With a `part` of the space, only its tasks are used. A `curriculum` chooses the tasks (`LengthCurriculum`,
-    `NoveltyCurriculum`, `AdaptiveCurriculum` or `BanditCurriculum`) or the initial subgoals (`ReverseCurriculum`); or
-    give two, one of each kind. Curricula learn only from the episodes of this environment. `info` has the same keys at
-    a reset and at each step, among them the instruction at three levels in a `language`, the sentence of the current
-    subgoal, the exact `probability` of the task and of its stage (`stage_probability`), and the number of samples that
-    were `rejected` before it. Observations also have the images of `cameras`, as `camera_` and the name: 8-bit colours,
-    with the width and height `size` in pixels.
+    With a `part` of the space, only the tasks of the part are used. A `curriculum` chooses the tasks
+    (`LengthCurriculum`, `NoveltyCurriculum`, `AdaptiveCurriculum` or `BanditCurriculum`) or the initial subgoals
+    (`ReverseCurriculum`); there may be one of each kind. Curricula learn only from the episodes of this environment.
+    `info` has the same keys at a reset and at each step, among them the instruction at three levels in a `language`,
+    the sentence of the current subgoal, the exact `probability` of the task and of its stage (`stage_probability`), and
+    the number of samples that were `rejected` before it. Observations also contain the images of `cameras`, as
+    `camera_` and the name: 8-bit colours, with the width and height `size` in pixels.
 
     A copy, by `pickle` or `copy.deepcopy`, has its own simulators and continues the episode identically, bit for bit:
     it replays the actions of the episode.
@@ -181,9 +182,9 @@ class TaskEnv(GoalEnv):
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode.
 
-        `options` may have the `task` (and its `witness`), the `rank` of a task (in a dataset, its number) or a
-        `scenario`, the initial `stage`, and the `steps` of each subgoal; the rest is sampled. With a `seed`, all later
-        samples depend only on the seed; without any seed, they are random.
+        `options` may set the `task` (and its `witness`), the `rank` of a task (in a dataset, its number) or a
+        `scenario`, the initial `stage`, and the `steps` of each subgoal; all other values are sampled. With a `seed`,
+        all later samples depend only on the seed; without any seed, they are random.
 
         Raises:
             QueryError: the options are invalid, or the task has no witness.
@@ -211,7 +212,7 @@ class TaskEnv(GoalEnv):
         return self._latest
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Apply an action until the next one is due; its numbers are clipped to the bounds of the action space.
+        """Apply an action for its duration; its numbers are clipped to the bounds of the action space.
 
         Raises:
             QueryError: the action is malformed or not finite, no episode has begun, or it has ended.
@@ -280,10 +281,10 @@ class TaskEnv(GoalEnv):
         return self._latest
 
     def state_dict(self) -> dict[str, Any]:
-        """Return a checkpoint of the samplers, the curricula and the annealing, as values of JSON.
+        """Return a checkpoint of the samplers, the curricula and the annealing, as JSON values.
 
-        An environment with the same arguments that loads it begins its next episodes as this one does. The current
-        episode is not part of it.
+        An environment with the same arguments that loads this checkpoint begins its next episodes as this environment
+        does. The current episode is not part of the checkpoint.
 
         Raises:
             QueryError: no task was sampled yet.
@@ -298,7 +299,7 @@ class TaskEnv(GoalEnv):
         return with_checksum(state, self._spec)
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Continue from a checkpoint of an environment with the same arguments; the next reset takes no seed.
+        """Continue from a checkpoint of an environment with the same arguments; do not pass a seed to the next reset.
 
         Raises:
             QueryError: the checkpoint is of another environment, or damaged.

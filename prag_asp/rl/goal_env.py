@@ -37,7 +37,7 @@ class GoalEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     A goal has the shape (2 * `PLACES`,): the vector of the moment, then the vector of one step before. `discount` is
     the discount of the potentials, `share` the weight of the dense reward. The methods ``compute_...`` exist only if
-    `has_goals` is true: if observations have goals.
+    `has_goals` is true, that is, if observations have goals.
     """
 
     has_goals: bool
@@ -60,7 +60,8 @@ class GoalEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def compute_truncated(self, achieved_goal: Floats, desired_goal: Floats, info: Any) -> Any:
         """Return whether steps end an episode without reaching their goals: `steps_left` in `info` is 0.
 
-        `info` is the info of a step, or has one for each step of a batch; a step without `steps_left` is not truncated.
+        `info` is the info of a step, or holds an info for each step of a batch; a step without `steps_left` is not
+        truncated.
         """
         is_truncated = ~_reached(achieved_goal, desired_goal) & (steps_left_of(info) <= 0.0)
         return bool(is_truncated) if is_truncated.ndim == 0 else is_truncated

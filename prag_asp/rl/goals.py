@@ -35,8 +35,8 @@ class Subgoal:
     def placed(self, measured: list[float]) -> list[float]:
         """Return signed distances as `PLACES` - 1 numbers, with 0 for unused places.
 
-        All are at most 0 exactly if the subgoal is reached; the last is the largest distance of the facts without a
-        place.
+        All numbers are at most 0 exactly if the subgoal is reached; the last is the largest distance of the facts
+        without a place.
         """
         own = min(len(self.achieved), BROUGHT)
         return [*measured[:own], *[0.0] * (BROUGHT - own), max(measured[own:], default=0.0)]

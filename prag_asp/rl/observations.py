@@ -1,7 +1,7 @@
 """Observations: the arms, the bodies of the current action, its skill, and the distances of its facts.
 
 A skill is an action without the bodies that it names: ``place(panda,_,left_of,_)``. The features of bodies are in the
-order of the action's arguments, so a policy for one cube fits all cubes.
+order of the action's arguments, so a policy for one cube works for all cubes.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from prag_asp.scene.scene import Scene
 
 ObservationKind = Literal["relative", "poses"]
 OBSERVATIONS: tuple[ObservationKind, ...] = get_args(ObservationKind)
-"""The kinds of observations: `relative` has the features that a skill depends on, scaled to about 1; `poses` has all
+"""The kinds of observations: `relative` holds the features that a skill depends on, scaled to about 1; `poses` has all
 features, in metres and radians."""
 
 BODY = (
@@ -44,7 +44,7 @@ metres."""
 
 FACTS = (*(f"fact {i + 1}" for i in range(BROUGHT)), "other facts")
 """The signed distances of the facts of the current subgoal, in metres or radians: one for each fact that its action
-brings about, and the largest of all others. A fact holds if its distance is at most 0."""
+brings about, and the largest distance of all other facts. A fact holds if its distance is at most 0."""
 
 JOINT_SCALES = {f"joint {i}": 0.5 for i in range(1, 8)}
 ARM_SCALES = {
@@ -165,7 +165,7 @@ def observe(
 ) -> NDArray[np.float32]:
     """Return the observation of an agent that pursues an action, shape ``(len(layout.names),)``.
 
-    `speeds` are the velocities of the tools in metres a second, `commanded` the openings of the grippers in metres,
+    `speeds` are the velocities of the tools in metres per second, `commanded` the openings of the grippers in metres,
     `missed` the distances of the facts of the subgoal, ordered as `FACTS`.
     """
     scene = situation.scene

@@ -35,7 +35,7 @@ class RewardAnnealing:
         self._ends.append(success)
 
     def state_dict(self) -> dict[str, Any]:
-        """Return the state as values of JSON."""
+        """Return the state as JSON values."""
         return {"steps": self._steps, "ends": list(self._ends)}
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:

@@ -1,16 +1,16 @@
-"""Rewards: sparse ones for subgoals, and dense ones by potential-based shaping.
+"""Sparse rewards for subgoals, and dense rewards by potential-based shaping.
 
 The goal vector of a moment has the number of the current subgoal and the signed distances of its facts in metres or
 radians, at most 0 if they hold: one for each fact that the action achieves, and the largest of all others. A goal is
-also such a vector: the last subgoal, and the distances that its facts must reach. So any moment can be the goal of
-another one.
+also such a vector: the last subgoal, and the distances that its facts must reach. Any moment can thus be the goal of
+another moment.
 
 The potential of a moment is the number of reached subgoals plus ``1 / (1 + D / REACH)``, where D is the sum of the
 distances to the goal. It is never negative, and grows all the way to the goal, more steeply near the goal. The dense
-reward of a step is `WORTH` times the difference of the potentials, minus `STEP_COST`, plus the sparse one. With the
+reward of a step is `WORTH` times the difference of the potentials, minus `STEP_COST`, plus the sparse reward. With the
 discount of the agent, as in Ng, Harada and Russell ("Policy invariance under reward transformations", 1999), the
 potentials of an episode cancel except for the potential of its end, which is the same for all episodes that reach the
-goal: with one subgoal, the optimal policy is the one that is optimal without potentials, if steps cost something. With
+goal: with one subgoal, the optimal policy is the same as without potentials, if steps have a cost. With
 several subgoals, the last one counts for more than in the sparse reward. Because no potential is negative, the rewards
 of a closed loop never add up to more than 0.
 """
@@ -30,7 +30,7 @@ cost of a step, `faded` an annealed share of both."""
 WORTH = 100.0
 """The total dense reward for approaching a subgoal, relative to the sparse reward for reaching it.
 
-Agents that are also rewarded for entropy, such as soft actor-critic, begin with about 3.5 a step (5 numbers between
+Agents that are also rewarded for entropy, such as soft actor-critic, begin with about 3.5 per step (5 numbers between
 -1 and 1, at the usual initial coefficient 1). With a total of 10, ending an episode costs them more than it earns.
 """
 
@@ -41,8 +41,7 @@ STEP_COST = 4.0
 """The cost of a step at the full dense reward.
 
 On the way to a goal, steps of a few centimetres earn about as much as they cost, so the values of most states are near
-0. Without a cost, an agent that hovers hardly loses anything, and overestimates its future more and more (`WORTH` /
-25).
+0. Without a cost (`WORTH` / 25), an agent that hovers loses hardly anything, and overestimates its future increasingly.
 """
 
 Floats = NDArray[np.floating]

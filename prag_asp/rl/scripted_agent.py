@@ -57,7 +57,7 @@ class OraclePolicy:
         self._actions: Iterator[Action] | None = None
 
     def __call__(self, observation: Observation) -> Action | None:
-        """Return the next action for the current subgoal, or None after the last one."""
+        """Return the next action for the current subgoal, or None after the last action."""
         if self._actions is None:
             self._actions = _pursued(self._env, self._env.stage)
         return next(self._actions, None)

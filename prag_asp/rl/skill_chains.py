@@ -79,7 +79,7 @@ class Rate(NamedTuple):
 class Rollout:
     """The rollout of a task: `tries` and `steps` of each pursued subgoal, and the number of subgoals `reached`.
 
-    `first` is the initial stage; `actions` are those from there to the end of the episode.
+    `first` is the initial stage; `actions` are the actions from this stage to the end of the episode.
     """
 
     task: Task
@@ -108,7 +108,7 @@ class Rollouts:
     def by_stage(self) -> tuple[Rate, ...]:
         """Return the success rate of each stage, among the rollouts that began it.
 
-        If all rollouts have the same number of stages, the product of the shares is exactly that of `whole`.
+        If all rollouts have the same number of stages, the product of the shares is exactly the share of `whole`.
         """
         trials = Counter(stage for rollout in self.rollouts for stage in range(len(rollout.tries)))
         reached = Counter(stage for rollout in self.rollouts for stage in range(rollout.reached))
@@ -117,8 +117,8 @@ class Rollouts:
     def by_length(self) -> tuple[Fraction, ...]:
         """Return, for each length from 1, the share of plans whose stages up to that length are all reached.
 
-        It is the product of the shares of the stages: exact for rollouts of one length, and for several lengths the
-        estimate of Kaplan and Meier (1958), in which each rollout counts up to its length.
+        It is the product of the shares of the stages: it is exact for rollouts of one length; for several lengths, it
+        is the estimate of Kaplan and Meier (1958), in which each rollout counts up to its length.
         """
         return tuple(accumulate((rate.share for rate in self.by_stage()), lambda one, other: one * other))
 
@@ -152,10 +152,10 @@ def run(
     """Pursue tasks with a policy for each skill, and return the rollouts.
 
     `policies` maps action names (``pick``) or skills (``place(panda,_,left_of,_)``), which have priority, to policies;
-    a single policy serves all. Each subgoal may be pursued for `patience` steps, `tries` times: after a failure, its
-    policy takes over again from the current state. `tasks` are tasks, with or without witnesses, or the number of tasks
-    to sample with a `seed`. The environment, a `TaskEnv` in any wrappers, defines the subgoals and the observations; it
-    stays open. An environment made for a space is closed.
+    a single policy is used for all skills. Each subgoal may be pursued for `patience` steps, `tries` times: after a
+    failure, its policy takes over again from the current state. `tasks` are tasks, with or without witnesses, or the
+    number of tasks to sample with a `seed`. The environment, a `TaskEnv` in any wrappers, defines the subgoals and the
+    observations; it stays open. An environment made for a space is closed.
 
     Raises:
         QueryError: the environment is not a `TaskEnv`, a number is below 1, a policy is missing, or a task has no

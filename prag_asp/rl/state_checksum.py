@@ -1,4 +1,4 @@
-"""Checkpoints of environments with a checksum: damaged checkpoints, and those of another environment, are refused."""
+"""Checkpoints of environments with a checksum, which refuse damage and checkpoints of other environments."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def verify_checksum(state: object, spec: str) -> None:
     """Check a state of an environment with a `spec`.
 
     Raises:
-        QueryError: the state is damaged, or of another environment.
+        QueryError: the state is damaged, or belongs to another environment.
     """
     if not isinstance(state, Mapping) or state.get("spec") != spec:
         of = repr(state["spec"]) if isinstance(state, Mapping) and "spec" in state else "nothing that is known"

@@ -20,7 +20,7 @@ from prag_asp.scene.geometry import rotate
 HOLDING = PREDICATES["holding"]
 
 ABOVE, ASIDE = 0.06, 0.02
-"""The height in metres over a body at which the tool travels, and the horizontal distance at which it descends."""
+"""The height in metres above a body at which the tool travels, and the horizontal distance at which it descends."""
 
 
 class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np.float32]]):

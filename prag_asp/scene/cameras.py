@@ -37,9 +37,9 @@ class Camera(NamedTuple):
     """A camera at a place in metres that looks at a point; `field_of_view` is vertical, in degrees.
 
     With a `mount`, the name of a robot, both points are in the frame of its tool: the fingers point along its z axis
-    and open along its y axis, and its x axis points upwards in the image. Without one, the z axis of the scene does.
-    `size` is the width and height of an image in pixels. Points nearer than `near` or farther than `far` metres are
-    clipped.
+    and open along its y axis, and its x axis points upwards in the image. Without a mount, the z axis of the scene
+    points upwards in the image. `size` is the width and height of an image in pixels. Points nearer than `near` or
+    farther than `far` metres are clipped.
     """
 
     at: Vector

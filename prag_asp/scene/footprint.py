@@ -12,7 +12,7 @@ Place = tuple[float, float, float]
 """x and y in metres, yaw in radians."""
 
 TOUCHING = 0.0015
-"""The depth in metres by which fixed bodies may overlap, as any bodies may."""
+"""The depth in metres by which fixed bodies may overlap, the same as for any bodies."""
 
 
 class Footprint(NamedTuple):

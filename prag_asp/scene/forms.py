@@ -1,4 +1,4 @@
-"""The primitives box, cylinder and ball: their reach, their outline from above, their volume.
+"""The primitives box, cylinder and ball: their reach, their outline seen from above, and their volume.
 
 Other bodies, such as containers, reach as far as their bounding boxes.
 """

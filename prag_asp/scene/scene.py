@@ -18,7 +18,7 @@ from prag_asp.scene.predicate_names import PREDICATE_ROLES
 from prag_asp.scene.shape_kinds import KINDS, Kind
 
 GREY = "#808080"
-"""The colour of an entity without one in the scene."""
+"""The colour of an entity to which the scene assigns no colour."""
 
 IGNORED = "none"
 """The value in ``scene.predicates`` of a fluent that physics ignores."""
@@ -76,9 +76,9 @@ class BodyModel(NamedTuple):
     inertia in kg m² about `axes`, a unit quaternion (x, y, z, w).
 
     `base` and `crown` are the convex outlines, seen from above and counter-clockwise, of its lowest points, on which it
-    stands, and of its highest points, on which others stand; empty ones mean those of its box. `settled` is the angle
-    in radians by which it was tilted from its orientation in the file, because it is not stable in that one. `looks`
-    are its visual parts; without them, its collision solids are shown.
+    stands, and of its highest points, on which others stand; empty outlines mean those of its box. `settled` is the
+    angle in radians by which it was tilted from its orientation in the file, because it is not stable in that
+    orientation. `looks` are its visual parts; without them, its collision solids are shown.
     """
 
     solids: tuple[Solid, ...]
@@ -218,7 +218,7 @@ class TableTop:
 
 
 BALANCE = 0.01
-"""The default of `Scene.balance`: robots put things down within a few millimetres."""
+"""The default of `Scene.balance`: robots put objects down with an accuracy of a few millimetres."""
 
 
 @dataclass(frozen=True)
@@ -227,7 +227,7 @@ class Scene:
 
     Most fields map names of entities: to `shapes`, `colors` (``#rrggbb``) and `materials`; `robots` maps robots to
     their mounts, and `fixed` bodies that never move to their place: x, y in metres and yaw in radians. If the size of
-    an entity is sampled for each task, `ranges` has all its possible shapes, the smallest first, and `shapes` the
+    an entity is sampled for each task, `ranges` holds all its possible shapes, the smallest first, and `shapes` the
     largest of them. By default there is one Panda, at the origin.
 
     `workspace` is the part of the table top where the search places objects: low x, high x, low y, high y in metres.
@@ -236,7 +236,7 @@ class Scene:
     robot.
 
     `own` has the spatial predicates that the domain adds, by name; their Python files are run only if `trusted` is set.
-    `cameras` are also named; the default is one camera, `front`. `vary` has the ranges of domain randomization.
+    `cameras` are also named; the default is one camera, `front`. `vary` holds the ranges of domain randomization.
     `balance` is the margin in metres by which the centre of mass of a placed object stays within its support, if the
     support is large enough.
     """

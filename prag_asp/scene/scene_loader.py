@@ -55,7 +55,7 @@ def scene_problems(
     names = {fluent.name for fluent in fluents}
     meant = sorted(name for name in names if scene.meaning(Atom(name, ())) is None and name not in scene.predicates)
     for name in sorted(scene.predicates.keys() - names):
-        # A fluent without ground atoms is not in `fluents`, so a name unlike all others may be right.
+        # A fluent without ground atoms is not in `fluents`, so a name unlike all others may be correct.
         if is_misspelt(name, meant):
             report.add(("scene", "predicates", name), f"there is no fluent {name}; {did_you_mean(name, meant)}")
     for fluent in fluents:

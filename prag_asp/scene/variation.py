@@ -32,7 +32,7 @@ USUAL_LIGHT: Vector = (-0.3, 0.8, 1.8)
 class Variation:
     """The variation of an episode; missing properties are as in the scene.
 
-    `friction` has the coefficients of entities, `mass` their masses in kilograms, `light` the direction to the light,
+    `friction` holds the coefficients of entities, `mass` their masses in kilograms, `light` the direction to the light,
     `cameras` the positions of cameras and their targets in metres, and `colours` the colours of entities as
     ``#rrggbb``.
     """
@@ -66,7 +66,7 @@ class Variation:
         return replace(scene, materials=materials, shapes=shapes, cameras=cameras, colors=colors, table=table)
 
     def to_text(self) -> str:
-        """Return the variation as JSON, without missing parts."""
+        """Return the variation as JSON, without the properties that do not vary."""
         data: dict[str, Any] = {
             "friction": dict(self.friction),
             "mass": dict(self.mass),

@@ -13,5 +13,5 @@ ENGINES: Mapping[str, str] = {
 }
 """The class of each engine, or a function that returns it; see `prag_asp.space.engines.engine.Engine`.
 
-They are loaded lazily, so that listing the names costs nothing.
+They are loaded lazily, so that listing the names loads no engine.
 """

@@ -194,7 +194,7 @@ def nonempty_sets(sampling: TaskSampling) -> tuple[WordSet, ...]:
         QueryError: all lengths are empty.
     """
     engines, by = sampling.engines, sampling.by
-    for length in sorted(sampling.lengths, reverse=True):  # the exploration for the longest covers all
+    for length in sorted(sampling.lengths, reverse=True):  # the exploration for the longest length covers all lengths
         engines.count(by, length)
     sets = tuple(WordSet(engines, by, length) for length in sampling.lengths if engines.count(by, length))
     if not sets:

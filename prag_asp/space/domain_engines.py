@@ -51,7 +51,7 @@ class DomainEngines:
             return NoWords(self.model, by)
         model, name = self.model, self.name
         if length == 0 and name in ONE_STEP and not model.obstacles and model.ground.after_steps_alone:
-            name = CLINGO  # the others would check rules after a step on the plan without actions
+            name = CLINGO  # other engines would check rules after a step on the plan without actions
         if (by, name) not in self._engines:
             if model.domain.irreducible and self.progress:
                 from prag_asp.reduction.reduction import is_large
@@ -80,7 +80,7 @@ class DomainEngines:
         return estimate_words(self.model, by, length, prefix, tolerance, seed, self.limits)
 
     def under(self, condition: Condition, whole: DomainLogic | None) -> DomainEngines:
-        """Return engines of the same domain under another condition; `whole` has the renamings that define tasks."""
+        """Return engines of the same domain under another condition; `whole` holds the renamings that define tasks."""
         from prag_asp.space.conditions.conditioned_domain import conditioned
 
         bare = self.model.bare or self.model

@@ -40,7 +40,7 @@ def why_empty(
 ) -> Reasons | None:
     """Return why a space has no task, or None if it has one.
 
-    With `action`, an action or an action name, only tasks that contain it count; with `step`, from 1, only those that
+    With `action`, an action or an action name, only tasks that contain it count; with `step`, from 1, only tasks that
     have it at that step. A postcondition that is not among the reasons may change its fluent to any value. With
     `smallest`, the number of lines is minimal.
 
@@ -65,8 +65,8 @@ def fewest_changes(
 ) -> tuple[tuple[RestrictingLine, ...], ...]:
     """Return the single lines of the domain whose removal makes an empty space nonempty; all its conditions stay.
 
-    If no single line suffices, the result is one smallest set of lines; if all lines together do not, it is empty. For
-    a nonempty space, its only element is the empty set of lines. For `action` and `step`, see `why_empty`.
+    If no single line suffices, the result is one smallest set of lines; if all lines together do not suffice, it is
+    empty. For a nonempty space, its only element is the empty set of lines. For `action` and `step`, see `why_empty`.
 
     Raises:
         QueryError: there is no such action or step.

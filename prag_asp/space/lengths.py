@@ -1,9 +1,10 @@
-"""The lengths of a task space, as users write them: a number, several numbers, or a text such as ``2..4``."""
+"""The lengths of a task space, as users write them: a number, several numbers, or a text such as ``2..4,7``."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from itertools import chain, pairwise
 
 from prag_asp.errors import QueryError
 
@@ -21,7 +22,7 @@ def parse_lengths(length: int | str | Iterable[int]) -> tuple[int, ...]:
         QueryError: there is no length, a length is not a whole number from 0 to `LONGEST`, or a length is repeated.
     """
     if isinstance(length, str):
-        length = parse_range(length, f"length {length!r}")
+        length = parse_length_list(length, f"length {length!r}")
     if not isinstance(length, Iterable):
         return (checked_length(length),)
     lengths = tuple(map(checked_length, length))
@@ -30,16 +31,31 @@ def parse_lengths(length: int | str | Iterable[int]) -> tuple[int, ...]:
     return lengths
 
 
-def parse_range(
-    text: str,
-    what: str,
-    *,
-    longest: int | None = None,
-    remedy: str = "write a whole number, such as 4, or A..B for all from A to B",
-) -> int | range:
-    """Return the length in a text such as ``4``, or all lengths of a range such as ``2..4``.
+ADVICE = "write a whole number, such as 4, A..B for all from A to B, or several with commas between them"
+"""How to write lengths."""
+
+
+def parse_length_list(text: str, what: str, *, remedy: str = ADVICE) -> int | Sequence[int]:
+    """Return the length in a text such as ``4``, or the lengths of a range or a list such as ``2..4,7``, ascending.
 
     Errors begin with `what`; `remedy` says how to write lengths.
+
+    Raises:
+        QueryError: an item is neither a length nor a range, a length occurs twice, or one is above `LONGEST`.
+    """
+    items = text.split(",")
+    if len(items) == 1:
+        return parse_range(text, what, remedy=remedy)
+    ranges = [parse_range(item, what, remedy=remedy) for item in items]
+    lengths = tuple(sorted(chain.from_iterable([each] if isinstance(each, int) else each for each in ranges)))
+    repeated = next((first for first, second in pairwise(lengths) if first == second), None)
+    if repeated is not None:
+        raise QueryError(f"{what}: it has the length {repeated} twice; give each length once")
+    return lengths
+
+
+def parse_range(text: str, what: str, *, longest: int | None = None, remedy: str = ADVICE) -> int | range:
+    """Return the length in a text such as ``4``, or all lengths of a range such as ``2..4``; see `parse_length_list`.
 
     Raises:
         QueryError: the text is neither a length nor a range, or a length is above `longest` or `LONGEST`.

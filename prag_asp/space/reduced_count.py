@@ -85,7 +85,7 @@ class ReducedModel:
     _engines: dict[Level, Engine] = field(default_factory=dict)
 
     def takes(self, prefix: Letters) -> bool:
-        """Return whether a prefix has only names; a ground action may use an entity outside the reduction."""
+        """Return whether a prefix contains only names; a ground action may use an entity outside the reduction."""
         actions = self.model.domain.facts.actions
         names, spelled = set(map(action_name, actions)), set(map(str, actions))
         return all(name_in_prefix(item, spelled) in names for item in prefix)

@@ -123,7 +123,7 @@ class TaskSampling:
     def _portions(self) -> list[Portion]:
         """Return the samplers of all lengths with a weight above 0, shortest first."""
         portions = []
-        for length in sorted(self.lengths, reverse=True):  # the exploration for the longest covers all
+        for length in sorted(self.lengths, reverse=True):  # the exploration for the longest length covers all lengths
             weight = self._weight(length)
             if weight:
                 sampler = self.sampler(length)

@@ -15,6 +15,7 @@ from prag_asp.atom import Atom
 from prag_asp.batches import growing_batches
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
+from prag_asp.exact_numbers import Number
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.space.conditions.condition import Condition
@@ -24,12 +25,13 @@ from prag_asp.space.engines.engine import Letters, Progress
 from prag_asp.space.engines.prefix import Prefix, checked_level, engine_prefix, parse_plan
 from prag_asp.space.lengths import checked_length, parse_lengths, spelled_lengths
 from prag_asp.space.limits import UNLIMITED, Limits
-from prag_asp.space.weights.weights import Number, Weights, parse_weights
+from prag_asp.space.weights.weights import Weights, parse_weights
 from prag_asp.space.word_set import WordSet
 from prag_asp.task import Task
 
 if TYPE_CHECKING:
     from prag_asp.logic.formula.approximate import Estimate
+    from prag_asp.similarity.background import Background
     from prag_asp.space.parts.ranked_tasks import RankedTasks
     from prag_asp.space.plans.readings import Readings
     from prag_asp.space.sampling.samplers import Over
@@ -111,6 +113,16 @@ class TaskSpace:
         """The interchangeable entities and units; tasks are plans up to the renamings that these generate."""
         return self.engines.model.symmetries(self.length)
 
+    @property
+    def background(self) -> Background:
+        """The classes, preconditions and interchangeable entities, for distances between tasks."""
+        from prag_asp.space.plans.task_background import background_of
+
+        model, length = self.engines.model, max(self.lengths)
+        return self.engines.latest(
+            "background", length, lambda: background_of(model.domain.facts, model.symmetries(length))
+        )
+
     def __repr__(self) -> str:
         length = self.lengths[0] if len(self.lengths) == 1 else spelled_lengths(self.lengths)
         where = "".join(f".where({str(clause)!r})" for clause in self.condition.clauses)
@@ -159,7 +171,7 @@ class TaskSpace:
 
     @property
     def whole(self) -> TaskSpace:
-        """The space of which this one is a part, with the same tasks and others; itself if it is not a part."""
+        """The space of which this space is a part; this space itself if it is not a part."""
         return self if self._part_of is None else self._part_of.whole
 
     def same_tasks(self, other: object) -> bool:
@@ -293,7 +305,7 @@ class TaskSpace:
     ) -> list[Task]:
         """Return random tasks with probabilities exactly proportional to their weights.
 
-        `weights` maps action names, pairs (``grasp>move``), entities and classes to exact numbers; None takes the
+        `weights` maps action names, pairs (``grasp>move``), entities and classes to exact numbers; None stands for the
         weights of the domain, and an empty mapping samples uniformly. A task's weight is a product over its actions, so
         among several lengths weights above 1 favour long tasks. At `temperature` T each weight w becomes about w^(1/T);
         ``"inf"`` makes all weights equal. With ``over="skeletons"`` (or ``"goals"``, at one length), a skeleton (or the
@@ -393,7 +405,7 @@ class TaskSpace:
         """Return disjoint random parts that share no skeleton, each a task space of this length.
 
         Their shares of the tasks are within two percentage points of the requested ones. If whole skeletons do not
-        allow that, the parts have the nearest shares that the search finds, with a `SharesWarning`.
+        allow this, the parts have the closest shares that the search finds, with a `SharesWarning`.
 
         Raises:
             QueryError: the shares do not add up to 1.
@@ -415,11 +427,11 @@ class TaskSpace:
     def hold_out(self, what: str) -> tuple[TaskSpace, TaskSpace]:
         """Return the tasks without and with `what`: an entity, a class, an action's name or a pair of names.
 
-        The first part is for training; the second has a composition that training never shows. Both keep the
+        The first part is for training; the second contains a composition that training never shows. Both keep the
         symmetries of this space, even if more entities are interchangeable within a part.
 
         Raises:
-            QueryError: there is nothing with that name, or the entity is interchangeable with one that training shows.
+            QueryError: nothing has that name, or the entity is interchangeable with an entity that training shows.
         """
         from prag_asp.space.parts.shares import held_out
 

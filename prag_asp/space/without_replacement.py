@@ -8,6 +8,7 @@ from fractions import Fraction
 
 from prag_asp.batches import growing_batches
 from prag_asp.errors import QueryError
+from prag_asp.exact_numbers import Number
 from prag_asp.space.distinct_sampling import (
     BATCH,
     RankedDraw,
@@ -22,7 +23,7 @@ from prag_asp.space.parts.shuffle import Shuffle
 from prag_asp.space.sampling.rank_order import EvenOrder, RankOrder, ShareOrder
 from prag_asp.space.sampling.sharding import ALL, Deal
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.weights.weights import Number, Weights
+from prag_asp.space.weights.weights import Weights
 from prag_asp.space.word_set import WordSet
 from prag_asp.task import Task
 from prag_asp.wording import unknown
@@ -109,7 +110,7 @@ class SpacePart:
 
 
 def space_part(space: TaskSpace, division: Division, name: str, *, seed: int) -> SpacePart:
-    """Return the part of a space that a dataset with the same division and seed has, in no particular order.
+    """Return the part of a space that is in a dataset with the same division and seed, in no particular order.
 
     Raises:
         QueryError: there is no such part, or there is nothing to sample.

@@ -134,7 +134,8 @@ def _needed(what: str) -> str:
 def _keys(data: Any, kind: type[object], message: str, steps: Sequence[tuple[str, str]]) -> Keys:
     """Return the keys that lead from a value to the wrong value in it.
 
-    msgspec writes ``[...]`` for the key of a mapping; a mapping with the wrong entry alone leads to the same message.
+    msgspec writes ``[...]`` for the key of a mapping; a mapping that contains only the wrong entry leads to the same
+    message.
     """
     keys: Keys = ()
     for name, number in steps:

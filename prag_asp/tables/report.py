@@ -1,7 +1,7 @@
 """Collect the problems of a table, each with its keys, a description and a remedy.
 
-A reader walks over a table by its entries. An entry is a value with its keys. It reports a wrong value, and the reader
-continues, so that one run finds every problem.
+A reader walks over a table by its entries. An entry is a value with its keys. An entry reports a wrong value, and the
+reader continues, so that one run finds every problem.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ class TableProblem(NamedTuple):
 class TableReport:
     """The problems of a table.
 
-    `doubtful` has names whose entries are wrong, so that nothing else is reported about them. `misspelt`
-    has keys that the table has under a similar name, so that they are not reported as missing, too.
+    `doubtful` holds names whose entries are wrong, so that nothing else is reported about them. `misspelt` holds keys
+    that the table has under a similar name, so that they are not reported as missing, too.
     """
 
     problems: list[TableProblem] = field(default_factory=list)

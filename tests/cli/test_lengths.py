@@ -49,6 +49,13 @@ def test_a_range_of_lengths_is_drawn_from_as_one_space(told: Told) -> None:
     assert all(line.count("grasp(") >= 2 for line in told(*conditioned).splitlines())
 
 
+def test_several_lengths_are_given_with_commas(told: Told) -> None:
+    assert told("count", "hanoi", "-n", "3,1").splitlines() == [
+        line for line in told("count", "hanoi", "-n", "1..3").splitlines() if not line.strip().startswith("2")
+    ]
+    assert told("enumerate", "hanoi", "-n", "0..1,3") == "".join(told("enumerate", "hanoi", "-n", n) for n in "013")
+
+
 def test_physics_keeps_the_feasible_tasks_of_all_lengths(told: Told) -> None:
     arguments = ("sample", "tabletop", "-n", "1..2", "--count", "6", "--seed", "2", "--format", "jsonl")
     tasks = [json.loads(line) for line in told(*arguments).splitlines()]
@@ -63,16 +70,19 @@ def test_physics_keeps_the_feasible_tasks_of_all_lengths(told: Told) -> None:
     ("arguments", "message"),
     [
         (["count", "hanoi", "-n", "6..3"], "--length 6..3: the first is above the last; write 3..6"),
-        (["count", "hanoi", "-n", "3.."], "--length 3..: write a whole number, such as 4, or A..B for all from A to B"),
+        (["count", "hanoi", "-n", "3.."], "--length 3..: write a whole number, such as 4, A..B for all"),
         (["count", "hanoi", "-n", "-1..3"], "--length -1..3: write a whole number"),
         (["count", "hanoi", "-n", "-1"], "--length -1: a plan has at least 0 actions"),
-        (["count", "hanoi", "-n", "1..3", "--upto"], "--upto counts lengths from 1; leave it out with"),
+        (["count", "hanoi", "-n", "1,3..4,4"], "--length 1,3..4,4: it has the length 4 twice; give each length once"),
+        (["count", "hanoi", "-n", "1,"], "--length 1,: write a whole number"),
+        (["task", "hanoi", "-n", "1,3", "--index", "0"], "several lengths, but one is needed"),
+        (["count", "hanoi", "-n", "1..3", "--upto"], "--upto counts all lengths from 1; leave it out with"),
         (["count", "hanoi", "-n", f"1..{10**30}"], "a plan has at most 1,000,000 actions"),
         (["count", "hanoi", "-n", "1000001"], "--length 1000001: a plan has at most 1,000,000 actions"),
-        (["stats", "hanoi", "-n", "1..3"], "--length 1..3: a range, but one length is needed; give a number"),
-        (["task", "hanoi", "-n", "1..3", "--index", "0"], "one length is needed"),
-        (["split", "hanoi", "-n", "1..3", "a=1"], "one length is needed"),
-        (["export", "hanoi", "-n", "1..3"], "one length is needed"),
+        (["stats", "hanoi", "-n", "1..3"], "--length 1..3: several lengths, but one is needed; give a number"),
+        (["task", "hanoi", "-n", "1..3", "--index", "0"], "several lengths, but one is needed"),
+        (["split", "hanoi", "-n", "1..3", "a=1"], "several lengths, but one is needed"),
+        (["export", "hanoi", "-n", "1..3"], "several lengths, but one is needed"),
         (["export", "hanoi", "-n", "-1"], "at least 0 actions"),
         (["learn", "tabletop", "-n", "x"], "--length x: write a whole number, such as 4\n"),
         (["sample", "hanoi", "-n", "1..3", "--over", "goals"], "over goals, tasks of one length are sampled"),

@@ -50,6 +50,19 @@ def test_a_stage_that_reports_nothing_is_shown_after_a_while(monkeypatch: pytest
     assert screen.getvalue() == shown
 
 
+def test_a_log_gets_a_line_of_progress_from_time_to_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    log = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", log)
+    monkeypatch.setattr(terminal, "LOG_EVERY", 0.02)
+    monkeypatch.setattr(terminal, "WATCH", 0.01)
+    with terminal.progress() as tell:
+        tell("exploring", 3, 10)
+        assert eventually(lambda: log.getvalue().count("... exploring (3 of 10)\n") >= 2)
+        terminal.say("a result")
+        stage("counting")
+        assert eventually(lambda: "... counting" in log.getvalue())
+
+
 def test_lines_go_to_stdout_while_progress_is_shown(monkeypatch: pytest.MonkeyPatch) -> None:
     screen = terminal_of(monkeypatch)
     stdout = io.StringIO()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import click
@@ -24,17 +25,17 @@ from prag_asp.integers import digits_of
 def count(*, request: DomainOptions, by: Any, prefix: str | None, upto: bool, approximation: Approximation) -> None:
     """Count the tasks of length N exactly.
 
-    For lengths A..B, prints a table. With --approximate, prints an estimate with its bounds, and the probability with
-    which these hold. If --memory or --time ends the count, prints "at least K" for the K tasks that were found, and
-    exits with code 3.
+    For several lengths, prints a table. With --approximate, prints an estimate with its bounds, and the probability
+    with which these hold. If --memory or --time ends the count, prints "at least K" for the K tasks that were found,
+    and exits with code 3.
     """
     first = split_actions(prefix or "")
     estimate = approximation.arguments(request.engine)
+    lengths: Sequence[int]
     if isinstance(request.length, int):
         lengths, table = range(1 if upto else request.length, request.length + 1), upto
     elif upto:
-        limits = f"{request.length[0]}..{request.length[-1]}"
-        raise QueryError(f"--upto counts lengths from 1; leave it out with --length {limits}")
+        raise QueryError("--upto counts all lengths from 1; leave it out with several lengths")
     else:
         lengths, table = request.length, True
     width = max(len(str(lengths[-1])), len("length")) if table and lengths else 0

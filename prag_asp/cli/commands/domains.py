@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from prag_asp.cli import shell_completion
 from prag_asp.cli.terminal import say, tell_line
 
 
@@ -23,9 +24,14 @@ def domains() -> None:
 
 @click.command()
 @click.argument("name", metavar="NAME")
-def new(name: str) -> None:
-    """Create the folder NAME with a small commented domain."""
+@click.option("--plain", is_flag=True, help="Write a domain without a robot.")
+@click.option(
+    "--from", "like", metavar="DOMAIN", shell_complete=shell_completion.domains,
+    help="Copy a shipped domain instead, such as tabletop.",
+)  # fmt: skip
+def new(name: str, plain: bool, like: str | None) -> None:
+    """Create the folder NAME with a small commented domain of a robot."""
     from prag_asp.domain.scaffold import write_new_domain
 
-    folder = write_new_domain(name, Path())
+    folder = write_new_domain(name, Path(), plain=plain, like=like)
     tell_line(f"wrote {folder}; try: prag-asp check {folder}")

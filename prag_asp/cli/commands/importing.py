@@ -1,15 +1,16 @@
-"""``prag-asp import``: a domain from two PDDL files."""
+"""``prag-asp import``: a domain from two PDDL files, or from problems of BDDL."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
 from prag_asp.cli import shell_completion
-from prag_asp.cli.terminal import tell_line
-from prag_asp.errors import DomainError, OutputError
+from prag_asp.cli.terminal import say, tell_line
+from prag_asp.errors import DomainError, OutputError, QueryError
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
@@ -17,8 +18,10 @@ if TYPE_CHECKING:
 
 
 @click.command("import")
-@click.argument("domain", metavar="DOMAIN.pddl", shell_complete=shell_completion.files)
-@click.argument("problem", metavar="PROBLEM.pddl", shell_complete=shell_completion.files)
+@click.argument(
+    "files", metavar="DOMAIN.pddl PROBLEM.pddl | FILE.bddl | FOLDER", nargs=-1, required=True,
+    shell_complete=shell_completion.files,
+)  # fmt: skip
 @click.option(
     "--cost-factor",
     metavar="W",
@@ -29,28 +32,59 @@ if TYPE_CHECKING:
     help="New folder of the domain.",
 )  # fmt: skip
 @click.option("--untimed", is_flag=True, help="Read durative actions of PDDL as instantaneous ones.")
-def import_(domain: str, problem: str, cost_factor: str | None, output: str, untimed: bool) -> None:
-    """Convert a PDDL domain and problem into a domain in a new folder.
+def import_(files: tuple[str, ...], cost_factor: str | None, output: str, untimed: bool) -> None:
+    """Convert a PDDL domain and problem, or BDDL problems, into a domain in a new folder.
 
-    Its tasks are the plans of the problem, of every length. The other commands also take the two PDDL files directly.
+    Its tasks are the plans of the problem, of every length. The other commands also accept the two PDDL files directly.
+
+    A FOLDER of BDDL problems becomes one domain; `-c problem=NAME` selects a problem by the name of its file.
     """
     from prag_asp.output import new_folder, replace_file
-    from prag_asp.pddl import read
-    from prag_asp.program.problem import first_of_each
 
     folder = Path(output)
     if folder.exists():
         raise OutputError(f"{folder}: exists already; choose another name, or remove it first")
-    imported = read(domain, problem, untimed=untimed)
+    if len(files) == 1 and (files[0].endswith(".bddl") or Path(files[0]).is_dir()):
+        if cost_factor is not None or untimed:
+            raise QueryError("--cost-factor and --untimed are about PDDL; leave them out")
+        texts = _bddl_texts(files[0])
+    else:
+        texts = _pddl_texts(files, cost_factor, untimed=untimed)
+    with new_folder(folder) as part:
+        for file, text in texts.items():
+            (part / file).parent.mkdir(exist_ok=True)
+            replace_file(part / file, text.encode(), follow=False)
+    tell_line(f"wrote {folder}; try: prag-asp check {folder}")
+
+
+def _bddl_texts(path: str) -> dict[str, str]:
+    """Return the files of the domain of BDDL problems by their names."""
+    from prag_asp.bddl import read_suite
+
+    suite = read_suite(path)
+    for name in suite.names.values() if len(suite.names) > 1 else ():
+        say(name)
+    title, description = (json.dumps(text, ensure_ascii=False) for text in (Path(path).resolve().stem, suite.title))
+    return {**suite.files(), "domain.toml": f"title = {title}\ndescription = {description}\n"}
+
+
+def _pddl_texts(files: tuple[str, ...], cost_factor: str | None, *, untimed: bool) -> dict[str, str]:
+    """Return the files of the domain of PDDL files by their names, and print warnings.
+
+    Raises:
+        QueryError: there are not two files.
+    """
+    from prag_asp.pddl import read
+    from prag_asp.program.problem import first_of_each
+
+    if len(files) != 2:
+        raise QueryError(f"{plural(len(files), 'file')}; give DOMAIN.pddl PROBLEM.pddl, FILE.bddl, or a folder of BDDL")
+    imported = read(*files, untimed=untimed)
     for warning in first_of_each(imported.warnings):
         tell_line(str(warning))
     title = f'title = "{imported.name}"\ndescription = "Imported from PDDL."\n'
     table = "" if cost_factor is None else f"\n{_weights(imported, cost_factor)}"
-    texts = {"domain.lp": imported.text, "domain.toml": title + table}
-    with new_folder(folder) as part:
-        for file, text in texts.items():
-            replace_file(part / file, text.encode(), follow=False)
-    tell_line(f"wrote {folder}; try: prag-asp check {folder}")
+    return {"domain.lp": imported.text, "domain.toml": title + table}
 
 
 def _weights(imported: Imported, text: str) -> str:

@@ -75,8 +75,8 @@ def sample(
 ) -> None:
     """Sample tasks of length N, with exact probabilities.
 
-    The probability of a task is proportional to its weight; by default, all tasks have the same. Of several lengths,
-    the tasks of all lengths are sampled together.
+    The probability of a task is proportional to its weight; by default, all tasks have the same weight. For several
+    lengths, the tasks of all lengths are sampled together.
     """
     from prag_asp.dataset.jsonl import Record
     from prag_asp.dataset.scenarios import exclude, read_scenarios
@@ -126,7 +126,7 @@ def _write_feasible(
     space: TaskSpace, drawing: Mapping[str, Any], requested_count: int, validation: PhysicsOptions, output: str | None,
     line: Callable[[Record], str], tell: Tell,
 ) -> None:  # fmt: skip
-    """Write the feasible tasks among the sampled ones; `drawing` has arguments of `feasible`.
+    """Write the feasible tasks among the sampled ones; `drawing` holds arguments of `feasible`.
 
     Raises:
         NotFound: physics finds fewer feasible tasks than were requested.

@@ -15,7 +15,7 @@ from prag_asp.wording import plural
 
 FORM = click.option(
     "--format", "form", type=click.Choice(["full", *FORMS]), default="full", show_default=True,
-    help="All states; or a format of sample, with all levels of instructions.",
+    help="Format: all states, or a format of sample, with all levels of instructions.",
 )  # fmt: skip
 
 
@@ -27,8 +27,17 @@ FORM = click.option(
     help="Print the rank of the task with these actions; blanks or commas separate them.",
 )  # fmt: skip
 @format_options(FORM)
+@click.option("--all", "false_facts", is_flag=True, help="Also print the facts that are known to be false.")
 @options.seed
-def task(*, request: DomainOptions, index: int | None, plan: str | None, task_format: TaskFormat, seed: int) -> None:
+def task(
+    *,
+    request: DomainOptions,
+    index: int | None,
+    plan: str | None,
+    task_format: TaskFormat,
+    false_facts: bool,
+    seed: int,
+) -> None:
     """Print the task of a rank, or the rank of a task.
 
     Tasks are ranked in lexicographic order of their actions, and actions in clingo's order of terms; the ranks depend
@@ -49,7 +58,7 @@ def task(*, request: DomainOptions, index: int | None, plan: str | None, task_fo
         except IndexError:
             raise QueryError(f"--index {index}: the space has {plural(space.count(), 'task')}, ranked from 0") from None
         if task_format.form == "full":
-            say("\n".join(described(found, space)))
+            say("\n".join(described(found, space, false_facts=false_facts)))
         elif task_format.form == INSTRUCTIONS and task_format.level is None:
             from prag_asp.dataset.language import instruction_writer_of
 

@@ -36,7 +36,7 @@ def export(
     new file. It is written atomically, and with the same bytes for the same dataset. `level` is the level of detail of
     the instructions: ``vague``, ``default`` or ``exact``. `action` is the convention of actions, one of
     `prag_asp.physics.control.control.CONTROLS`. The other options are for ``lerobot``, because other formats have all
-    observations: `state` has the conventions of the state, ``joint_position`` and ``ee_position``; `objects`, the
+    observations: `state` holds the conventions of the state, ``joint_position`` and ``ee_position``; `objects`, the
     default without cameras, adds the poses of objects, and `depth` the depth images.
 
     Raises:

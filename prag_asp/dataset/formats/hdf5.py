@@ -28,7 +28,7 @@ LONGEST = 60_000
 class _Disk:
     """A file object for HDF5 that stores the first error instead of raising it, because HDF5 would abort the process.
 
-    After an error nothing more is written, and reads may return zeros; so writers have to call `check` regularly.
+    After an error, nothing more is written, and reads may return zeros, so writers must call `check` regularly.
     """
 
     def __init__(self, path: Path) -> None:
@@ -140,7 +140,7 @@ def group_in(group: h5py.Group, name: str) -> h5py.Group:
 
 
 def numbers_of(source: EpisodeSource, episode: ExportEpisode) -> dict[str, NDArray[np.float32]]:
-    """Return the numeric observations of an episode; `openings` only with furniture."""
+    """Return the numeric observations of an episode; `openings` exist only with furniture."""
     observations = {"state": episode.state, "objects": source.objects_of(episode), "tools": source.tools_of(episode)}
     return observations | ({"openings": source.openings_of(episode)} if source.furniture else {})
 

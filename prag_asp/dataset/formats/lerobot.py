@@ -64,7 +64,7 @@ A LeRobotDataset {version}: {episodes} of `{name}`, written by prag_asp. `subtas
 class LeRobot:
     """Writes LeRobotDatasets; a data or video file that reaches its size limit in megabytes gets no more episodes.
 
-    `state` has the conventions of ``observation.state``; with `objects`, the default without cameras,
+    `state` holds the conventions of ``observation.state``; with `objects`, the default without cameras,
     ``observation.environment_state`` has the poses of objects; with `depth`, ``depth.CAMERA`` has the depth images.
 
     Raises:
@@ -114,7 +114,7 @@ class _LeRobotWriter:
         self._splits: dict[str, tuple[int, int]] = {}
         self._statistics: dict[str, Aggregate] = {}
         self._features = _features(form, source)
-        # Of the table of frames: all features except videos.
+        # The features in the table of frames: all features except videos.
         columns = [(name, _column(each)) for name, each in self._features.items() if each["dtype"] != "video"]
         self._data = ChunkedTable(folder, DATA, pa.schema(columns), form.data_megabytes)
         self._rows = ChunkedTable(folder, EPISODES, _episode_schema(self._features), form.data_megabytes)

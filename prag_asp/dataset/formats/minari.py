@@ -17,7 +17,8 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.dataset.formats.episode_source import POSE, EpisodeSource, ExportEpisode
+from prag_asp.dataset.formats.body_values import POSE
+from prag_asp.dataset.formats.episode_source import EpisodeSource, ExportEpisode
 from prag_asp.dataset.formats.export_format import Progress
 from prag_asp.dataset.formats.hdf5 import group_in, note, numbers_of, origin, pictures_of, put, require_steps, written
 from prag_asp.dataset.formats.provenance import write_provenance
@@ -94,7 +95,7 @@ def environment_of(source: EpisodeSource) -> dict[str, Any]:
     """Return the specification of the environment of a dataset, as Gymnasium writes it.
 
     It samples tasks of the space of the dataset. A domain that is not shipped has no name, so the environment needs the
-    dataset, as the argument ``dataset=`` of ``recover_environment``.
+    dataset as the argument ``dataset=`` of ``recover_environment``.
     """
     manifest, kwargs = source.data.manifest, dict[str, Any]()
     name = manifest.domain.name

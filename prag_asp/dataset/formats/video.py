@@ -24,7 +24,7 @@ class Video:
     """Writes a video file image by image."""
 
     def __init__(self, path: Path, size: tuple[int, int], rate: int) -> None:
-        """Begin a file for images of a width and height in pixels, `rate` of them per second.
+        """Begin a file for images of a width and height in pixels, at a `rate` in images per second.
 
         Raises:
             OutputError: the file cannot be written.

@@ -1,4 +1,4 @@
-"""Instructions: tasks in words that refer to things by their appearance, and a reader that parses them.
+"""Instructions: tasks in words that refer to objects by their appearance, and a reader that parses them.
 
 >>> from prag_asp import TaskSpace, load_domain
 >>> from prag_asp.dataset.language import instruction_writer_of

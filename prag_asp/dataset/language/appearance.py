@@ -1,7 +1,7 @@
-"""The visible properties of the things of a scene: kind, colour, size, and the place of fixed things.
+"""The visible properties of the objects of a scene: kind, colour, size, and the place of fixed objects.
 
-Each property is known to fit a thing, known not to fit it, or in doubt: for an orange that could pass for red, both
-words are in doubt, so neither distinguishes it from a thing of the other colour.
+Each property is known to fit an object, known not to fit it, or in doubt: for an orange that could pass for red, both
+words are in doubt, so neither distinguishes it from an object of the other colour.
 """
 
 from __future__ import annotations
@@ -44,20 +44,20 @@ DOUBT = 12.0
 """The extra distance in CIELAB from the nearest colour term up to which a term is in doubt, rather than excluded."""
 
 LARGER = 1.25
-"""The ratio of mean extents from which a thing is visibly larger."""
+"""The ratio of mean extents from which an object is visibly larger."""
 
 APART = 0.10
-"""The distance in metres from which one thing is visibly to the left of another."""
+"""The distance in metres from which one object is visibly to the left of another."""
 
 
 @dataclass(frozen=True)
 class Appearance:
     """The appearance of the entities of a domain, independent of the state.
 
-    `nouns` has the words that fit an entity, the most specific one first, `names` its name for use if nothing visible
+    `nouns` holds the words that fit an entity, the most specific one first, `names` its name for use if nothing visible
     distinguishes it, `colors` the colour terms that fit it (true) or may fit (false), `sizes` its mean extent in
-    metres, and `places` its position if it is fixed. `seen` has the entities that every picture shows; `pictured` is
-    true if the domain has a scene to show. `sayable` has the colours, sizes and places for which the language has
+    metres, and `places` its position if it is fixed. `seen` holds the entities that every picture shows; `pictured` is
+    true if the domain has a scene to show. `sayable` holds the colours, sizes and places for which the language has
     adjectives, and `robots` the robots of the scene.
     """
 

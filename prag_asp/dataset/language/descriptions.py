@@ -1,7 +1,7 @@
-"""Referring expressions: the shortest description that fits a thing in a state and nothing else.
+"""Referring expressions: the shortest description that fits an object in a state and nothing else.
 
-Unknown facts may hold: a description distinguishes a thing from another only if it is known not to fit the other. So no
-picture of a state that a task allows shows two things that the description fits.
+Unknown facts may hold: a description distinguishes an object from another only if it is known not to fit the other.
+Therefore no picture of a state that a task allows shows two objects that the description fits.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ class InstructionContext(NamedTuple):
     state: State
 
     def at(self, state: State) -> InstructionContext:
-        """Return the context of another state with the same things."""
+        """Return the context of another state with the same objects."""
         return self._replace(state=state if isinstance(state, FrozenDict) else FrozenDict(state))
 
 
 class Relation(NamedTuple):
-    """A property of a thing: the name of a fluent, the thing's position in its arguments, and the other arguments."""
+    """A property of an object: the name of a fluent, the position of the object, and the other arguments."""
 
     name: str
     subject: int
@@ -47,7 +47,7 @@ class Relation(NamedTuple):
 
 
 class Description(NamedTuple):
-    """The content of a noun phrase: the noun and the properties that distinguish a thing from others of its kind.
+    """The content of a noun phrase: the noun and the properties that distinguish an object from others of its kind.
 
     `name` is the entity itself if no property distinguishes it.
     """
@@ -61,7 +61,7 @@ class Description(NamedTuple):
 
 
 class ContextSet:
-    """The things that one picture shows, and the descriptions that fit them in every state; `read` caches phrases."""
+    """The objects that one picture shows, and the descriptions that fit them in every state; `read` caches phrases."""
 
     def __init__(self, appearance: Appearance, entities: frozenset[str]) -> None:
         self.appearance = appearance
@@ -74,7 +74,7 @@ class ContextSet:
 
     @cached_property
     def certain(self) -> frozenset[str]:
-        """The things whose best description is the same in every state."""
+        """The objects whose best description is the same in every state."""
         return frozenset(entity for entity in self.entities if self.short(entity) is not None)
 
     @property
@@ -181,7 +181,7 @@ PLACES: Mapping[str, tuple[int, int]] = {"left": (0, 1), "right": (0, -1), "fron
 
 
 SIZES = ("large", "small")
-"""The words for the extent of a thing, compared with others of its kind."""
+"""The words for the extent of an object, compared with others of its kind."""
 
 
 class View:
@@ -205,7 +205,7 @@ class View:
         return self._described[entity]
 
     def related(self, things: tuple[str, ...]) -> tuple[Description | None, ...]:
-        """Return the descriptions of things that have relations: all others (None) are the same in every state."""
+        """Return the descriptions of objects with relations; all others (None) are the same in every state."""
         if self.context.certain.issuperset(things):
             return ()
         return tuple(each if each.relation is not None else None for each in map(self.describe, things))
@@ -240,7 +240,7 @@ class View:
 
     @cached_property
     def relations(self) -> Mapping[str, tuple[Relation, ...]]:
-        """The known relations of each entity to things that have a description without a relation."""
+        """The known relations of each entity to objects that have a description without a relation."""
         found: dict[str, list[Relation]] = {}
         nouns, best = self.context.appearance.nouns, self.context.best
         for fluent in sorted(fluent for fluent, value in self.state.items() if value):

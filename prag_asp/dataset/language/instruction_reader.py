@@ -1,7 +1,7 @@
 """Parse instructions: an instruction means a plan, or facts that have to hold at the end.
 
-Parsing uses only the text and its context: the things present, and the known facts of the initial state. A phrase that
-fits no thing, or may fit two, is refused, and so is a sentence that could mean two actions.
+Parsing uses only the text and its context: the objects present, and the known facts of the initial state. A phrase that
+fits no object, or may fit two, is refused, and so is a sentence that could mean two actions.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ LONGEST_SENTENCE = 1_000
 """The maximum number of characters of a sentence in an instruction."""
 
 MOST = 64
-"""The number of readings of a text after which no more are collected: two already make it ambiguous."""
+"""The number of readings of a text after which no more are collected: two readings already make it ambiguous."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class InstructionReader:
             # Each occurrence of each joint: the look-ahead also finds those that overlap.
             joints = [re.compile(f"(?=({re.escape(joint)}))") for joint in sorted(texts_between)]
             self._joints[kind] = joints
-            # The number of joints tried as the end of a sentence: those of one place, and those that it may contain.
+            # The number of joints tried as the end of a sentence: those at one position, and those that it may contain.
             in_phrase = 3 * max((_occurrences(joints, text) for text in vocabulary), default=0)
             inside = (
                 sum(_occurrences(joints, text) for text in each.texts) + in_phrase * len(each.slots)
@@ -218,13 +218,13 @@ class InstructionReader:
         return known, of_state
 
     def phrase(self, view: View, text: str, topic: str | None) -> tuple[frozenset[str], bool]:
-        """Return what a phrase can mean, and whether that depends on the state."""
+        """Return the possible meanings of a phrase, and whether they depend on the state."""
         if topic is not None and text in self.lexicon.phrases.pronouns:
             return frozenset([topic]), False
         return self.lexicon.phrases.read(view, text)
 
     def topic(self, arguments: Sequence[str]) -> str | None:
-        """Return what "it" means after a sentence: the first movable thing that it names.
+        """Return what "it" means after a sentence: the first movable object that it names.
 
         That is its highest-ranked centre in centering theory (Grosz, Joshi and Weinstein 1995).
         """
@@ -232,7 +232,7 @@ class InstructionReader:
         return next((each for each in arguments if each in appearance.nouns and each not in appearance.seen), None)
 
     def _why(self, view: View, text: str) -> str:
-        """Return why a text has no meaning, as a message about a phrase or a sentence."""
+        """Return the reason why a text has no meaning, as a message about a phrase or a sentence."""
         known = f"of {self.lexicon.domain.name} in {self.lexicon.words.name}"
         frames = sorted((*self._vague, *self._default), key=lambda frame: -sum(map(len, frame.texts)))
         first = self.lexicon.words.number(1)
@@ -255,7 +255,7 @@ class InstructionReader:
         return re.split("|".join(map(re.escape, joints)), text)
 
     def _unclear(self, view: View, part: str) -> str | None:
-        """Return which phrase of a sentence fits nothing or is ambiguous, or None if all are clear."""
+        """Return the phrase of a sentence that fits nothing or is ambiguous, or None if all are clear."""
         for clause in (*self._actions, *self._facts):
             for words in clause.template.find(part[:1].lower() + part[1:]):
                 for word in words:

@@ -36,8 +36,8 @@ CACHED = 1 << 16
 class Instructions:
     """The instructions of a task.
 
-    `vague` has the goal, `default` the actions, `exact` also the purpose of each action; all refer to the initial
-    state. `subgoals` has a sentence for each action, which refers to the state before it. `named` are the entities
+    `vague` states the goal, `default` the actions, `exact` also the purpose of each action; all refer to the initial
+    state. `subgoals` holds a sentence for each action, which refers to the state before it. `named` are the entities
     that are referred to by name, because nothing visible distinguishes them.
     """
 
@@ -123,7 +123,7 @@ class InstructionWriter:
         """Return a heading and a caption for a picture of each state, the initial one included.
 
         The heading is the action that leads to the state, the caption its effects; the caption of the initial state has
-        the known facts about the things that the actions name. Of several sentences, the first is used.
+        the known facts about the objects that the actions name. Of several sentences, the first is used.
         """
         handled = {argument for action in task.actions for argument in action.arguments} - self.lexicon.appearance.seen
         known = {fluent: True for fluent, value in task.initial.items() if value}
@@ -141,7 +141,7 @@ class InstructionWriter:
             before = self.lexicon.view(context_of(task, number - 1))
             try:
                 heading, topic = self._sentences.write(before, action, None, None)
-            except QueryError:  # all sentences are ambiguous: the plain one names the things
+            except QueryError:  # all sentences are ambiguous: the plain instruction names the objects
                 heading, topic = sentence(action, self.lexicon.domain.settings.language), None
             made = dict(list(notable_facts(subgoal, self.lexicon).items())[:CAPTION_FACTS])
             moved = topic is not None and before.describe(topic).relation is not None
@@ -160,8 +160,8 @@ class InstructionWriter:
     def goal(self, task: Task) -> Mapping[Atom, bool]:
         """Return the goal in the vague instruction of a task: the notable facts that it changes permanently.
 
-        If only silent facts change, these are the goal. A task that changes nothing permanently has the aim of its last
-        action, which for a trivial task holds in the initial state.
+        If only silent facts change, these are the goal. The goal of a task that changes nothing permanently is the aim
+        of its last action, which for a trivial task holds in the initial state.
         """
         made: dict[Atom, bool] = {}
         for subgoal in task.subgoals:
@@ -272,7 +272,7 @@ def restoring_actions(task: Task) -> list[bool]:
 
 
 def notable_facts(facts: State, lexicon: Lexicon) -> Mapping[Atom, bool]:
-    """Return the notable facts, which are not silent: the true ones, or the false ones if there are no true ones."""
+    """Return the notable facts, which are not silent: the true facts, or the false facts if there are no true ones."""
     forms = lexicon.grammar.facts
     known = {fluent: forms.get((fluent.name, len(fluent.arguments))) for fluent in facts}
     loud = {fluent: value for fluent, value in facts.items() if (form := known[fluent]) is not None and not form.silent}

@@ -17,7 +17,7 @@ CACHED = 1 << 14
 
 
 class NounPhrases:
-    """All noun phrases for the things of a domain."""
+    """All noun phrases for the objects of a domain."""
 
     def __init__(self, grammar: Grammar, appearance: Appearance, sentences: SentenceTable) -> None:
         self.grammar, self.words, self.appearance, self.sentences = grammar, grammar.words, appearance, sentences
@@ -143,7 +143,7 @@ class NounPhrases:
         return {text: frozenset(values) for text, values in found.items()}
 
     def read(self, view: View, text: str) -> tuple[frozenset[str], bool]:
-        """Return what a phrase can mean in a state, and whether that depends on the state."""
+        """Return the possible meanings of a phrase in a state, and whether they depend on the state."""
         context = view.context
         known = context.read.get(text) or view.read.get(text)
         if known is None:

@@ -52,11 +52,11 @@ class PhraseRng:
 
 @dataclass(frozen=True)
 class _Paraphrases:
-    """The sentences for an action or a fluent: those `given`, and `spare` ones in case all of these are ambiguous.
+    """The sentences for an action or a fluent: `given` ones, and `spare` ones in case all of these are ambiguous.
 
-    `shorter` ones omit the place that an object is moved from, for phrases that name it. `things` are the entities in
-    it, `known` is true if the domain has it at all, and `clear` caches the unambiguous sentence for each way in which
-    the things are described.
+    `shorter` sentences omit the place from which an object is moved, for phrases that name it. `objects` are the
+    entities in it, `known` is true if the domain has the action or fluent, and `clear` caches the unambiguous sentence
+    for each way in which the objects are described.
     """
 
     given: tuple[Sentence, ...]
@@ -123,7 +123,7 @@ class SentenceWriter:
         )
 
     def _names_source(self, view: View, shorter: Sequence[Sentence], atom: Atom, topic: str | None) -> bool:
-        """Return whether the phrase for the object of an action names the place that the action moves it from."""
+        """Return whether the phrase for the object of an action names the place from which the action moves it."""
         if not shorter:
             return False
         thing = shorter[0].arguments(atom)[shorter[0].moved]
@@ -147,7 +147,7 @@ class SentenceWriter:
     ) -> tuple[ClearSentence | None, bool]:
         """Return the first of some sentences that is unambiguous, and whether that depends on the state.
 
-        It does not if it depends only on the descriptions of the things.
+        It does not if it depends only on the descriptions of the objects.
         """
         (atom, value, fact), of_state, phrases = meaning, False, self._lexicon.phrases
         for variant in VARIANTS:

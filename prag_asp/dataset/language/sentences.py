@@ -19,8 +19,8 @@ Words = tuple[str, ...]
 class Sentence:
     """A sentence for all actions, or all fluents, of a name; `value` is false if it states that a fluent is false.
 
-    A sentence with a source omits the place that an object is moved from, because the phrase for the object names it:
-    "take the cup in the rack". `moved` is then the slot of the object, and `sources` has the relation of each action
+    A sentence with a source omits the place from which an object is moved, because the phrase for the object names it:
+    "take the cup in the rack". `moved` is then the slot of the object, and `sources` holds the relation of each action
     that the phrase has to state.
     """
 
@@ -123,7 +123,7 @@ class SentenceTable:
 
 
 def _from_phrase(sentence: Sentence, sources: Mapping[str, tuple[int, Way]]) -> Iterator[Sentence]:
-    """Yield a sentence without the place that an object is moved from, if this place directly follows the object."""
+    """Yield a sentence without the place from which an object is moved, if this place directly follows the object."""
     template = sentence.template
     for place, moved in {(place, way.moved) for place, way in sources.values()}:
         slot = template.arguments.index(moved) if moved in template.arguments else -1

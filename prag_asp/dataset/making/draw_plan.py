@@ -10,7 +10,7 @@ from prag_asp.space.sampling.sharding import ALL, Deal
 
 
 class Holder(NamedTuple):
-    """The machine part that has validated a draw, from 0, and the number of the draw there."""
+    """The number, from 0, of the machine part that has validated a draw, and the number of the draw in that part."""
 
     machine: int
     draw: int

@@ -13,7 +13,7 @@ from prag_asp.errors import QueryError
 from prag_asp.missing import require_ray
 
 CHUNK = 4
-"""Searches that are sent to a local process together: some seconds of work, much more than sending them costs."""
+"""Searches that are sent to a local process together: a few seconds of work, much longer than sending them takes."""
 
 RAY = "ray"
 """The name of the remote executor."""

@@ -1,8 +1,8 @@
 """Validate draws on the nodes of a Ray cluster, as Ray tasks over consecutive draws.
 
 If a node is lost, Ray repeats its tasks elsewhere. Results come back in the order of the draws. A separate process, the
-client, talks to Ray, so that its threads, signal handlers and output do not reach our process; when ours ends, the
-client ends too, and with it the work of the cluster.
+client, talks to Ray, so that its threads, signal handlers and output do not affect this process; when this process
+ends, the client and the work on the cluster end too.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.processes.workers import WorkerEnded, WorkerGroup, uninterrupted
 
 AHEAD = 2
-"""Ray tasks submitted per processor: the one that runs, and one more, so that no processor has to wait."""
+"""Ray tasks submitted per processor: the running task and one more, so that no processor has to wait."""
 
 SECONDS = 0.5
 """The targeted duration of a Ray task: much longer than its submission, yet cheap to repeat.
@@ -148,7 +148,7 @@ def _begin(ray: Any) -> None:
 
 
 def _processors(ray: Any) -> int:
-    """Return the number of processors of the cluster, and wait for a first one."""
+    """Return the number of processors of the cluster, and wait for the first processor."""
     until = monotonic() + PATIENCE
     while not (number := int(ray.cluster_resources().get("CPU", 0))):
         if monotonic() > until:

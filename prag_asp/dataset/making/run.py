@@ -168,7 +168,7 @@ class DatasetRun:
         from prag_asp.dataset.store.shard_writer import PartWriter
 
         spec = self._spec
-        results = []  # of draws that an interrupted run has written to the journal since the last shard
+        results = []  # results of draws that an interrupted run has written to the journal since the last shard
         for line in self._journal.lines:
             with suppress(msgspec.MsgspecError):
                 results.append(msgspec.json.decode(line, type=DrawResult))

@@ -1,6 +1,6 @@
 """Builders of Arrow columns from rows; a task has hundreds of facts, so rows are kept as flat arrays.
 
-Arrays are built from Python values through buffers, because `pyarrow.array` imports pandas if it is installed.
+Arrays are built from Python values by means of buffers, because `pyarrow.array` imports pandas if it is installed.
 """
 
 from __future__ import annotations
@@ -144,7 +144,7 @@ class TableBuilder:
             self._gather()
 
     def take(self, row: RowReference, rows: int = 1, **numbers: int) -> None:
-        """Add consecutive rows of another table; `numbers` replace its columns of these names, which it may lack."""
+        """Add consecutive rows of another table; `numbers` replace its columns of these names, which may be missing."""
         if self._waiting and not self._taken:
             self._gather()
         table, first, last = self._taken[-1] if self._taken else (None, 0, 0)
@@ -241,7 +241,7 @@ def bits(truth: Sequence[Any] | NDArray[np.bool_]) -> pa.Buffer:
 
 
 def packed(table: pa.Table) -> bytes:
-    """Return rows as a stream of Arrow IPC."""
+    """Return rows as an Arrow IPC stream."""
     stream = pa.BufferOutputStream()
     with pa.ipc.new_stream(stream, table.schema) as writer:
         writer.write_table(table)
@@ -250,6 +250,6 @@ def packed(table: pa.Table) -> bytes:
 
 
 def unpacked(content: bytes) -> pa.Table:
-    """Return the rows of a stream of Arrow IPC."""
+    """Return the rows of an Arrow IPC stream."""
     with pa.ipc.open_stream(content) as reader:
         return reader.read_all()

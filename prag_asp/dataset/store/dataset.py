@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 class Dataset:
     """The tasks of a folder that `generate` has written; tables are read lazily.
 
-    Numbers count the tasks of all `parts` in their order, from 0. `manifest` has the contents of dataset.json;
+    Numbers count the tasks of all `parts` in their order, from 0. `manifest` holds the contents of dataset.json;
     only tasks that satisfy the `conditions` are returned.
     """
 
@@ -134,7 +134,7 @@ class Dataset:
         """Return the entry of the task with this rank among all tasks of its length.
 
         Raises:
-            QueryError: the dataset does not contain it.
+            QueryError: the dataset does not contain such a task.
         """
         for note, row in self._ranked(length, rank):
             entry = self._entry(note, row)
@@ -158,7 +158,7 @@ class Dataset:
             yield entry, row["start"], _witness(row["witness"])
 
     def scenario(self, number: int, start: int = 0) -> Scenario:
-        """Return the scenario of a task and of one of its initial states; without physics, that of the task.
+        """Return the scenario of a task and an initial state; without physics, the scenario of the task alone.
 
         Raises:
             IndexError: there is no such task.

@@ -1,4 +1,4 @@
-"""The snapshot of a domain in a dataset: all files that its tasks and verdicts depend on."""
+"""The snapshot of a domain in a dataset: all files on which its tasks and verdicts depend."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from prag_asp.program.sources import Source
 
 DOMAIN, ENCODINGS = "domain", "encodings"
-"""The folders in a dataset for its domain and for the encodings that the domain was loaded with."""
+"""The folders in a dataset for its domain and for the encodings with which the domain was loaded."""
 
 MEND = "make the dataset anew, or copy it once more"
 """The remedy for a damaged file."""

@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DatasetEntry:
-    """A task of a dataset: its part, its number there from 0 (None if it was rejected), and its draw.
+    """A task of a dataset: its part, its number in the part from 0 (None if it was rejected), and its draw.
 
-    `rank` is its position among all tasks of its length. `instruction` has an instruction for each level of detail,
+    `rank` is its position among all tasks of its length. `instruction` holds an instruction for each level of detail,
     and `subgoals` a sentence for each action; `named` are the entities that the texts call by name because nothing
     visible distinguishes them from others. `verdict` is None if physics was not run, as for trivial tasks. Witnesses
     are in a separate table, with `starts` rows for the task.

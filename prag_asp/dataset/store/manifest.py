@@ -132,7 +132,7 @@ class SpaceSize(msgspec.Struct):
 class Manifest(msgspec.Struct):
     """The contents of dataset.json.
 
-    `lengths` and `where` define the space of its tasks; `spaces` has the exact size of that space by length.
+    `lengths` and `where` define the space of its tasks; `spaces` holds the exact size of that space by length.
     """
 
     complete: bool
@@ -158,7 +158,7 @@ class Manifest(msgspec.Struct):
         return {"lengths": self.lengths, "where": self.where, **self.spec.fixed()}
 
     def difference(self, other: Manifest, ignored: str = "") -> str:
-        """Return what distinguishes this dataset from another, apart from its tasks, or "" without any difference.
+        """Return the difference between this dataset and another, apart from their tasks, or "" if there is none.
 
         The phrase continues "a dataset". One entry of the requests can be `ignored`.
         """
@@ -198,7 +198,7 @@ def share_of(some: int, whole: int) -> Share:
 
 
 def rate_of(some: int, whole: int) -> float:
-    """Return a share as a float; infinity if a damaged manifest claims one that exceeds all floats."""
+    """Return a share as a float; infinity if a damaged manifest claims a share that exceeds all floats."""
     try:
         return some / whole if whole else 0.0
     except OverflowError:

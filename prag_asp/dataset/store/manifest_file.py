@@ -41,8 +41,8 @@ class ManifestFile(Generic[Contents]):
         """Return the contents of the file in a folder, or None if there is none.
 
         Raises:
-            QueryError: the file is damaged, or of another program or version; the message has the path to the wrong
-                value.
+            QueryError: the file is damaged, or written by another program or version; the message has the path to the
+            wrong value.
         """
         path = folder / self.name
         try:

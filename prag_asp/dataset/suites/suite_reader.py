@@ -51,8 +51,8 @@ LONGEST_SIZE = 20
 def load_suite(name_or_path: str | Path, *, domain: Domain | None = None, trust: bool = False) -> Suite:
     """Return a shipped suite, or the suite of a TOML file.
 
-    Its domain is a shipped one, or one next to the file, unless another is given as `domain`. With `trust`, physics
-    may run the Python files of the domain.
+    Its domain is a shipped domain, or a domain next to the file, unless another is given as `domain`. With `trust`,
+    physics may run the Python files of the domain.
 
     Raises:
         QueryError: there is no such suite, or the file has problems; the message has a line for each, with its place.
@@ -243,7 +243,7 @@ class _SuiteReader:
         return self._with_phrasings(part, table, self._table.language, self._table.phrasings)
 
     def _copy(self, name: str, table: PartTable, of: str, parts: Mapping[str, SuitePart]) -> Iterator[SuitePart]:
-        """Yield a part with the tasks of another one in other words; nothing if that part has problems."""
+        """Yield a part with the tasks of another part in other words; yield nothing if that part has problems."""
         if of not in self._parts or self._parts[of].of is not None:
             raise QueryError(f"{unknown(of, self._parts, 'part')}, with tasks of its own")
         if of not in parts:

@@ -28,10 +28,10 @@ class HeldOut:
 
 @dataclass(frozen=True)
 class SuitePart:
-    """A part: the tasks that it samples from, their number, and the language of their texts.
+    """A part: the tasks from which it samples, the number of samples, and the language of their texts.
 
-    `where` has all its conditions, including those of the suite and of everything held out. `unseen` is held out from
-    the other parts, `of` is the part whose tasks it repeats, and `shares` are the parts that it may share tasks with.
+    `where` holds all its conditions, including those of the suite and of everything held out. `unseen` is held out from
+    the other parts, `of` is the part whose tasks it repeats, and `shares` are the parts with which it may share tasks.
     """
 
     name: str
@@ -62,7 +62,7 @@ class SuitePart:
 
 @dataclass(frozen=True)
 class Suite:
-    """Parts over the tasks of one domain; `path` and `text` are those of the file that defines the suite."""
+    """Parts over the tasks of one domain; `path` and `text` belong to the file that defines the suite."""
 
     name: str
     domain: Domain

@@ -11,7 +11,7 @@ from prag_asp.dataset.dataset_spec import LARGEST_SEED, MOST_STARTS
 Positive = Annotated[int, msgspec.Meta(ge=1)]
 Seed = Annotated[int, msgspec.Meta(ge=0, le=LARGEST_SEED)]
 Words = str | list[str]
-"""One text, or several."""
+"""One text, or several texts."""
 
 LONGEST = 1000
 """The largest length in a suite: a range such as 1..3 is expanded to all of its lengths."""

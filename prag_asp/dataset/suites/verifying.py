@@ -40,9 +40,9 @@ def verify(
 ) -> Iterator[Finding]:
     """Yield findings about a dataset or a suite; none if it is as it was written.
 
-    Each file has to match its record in dataset.json, and there must be no others. Each exact size is counted again.
-    Each draw is sampled again with its seed and has to be one row, with a task that no other row has; clingo, which is
-    independent of the sampler, has to accept its plan; its instructions have to parse to the plan. With `physics`,
+    Each file must match its record in dataset.json, and there must be no other files. Each exact size is counted again.
+    Each draw is sampled again with its seed and must be in exactly one row, with a task that no other row has; clingo,
+    which is independent of the sampler, must accept its plan; its instructions must parse to the plan. With `physics`,
     each witness is simulated again, and recordings are compared with their tasks; findings and their order do not
     depend on the number of `workers`. With `trust`, physics may run the Python files of the domain.
 
@@ -135,7 +135,7 @@ def _wrong_note(suite: Suite, note: SuiteManifest, progress: Progress) -> Iterat
 class _OverlapChecks:
     """Searches for tasks and texts that occur in several parts.
 
-    `tasks` has the part and row of each task; `texts` has the row of each text by part.
+    `tasks` holds the part and row of each task; `texts` holds the row of each text by part.
     """
 
     suite: Suite

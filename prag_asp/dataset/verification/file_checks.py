@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 LARGEST_RECORDING = 1_000_000_000
-"""The maximum number of bytes of a recording that are read, because its table does not have its size."""
+"""The maximum number of bytes of a recording that are read, because its table does not contain its size."""
 
 UNSEEN = (".git", ".cache", ".gitattributes")
 """Files and folders that hubs add to a dataset."""

@@ -65,7 +65,7 @@ class InitialStateChecks:
                 )
                 tasks = {row["task"]: entry_of(row, "", self._manifest.domain.constants).task for _, row in rows}
             except (PragError, ValueError, TypeError, KeyError):
-                continue  # the checks of rows report that
+                continue  # the checks of rows report this
             yield from self._wrong_numbers(shard, rows, witnesses)
             yield from self._wrong_witnesses(shard, tasks, witnesses)
             yield from self._wrong_recordings(shard, tasks, recordings)

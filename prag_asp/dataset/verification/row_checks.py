@@ -38,8 +38,8 @@ READ_BACK = ("default", "exact")
 """The levels whose instructions determine the plan."""
 
 MISSING, UNREAD = 1_000, 100_000
-"""The maximum numbers of draws of a shard that lack their rows, and of those whose rows cannot be read: if a
-damaged file claims more, they are not sampled again."""
+"""The maximum numbers of draws of a shard whose rows are missing, and whose rows cannot be read: if a damaged file
+claims more, they are not sampled again."""
 
 VALUES = {
     "actions": "plan", "entities": "entities", "initial": "initial", "states": "states", "subgoals": "subgoals",
@@ -52,7 +52,7 @@ VALUES = {
 class RowChecks:
     """Checks the rows of the tables of tasks of a dataset, part by part.
 
-    `seen` has the place of each checked task, by its length and rank; `progress` reports the number of checked tasks.
+    `seen` holds the place of each checked task, by its length and rank; `progress` reports the number of checked tasks.
     """
 
     manifest: Manifest

@@ -31,7 +31,7 @@ def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progre
     progress("files", 0, 1)
     recordings = set[str]()
     for shard in (shard for part in manifest.parts for shard in part.shards):
-        with suppress(PragError):  # of a table that cannot be read
+        with suppress(PragError):  # the error of a table that cannot be read
             recordings |= {row["file"] for row in tables.of_shard("recordings", shard, ["file"])}
     yield from wrong_files(data.folder, manifest, recordings)
     yield from wrong_figures(manifest)

@@ -56,7 +56,7 @@ class Random:
 
 
 class Zeros:
-    """Returns zero actions, and so succeeds at tasks that waiting solves."""
+    """Returns zero actions, and so succeeds only at tasks that are solved by waiting."""
 
     def __init__(self, env: Environment) -> None:
         self._action: NDArray[Any] = np.zeros(env.action_space.shape or (), env.action_space.dtype)

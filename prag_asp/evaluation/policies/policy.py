@@ -21,7 +21,7 @@ class Policy(Protocol):
     """
 
     def begin(self, seed: int) -> None:
-        """Begin an episode: forget everything, and take the seed of its random choices."""
+        """Begin an episode: reset all state, and use the seed for random choices."""
 
     def __call__(self, observation: Any, info: Mapping[str, Any]) -> NDArray[Any] | None:
         """Return the next action for an observation and its info, or None to give up."""

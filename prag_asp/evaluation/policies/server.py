@@ -2,8 +2,8 @@
 
 Messages are msgpack; an array is a map with the binary keys ``__ndarray__`` (true), ``data`` (its bytes), ``dtype``
 (NumPy's text) and ``shape``. The server begins with a map of metadata. Each request is a map with an observation, each
-response a map with ``actions``: an array of one action, or of a chunk of actions to perform one after another. A text
-message reports an error of the server.
+response a map with ``actions``: an array of one action, or of a chunk of actions to perform in sequence. A text message
+reports an error of the server.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class ServerPolicy:
         """Connect to a server.
 
         Raises:
-            QueryError: no server responds there, or a package is missing.
+            QueryError: no server responds at the address, or a package is missing.
         """
         self._address, self._resources = address, ExitStack()
         try:
@@ -60,7 +60,7 @@ class ServerPolicy:
         self._chunk.clear()
 
     def __call__(self, observation: Any, info: Mapping[str, Any]) -> NDArray[Any]:
-        """Return the next action of the chunk, or the first of the next one.
+        """Return the next action of the chunk, or the first action of the next chunk.
 
         Raises:
             QueryError: the server reports an error, disconnects, or violates the protocol.

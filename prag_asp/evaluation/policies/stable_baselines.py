@@ -18,7 +18,7 @@ ALGORITHMS = {
     "stable_baselines3.sac": "SAC", "stable_baselines3.td3": "TD3", "stable_baselines3.dqn": "DQN",
     "sb3_contrib.tqc": "TQC", "sb3_contrib.qrdqn": "QRDQN", "sb3_contrib.crossq": "CrossQ",
 }  # fmt: skip
-"""The algorithm that each package of policy classes in a zip belongs to; the policies of DDPG are those of TD3."""
+"""The algorithm to which each package of policy classes in a zip belongs; DDPG uses the policies of TD3."""
 
 SIGNS = (("cg_max_steps", "sb3_contrib", "TRPO"), ("clip_range", "stable_baselines3", "PPO"))
 """Parameters that only some algorithms with the shared actor-critic policies store; A2C stores none of them."""

@@ -3,15 +3,15 @@
 A state is a word: the values of its digits, one per level. A diagram maps words to nonnegative integers, and is the
 minimal acyclic automaton of the words that it does not map to 0 (Bryant 1986; Clarke, Fujita and Zhao 1995 for integer
 terminals). A node maps values to nodes of the next level, or at the last level to the integers themselves; a missing
-value leads to 0. So the values of a digit need not be known beforehand, no integer is ever rounded, and equal functions
-are the same node. Nodes are numbered from 1; the empty diagram is 0. A set is a diagram with values 0 and 1.
+value leads to 0. The values of a digit therefore need not be known beforehand, no integer is ever rounded, and equal
+functions are the same node. Nodes are numbered from 1; the empty diagram is 0. A set is a diagram with values 0 and 1.
 
 No library is used, because none with a Python interface has exact integer terminals: CUDD (`dd` 0.6) has floats, OxiDD
 0.13 has only binary diagrams. With one diagram for each binary digit of a count, both are exact as well. On
-`benchmarks/diagrams.py` (1.8 * 10^8 states, 3,024,000,000 plans) they take 7.1 s of CPU and 104 MB (CUDD), or 4.6 s and
-298 MB (OxiDD), for actions that were encoded by hand; this module takes 11.3 s and 254 MB, including reading and
-grounding the domain. A factor of 1.6 to 2.4 does not justify a native dependency without wheels for every platform,
-whose operations cannot be interrupted (here, they call `look`), and the encoding into bits.
+`benchmarks/diagrams.py` (1.8 * 10^8 states, 3,024,000,000 plans), they take 7.1 s of CPU and 104 MB (CUDD), or 4.6 s
+and 298 MB (OxiDD), for hand-encoded actions; this module takes 11.3 s and 254 MB, including reading and grounding the
+domain. A factor of 1.6 to 2.4 does not justify a native dependency without wheels for every platform, whose operations
+cannot be interrupted (here, they call `look`), and the encoding into bits.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ REMEMBERED = 2_000_000
 """The maximum number of cached results at the beginning of an operation."""
 
 Changes = Mapping[int, tuple[int, int]]
-"""For some levels, a mask of the bits of a digit that are kept, and a mask of the bits that are then set."""
+"""For some levels: a mask of the bits of a digit that are kept, and a mask of the bits that are then set."""
 
 
 class Diagrams:
@@ -208,7 +208,9 @@ class Diagrams:
 
     def _node(self, level: int, below: dict[int, Node]) -> Node:
         """Return the unique node of a mapping, which must not change afterwards."""
-        self._work(1 + len(below))
+        self._worked += 1 + len(below)
+        if self._worked >= LOOK:
+            self._work(0)
         if EMPTY in below.values():
             below = {digit: each for digit, each in below.items() if each}
         if not below:
@@ -273,19 +275,21 @@ class Diagrams:
         return result
 
     def _having(self, level: int, node: Node, target: int, mask: int) -> Node:
-        if not node:
-            return EMPTY
-        cache = self._results.setdefault("having", {})
-        key = (node, target, mask)
-        result = cache.get(key)
-        if result is None:
-            below = self._children[node]
-            if level == target:
-                below = {digit: each for digit, each in below.items() if digit & mask}
-            else:
-                below = {digit: self._having(level + 1, each, target, mask) for digit, each in below.items()}
-            result = cache[key] = self._node(level, below)
-        return result
+        cache, children = self._results.setdefault("having", {}), self._children
+
+        def having(level: int, node: Node) -> Node:
+            key = (node, target, mask)
+            result = cache.get(key)
+            if result is None:
+                below = children[node]
+                if level == target:
+                    kept = {digit: each for digit, each in below.items() if digit & mask}
+                else:
+                    kept = {digit: having(level + 1, each) for digit, each in below.items()}
+                result = cache[key] = node if kept == below else self._node(level, kept)
+            return result
+
+        return having(level, node) if node else EMPTY
 
 
 def _paired(several: list[Node], both: Callable[[Node, Node], Node]) -> Node:

@@ -22,7 +22,7 @@ BOTTOM = 2**31
 
 
 MOST_CUBES = 50_000
-"""The maximum number of conjunctions of a function; they take some 100 MB."""
+"""The maximum number of conjunctions of a function; they take about 100 MB."""
 
 
 class TooLarge(Exception):

@@ -68,7 +68,7 @@ def estimate_models(
 
     Raises:
         QueryError: the seed is out of range.
-        EngineError: ApproxMC is missing, cannot take the formula, or fails.
+        EngineError: ApproxMC is missing, cannot accept the formula, or fails.
         LimitReached: ApproxMC has not finished after `seconds`.
     """
     if not 0 <= seed <= LARGEST_SEED:

@@ -12,11 +12,11 @@ atoms outside of C have their value in M, atoms of C have their value in the pre
 rule for its atoms in M (Simons, Niemelä and Soininen 2002). The stages only grow, and each stage before the limit adds
 an atom, so S_m is the limit. A clause for each atom of C states that it is in S_m if it is in M.
 
-This is stability. The stages of an answer set reach all of its atoms. Conversely, let M satisfy the completion, with a
-set U of atoms that the least model of its reduct lacks. Take a component C that meets U and depends on no other
-component that does. Any body that is true in M, of a rule for an atom in both U and C, needs an atom of U, and this
-atom is in C. So no stage of C reaches an atom of U, which contradicts the clauses. (Lee and Lifschitz 2003 split by
-loops in the same way.)
+This is stability. The stages of an answer set reach all of its atoms. Conversely, let M satisfy the completion, and let
+U be the set of its atoms that are not in the least model of its reduct. Take a component C that intersects U and
+depends on no other component that does. Any body that is true in M, of a rule for an atom in both U and C, needs an
+atom of U, and this atom is in C. Therefore no stage of C reaches an atom of U, which contradicts the clauses. (Lee and
+Lifschitz 2003 split by loops in the same way.)
 
 The stages are functions of M, so again each answer set is one model. The stage at which an atom appears is its level in
 the strong level ranking of M, which Janhunen (2004, 2006) shows to be unique; he writes levels in binary, which is
@@ -25,7 +25,7 @@ smaller for large components, and propagates less.
 *With copies.* Counting by cases needs less (Kabir, Chakraborty and Meel 2024): each atom of a component has a copy that
 implies the atom. The copy of a true atom follows if one of its rules has a true body, with copies in place of the
 component's atoms. Unit propagation then makes the copies of all atoms of an answer set true, and leaves some copies
-open if an atom is true without support. So there are more models than answer sets, but the models without open copies
+open if an atom is true without support. There are thus more models than answer sets, but the models without open copies
 are the answer sets.
 """
 

@@ -23,7 +23,7 @@ from prag_asp.program.sources import Program
 class Cnf:
     """A formula with exactly one model for each answer set of a program with some steps.
 
-    `literals` has the literal of every atom; the first variable is true, and represents the facts. `shown` are the
+    `literals` holds the literal of every atom; the first variable is true, and represents the facts. `shown` are the
     variables of the atoms ``occurs(A,t)`` or ``_step_name(N,t)``, sorted: they distinguish words. `plans` is the
     formula of which this one is another projection, if any.
     """

@@ -77,7 +77,7 @@ def count_models(
     d4 takes no projection: it counts the models of all variables. `request` names the user's request in messages.
 
     Raises:
-        EngineError: the counter is missing, cannot take the formula, or fails.
+        EngineError: the counter is missing, cannot accept the formula, or fails.
         LimitReached: the counter has not finished after `seconds`.
     """
     return int(run_counter(counter, cnf, assumptions, seconds, request))
@@ -89,7 +89,7 @@ def run_counter(
     """Return the answer of a counter for a formula with assumed literals; `more` are further arguments.
 
     Raises:
-        EngineError: the counter is not installed, cannot take the formula, or fails.
+        EngineError: the counter is not installed, cannot accept the formula, or fails.
         LimitReached: the counter has not finished after `seconds`.
     """
     require_counter(counter, request)
@@ -147,7 +147,7 @@ class CountBeside:
                 child = self._running.enter_context(WorkerGroup(self._counter.module, complaints.fileno())).start()
                 child.send(message)
                 self._child = child
-        except (EngineError, WorkerEnded, OSError, MemoryError):  # the last two: there is no space left
+        except (EngineError, WorkerEnded, OSError, MemoryError):  # the last two errors: there is no space left
             self._running.close()
             self._child = None
         if due and self._child is not None:
@@ -189,7 +189,7 @@ def check_formula(
     counter: Counter = GANAK,
     request: str = SHARP,
 ) -> None:
-    """Check that a counter can take a formula.
+    """Check that a counter can accept a formula.
 
     Raises:
         EngineError: the formula has no variables or too many, an empty clause, or a literal of an unknown variable.

@@ -23,7 +23,7 @@ Occurring = Sequence[tuple[clingo.Symbol, int]]
 
 
 def has_plan(program: Program, length: int, occurring: Occurring | None = None) -> bool:
-    """Return whether a program has a plan of a given length, with one of any actions `occurring` at its step.
+    """Return whether a program has a plan of a given length, with one of the actions `occurring`, if any, at its step.
 
     Raises:
         DomainError: clingo cannot ground the program.
@@ -98,8 +98,8 @@ class LiftableLines:
         """Return the single lines whose removal allows a plan, or else one smallest set whose removal allows a plan.
 
         A removed line has no effect at all. The result is empty if there is no plan even without all lines. A smallest
-        set hits every set of lines that excludes all plans. So smallest hitting sets of the known sets are tried until
-        there is a plan (Reiter, "A theory of diagnosis from first principles", 1987).
+        set hits every set of lines that excludes all plans. Therefore smallest hitting sets of the known sets are tried
+        until there is a plan (Reiter, "A theory of diagnosis from first principles", 1987).
         """
         single = [each for each in self._lines if self._open([at for at in self._lines if at != each], loose=False)]
         if single:

@@ -31,9 +31,10 @@ TIMES = {"base": "0", "step": "{}", "check": "{}+1"}
 class Explanation:
     """The reasons why n actions are not a plan.
 
-    `step` is the first one, from 1, that cannot follow the previous ones; 0 if the initial state is impossible, n + 1
-    if all steps can occur but the goal or check after them fails. `reasons` are sentences. `conflict` is a smallest set
-    of steps that no plan of n steps has in these positions; it is empty if there is no plan of n steps at all.
+    `step` is the number, from 1, of the first step that cannot follow the previous ones; 0 if the initial state is
+    impossible, n + 1 if all steps can occur but the goal or the final check fails. `reasons` are sentences. `conflict`
+    is a smallest set of steps that no plan of n steps has in these positions; it is empty if there is no plan of n
+    steps at all.
     """
 
     step: int
@@ -65,7 +66,7 @@ def explain(model: DomainLogic, plan: Sequence[clingo.Symbol]) -> Explanation | 
 class ReportingProgram:
     """A program without constraints; ``__broken(L,T)`` states that the constraint of line L is violated at time T.
 
-    `rules` has the file, the line and the text of each L.
+    `rules` holds the file, the line and the text of each L.
     """
 
     program: Program

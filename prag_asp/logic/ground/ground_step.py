@@ -26,7 +26,7 @@ STEP = 1_000_000_000
 """The number of the ground step; no domain uses it for anything else."""
 
 FEW_STEPS, MOST_ATOMS, MOST_SYMBOLS = 30, 1_000_000, 10_000
-"""The numbers of steps, of atoms, and of symbols in one atom from which a carried predicate counts as endless.
+"""The numbers of steps, of atoms, and of symbols in one atom above which a carried predicate counts as endless.
 
 A step may double the symbols of an atom, so that a few steps may exhaust the memory.
 """
@@ -76,7 +76,7 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     """Ground one step of a program for every state that it may start from.
 
     The atoms of step t-1 are not known beforehand: the step is ground again until it derives no new ones. A step that
-    carries only the state is ground once. One that carries more, like the hierarchy of `kitchen`, is ground at least
+    carries only the state is ground once. A step that carries more, like the hierarchy of `kitchen`, is ground at least
     twice, because clingo instantiates the rules that read an atom only if the atom was declared before. If a step
     always derives new atoms, like an unbounded counter, the result has an obstacle.
 

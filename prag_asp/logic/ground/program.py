@@ -89,7 +89,7 @@ def canonical_program(domain: Domain, groups: Groups, joint: Joint = ()) -> Prog
 def canonical_extension(
     domain: Domain, groups: Groups, joint: Joint = ()
 ) -> tuple[Program, list[clingo.Symbol]] | None:
-    """Return what `canonical_program` adds to `whole_program`, and the atoms carried from step to step.
+    """Return the rules that `canonical_program` adds to `whole_program`, and the atoms carried from step to step.
 
     The result is None if a file of the domain reads an added predicate, because its rules have to be ground with the
     added facts.

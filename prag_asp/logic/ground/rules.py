@@ -44,9 +44,9 @@ class Rule(NamedTuple):
 class GroundRecorder(clingo.Observer):
     """Records the ground statements of a control; its methods are called by clingo.
 
-    `rules` has the rules of each program part; the caller sets the `part` before it is ground. Without `base_facts`,
+    `rules` holds the rules of each program part; the caller sets the `part` before it is ground. Without `base_facts`,
     facts of the base part are not recorded. `shown` are the conditions under which a symbol is shown, `projected` the
-    atoms of ``#project``, or None without such a statement. `externals` has the last value of each external atom,
+    atoms of ``#project``, or None without such a statement. `externals` holds the last value of each external atom,
     `minimized` the weighted literals of each priority.
     """
 

@@ -35,7 +35,7 @@ PARTS = ("base", "step", "check")
 
 @dataclass(frozen=True)
 class Obstacle:
-    """Why a step is not a function of the state and the action: `what` at a `place`, which is a file and a line."""
+    """The reason why a step is not a function of the state and the action: `what`, at a `place`, a file and a line."""
 
     what: str
     place: str = ""

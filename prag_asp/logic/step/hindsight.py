@@ -53,7 +53,7 @@ class Hindsight:
 
     @cached_property
     def _rows(self) -> list[tuple[int, int, int, int]]:
-        """For each ``_state(F, V, t)``: its atom, its atom at step t-1 (or 0), the row of F, and the number for V."""
+        """For each ``_state(F, V, t)``: its atom, its atom at step t-1 (or 0), the row of F, and the number of V."""
         rows = {fluent: row for row, fluent in enumerate(self.fluents)}
         before = self.step.ground.before
         states = ((symbol, atom) for symbol, atom in self.step.ground.now.items() if symbol.match(*STATE.without_time))
@@ -177,7 +177,7 @@ def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]
 def numbered_goals(hindsight: Hindsight, marks: NDArray[np.bool_]) -> NDArray[np.int64]:
     """Return a number for the known values after each edge, equal for equal values, shape (edges,).
 
-    `marks` has the truth of `hindsight.last_read` after each edge, shape (edges, atoms).
+    `marks` holds the truth of `hindsight.last_read` after each edge, shape (edges, atoms).
     """
     kinds, places = np.unique(marks, axis=0, return_inverse=True)
     _, goal_of = np.unique(hindsight.end_values(kinds.T), axis=1, return_inverse=True)

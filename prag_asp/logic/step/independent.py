@@ -39,7 +39,7 @@ def independent_parts(transition: Transition, *, by_name: bool = False) -> tuple
 
 
 class _Parts:
-    """Joins nodes that have something in common (disjoint sets, Tarjan 1975)."""
+    """Joins connected nodes into parts (disjoint sets, Tarjan 1975)."""
 
     def __init__(self, transition: Transition, by_name: bool) -> None:
         self._transition = transition

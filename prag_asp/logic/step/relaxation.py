@@ -52,7 +52,7 @@ class Relaxation:
     ends: int
 
     def within(self, states: Rows, left: int) -> tuple[NDArray[np.bool_], bool]:
-        """Return which states may be at most `left` steps from the end, and whether all others can never reach it."""
+        """Return which states may be at most `left` steps from the end, and whether no other state can reach it."""
         near = np.empty(len(states), dtype=np.bool_)
         together = 64 * max(ROOM // (8 * self.circuit.widest), 4)
         forever = True

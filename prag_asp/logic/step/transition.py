@@ -83,7 +83,7 @@ class Successors:
     """The successors of a frontier by one action.
 
     `letter` is the number of the action; `sources` are the rows of the frontier in which it is valid, shape (m,);
-    `states` has the packed states after it, shape (m, words); `labels` the truth of each label, shape (m, labels).
+    `states` holds the packed states after it, shape (m, words); `labels` the truth of each label, shape (m, labels).
     """
 
     letter: int

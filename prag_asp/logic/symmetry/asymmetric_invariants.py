@@ -20,7 +20,7 @@ _Stated = tuple[str, Shaped, Shaped]
 
 
 def states_unevenly(facts: Facts, groups: Collection[Sequence[clingo.Symbol]]) -> bool:
-    """Return whether some entities have invariants that others of their class lack and that may follow from the rest.
+    """Return whether some entities have invariants that others of their class lack, but that may follow from the rest.
 
     The answer is no if the `groups` of interchangeable entities already are whole classes.
     """

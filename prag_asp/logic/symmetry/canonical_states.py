@@ -56,8 +56,9 @@ class Merging:
 
     `groups` are the units that may be permuted, called entities here. They are numbered consecutively across all
     groups, which begin at `starts`. `variables` are the patterns of the variables that renamings move, with the numbers
-    `moved`; `actions` are the patterns of all actions. `guards` has for each entity the variable that is true once it
-    may be renamed, `ALWAYS` or `NEVER`; `before` has for each entity the one that must be named before it, or itself.
+    `moved`; `actions` are the patterns of all actions. `guards` holds for each entity the variable that is true once it
+    may be renamed, `ALWAYS` or `NEVER`; `before` holds for each entity the entity that must be named before it, or
+    itself.
     """
 
     groups: tuple[tuple[Unit, ...], ...]
@@ -212,8 +213,8 @@ def find_merging(
 ) -> Merging | None:
     """Return the renamings of states, given units whose permutations map the step function onto itself.
 
-    `named_in_order` has the symmetries whose entities tasks introduce in order. The result is None if there is nothing
-    to rename, or if a table of all renamings would need too much memory.
+    `named_in_order` holds the symmetries whose entities tasks introduce in order. The result is None if there is
+    nothing to rename, or if a table of all renamings would need too much memory.
     """
     permuted = tuple(tuple(group) for group in groups if len(group) > 1)
     entities = {entity for group in permuted for unit in group for entity in unit}

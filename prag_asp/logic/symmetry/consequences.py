@@ -12,7 +12,7 @@ SignedAtom = tuple[int, int]
 """The number of an atom, and whether it is negated (1) or not (0)."""
 
 REMEMBERED = 1_000_000
-"""The maximum number of cached literals and sums of `Consequences`; they take some 200 MB."""
+"""The maximum number of cached literals and sums of `Consequences`; they take about 200 MB."""
 
 
 class Consequences:
@@ -95,7 +95,7 @@ class Consequences:
 class _Closure:
     """The consequences of some literals, and the sums that they reach in rule bodies, by rule number.
 
-    Both have only the differences from the closure `below`.
+    Both hold only the differences from the closure `below`.
     """
 
     literals: set[SignedAtom]

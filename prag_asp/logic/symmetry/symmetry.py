@@ -111,7 +111,7 @@ def _stated(facts: Facts) -> dict[clingo.Symbol, Hashable]:
 
 @dataclass(frozen=True)
 class _Terms:
-    """Terms that renamings must map onto themselves, and the test for them; `naming` has the terms by entity."""
+    """Terms that renamings must map onto themselves, and the test for them; `naming` holds the terms by entity."""
 
     exact: Collection[Shaped]
     naming: Mapping[int, Sequence[Shaped]]

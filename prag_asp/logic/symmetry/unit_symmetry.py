@@ -1,9 +1,9 @@
 """Entities that are interchangeable only together with others: each cup with its own saucer.
 
 The search is for minimal renamings that swap several pairs at once. It begins with one pair, finds an atom or a rule
-without an image, and also moves the blocks that it names, until every atom and rule has an image. Two units are the two
-sides of such a swap; further units share the first side. Each unit then becomes one block, so that units of units are
-found as well: trays, each with its own cups, each cup with its own saucer.
+without an image, and also moves the blocks that this atom or rule names, until every atom and rule has an image. Two
+units are the two sides of such a swap; further units share the first side. Each unit then becomes one block, so that
+units of units are found as well: trays, each with its own cups, each cup with its own saucer.
 
 Only groups of pairwise swappable units are found, so that the generated group is known. The rotations and reflections
 of a ring are not such a group, so a ring has at most the two sides of one reflection.
@@ -21,7 +21,7 @@ Block = tuple[int, ...]
 """Entities that move together, in an order that blocks of the same kind share."""
 
 Swap = dict[int, int]
-"""The place of each block that a renaming moves, with the place it is exchanged with."""
+"""Maps the place of each block that a renaming moves to the place with which it is exchanged."""
 
 FEWEST, MOST = 4, 256
 """The smallest and the largest bound on the blocks that one swap moves; the bound is doubled in between."""

@@ -22,7 +22,8 @@ DIVE_OPTIONS = ("rand_freq", "sign_def", "restarts", "local_restarts", "seed")
 """The options of clasp's solver that random searches change."""
 
 FORGOTTEN = "3"
-"""What clasp resets after random searches: scores and signs of variables, which may slow down a search twentyfold."""
+"""The data that clasp resets after random searches: scores and signs of variables, which may slow down a search
+twentyfold."""
 
 UNLIMITED = "umax"
 """clasp's word for no limit."""
@@ -58,7 +59,7 @@ class BoundedEnumeration:
         return self._count(None, seconds)
 
     def predicted_seconds(self) -> float | None:
-        """Return the processor time that counting is likely to take, or None if too few models were found for that.
+        """Return the processor time that counting is likely to take, or None if too few models are known to predict it.
 
         A random search for a model that makes d decisions finds it with a probability of ``2 ** -d``, so the mean of
         ``2 ** d`` estimates the number of models (Knuth 1975). A decision that a conflict reverts does not count

@@ -29,13 +29,13 @@ SOON = 0.7
 """The predicted seconds of an enumeration that begins before a diagram is compiled."""
 
 LATER = 4.0
-"""The predicted seconds of an enumeration that begins before counters: they seldom need as long."""
+"""The predicted seconds of an enumeration that begins before counters, which seldom take that long."""
 
 LAST = 40.0
-"""The predicted seconds of an enumeration beyond which clingo does not enumerate."""
+"""The predicted seconds above which clingo does not enumerate."""
 
 FEW = 2.0
-"""The seconds of an enumeration if too few models are known to predict them; there may be no answer set."""
+"""The seconds of an enumeration if too few models are known for a prediction; there may be no answer set."""
 
 
 def first_effort(ground: GroundModels) -> Effort:
@@ -73,7 +73,7 @@ class Turn(NamedTuple):
 
 
 def seconds_of_enumeration(predicted: float) -> float:
-    """Return the seconds after which an enumeration has taken so long that its prediction was wrong."""
+    """Return the seconds after which the prediction of an enumeration was evidently wrong."""
     return max(0.8, 3 * predicted)
 
 

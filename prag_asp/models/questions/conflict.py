@@ -1,9 +1,9 @@
 """Explain why a program has no answer set: a minimal set of its lines that together exclude every answer set.
 
 Each line is kept or lifted. A lifted constraint is dropped; a lifted rule allows its head atoms instead of deriving
-them. So lifting a line only adds answer sets, and lines are lifted one by one until none can be (a deletion-based
-minimal unsatisfiable subset; Marques-Silva 2010), with clingo's unsatisfiable cores as a start. Lines that only state
-data, that is, atoms that are true in any case, are kept, unless data alone exclude every answer set.
+them. Lifting a line therefore only adds answer sets, and lines are lifted one by one until no more can be lifted (a
+deletion-based minimal unsatisfiable subset; Marques-Silva 2010), with clingo's unsatisfiable cores as a start. Lines
+that only state data, that is, atoms that are true in any case, are kept, unless data alone exclude every answer set.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Facets: shown atoms that some answer sets have and others lack, and how much each narrows the answer sets.
+"""Facets: shown atoms that some answer sets contain and others do not, and how much each narrows the answer sets.
 
 The notions are those of Fichte, Gaggl and Rusovac, "Rushing and Strolling among Answer Sets" (2022), and of Rusovac,
 Hecher, Gebser, Gaggl and Fichte, "Navigating and Querying Answer Sets" (2024), as in the browser fasb.
@@ -32,7 +32,7 @@ class Narrowing:
 
 @dataclass(frozen=True)
 class Facet:
-    """The share of answer sets that have a shown atom, and what remains if the atom is chosen or excluded.
+    """The share of answer sets that contain a shown atom, and the results of choosing and of excluding the atom.
 
     An atom in no or in all answer sets is not a facet: choosing or excluding it leaves nothing or changes nothing, and
     both are None.
@@ -44,27 +44,27 @@ class Facet:
 
     @property
     def is_facet(self) -> bool:
-        """Whether some answer sets have the atom, and others lack it."""
+        """Whether some answer sets contain the atom, and others do not."""
         return self.chosen is not None
 
 
 @dataclass(frozen=True)
 class _Companions:
-    """The facets of some answer sets, as bit sets of the atoms that some of them have, and that some of them lack."""
+    """The facets of some answer sets: bit sets of the atoms that some of them contain, and that some of them lack."""
 
     having: int = 0
     lacking: int = 0
 
     @property
     def facets(self) -> int:
-        """The number of atoms that some of the answer sets have and others lack."""
+        """The number of atoms that some of the answer sets contain and others do not."""
         return (self.having & self.lacking).bit_count()
 
 
 def facets_of_diagram(
     diagram: Diagram, printed: Sequence[tuple[clingo.Symbol, Literal]], numbers: Mapping[Literal, int], total: int
 ) -> dict[clingo.Symbol, Facet]:
-    """Return the facets by a compiled formula with a model, given the number of models of each literal and in total.
+    """Return the facets of a compiled formula with a model, given the number of models of each literal and in total.
 
     One pass collects, for each literal, the literals that occur in models together with it.
     """

@@ -93,7 +93,7 @@ def _lifted(rule: _Rule, kept: int, fresh: Iterator[int]) -> Iterator[str]:
 
 
 def _as_text(rule: _Rule, names: Mapping[int, str]) -> str:
-    """Return a rule in the language of clingo."""
+    """Return a rule in clingo's language."""
 
     def spell(literal: int) -> str:
         return ("not " if literal < 0 else "") + names.get(abs(literal), f"x_{abs(literal)}")

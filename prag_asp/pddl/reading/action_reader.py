@@ -40,7 +40,7 @@ class ActionReader:
         self._assigned: list[tuple[ObjectFunction, int]] = []
 
     def schemas(self, action: Expression) -> Iterator[Schema]:
-        """Yield an action, or one for each of its outcomes. The variables of ``:vars`` are further parameters."""
+        """Yield an action, or an action for each of its outcomes. The variables of ``:vars`` are further parameters."""
         if action.head == ":durative-action" and not self._untimed:
             hint = "give --untimed to import it as an instantaneous action"
             self._source.refuse(action.line, f"{action.head}: actions that take time cannot be imported; {hint}")
@@ -202,7 +202,7 @@ class ActionReader:
             yield SchemaEffect((*outer, *function.terms.new, *new.new), guard, function.literal(new.terms[0]))
 
     def _check_assigned(self, precondition: Formula) -> None:
-        """Refuse two simultaneous changes of an object function, and forget all changes."""
+        """Refuse two simultaneous changes of an object function, and reset the recorded changes."""
         for (one, _), (other, line) in combinations(self._assigned, 2):
             if one.predicate == other.predicate and not certainly_unlike(
                 one.terms.terms, other.terms.terms, precondition

@@ -53,8 +53,8 @@ def bounded(
     """Return a domain and a problem in which no condition reads a function that an action changes.
 
     Raises:
-        DomainError: such a function has too many values, has none in the initial state, or is changed twice by one
-            action.
+        DomainError: such a function has too many values, has no value in the initial state, or is changed twice by one
+        action.
     """
     read = read_functions(domain, problem)
     domain = replace(domain, actions=tuple(joined(each, read) for each in domain.actions))
@@ -76,8 +76,8 @@ def bounded(
 def joined(action: Schema, functions: Collection[str]) -> Schema:
     """Return an action that changes each term of the given functions once, by the sum of its unconditional changes.
 
-    A change that another change cancels is dropped, but the action still requires a value of every function that it
-    reads.
+    A change that another change cancels is dropped, but the action still requires that every function that it reads has
+    a value.
     """
     groups: dict[FunctionTerm, list[NumericEffect]] = {}
     for each in action.numeric:
@@ -276,7 +276,7 @@ class _Numbers:
         return replace(action, precondition=self.formula(whole, self.source), effects=tuple(effects))
 
     def _needed(self, effect: NumericEffect) -> Iterator[Formula]:
-        """Yield the conditions for the functions of an effect to have values: without them, it cannot occur."""
+        """Yield the conditions for the functions of an effect to have values, without which it cannot occur."""
         terms = dict.fromkeys(function_terms(effect.value))
         for term in {**terms, **({} if effect.operator == "assign" else {effect.function: None})}:
             stated = sum(function == term.function for function, _ in self.problem.values)

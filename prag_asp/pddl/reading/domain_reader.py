@@ -163,7 +163,7 @@ class DomainReader:
         return Derived(str(name), narrowed, scope.formula(condition), name.line)
 
     def _check_layers(self, derived: Iterable[Derived]) -> None:
-        """Refuse derived predicates that are not stratified: their rules have no unique meaning."""
+        """Refuse derived predicates that are not stratified, because their rules have no unique meaning."""
         rule_literals: dict[str, list[Literal]] = {}
         for rule in derived:
             rule_literals.setdefault(rule.predicate, []).extend(literals(rule.formula))

@@ -1,8 +1,8 @@
 """Bounds of numbers that actions change: one action undoes the change of another, which an atom records.
 
-If each action that decreases f(z) by w(y) needs and deletes p(y,z), and each that adds p(y,z) increases f(z) by w(y),
-then f(z) minus the sum of w over the true atoms p(_,z) never decreases. The sum is not negative, so f(z) never falls
-below the initial difference. The same holds for upper bounds with the signs exchanged.
+If each action that decreases f(z) by w(y) requires and deletes p(y,z), and each action that adds p(y,z) increases f(z)
+by w(y), then f(z) minus the sum of w over the true atoms p(_,z) never decreases. The sum is not negative, so f(z) never
+falls below the initial difference. The same holds for upper bounds with the signs exchanged.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ def _is_kept(memory: _RememberedChange, function: str, actions: Sequence[Schema]
 
 
 def _lost(action: Schema, predicate: str) -> Iterator[Literal]:
-    """Yield the atoms of a predicate that an action needs and deletes."""
+    """Yield the atoms of a predicate that an action requires and deletes."""
     deleted = {
         each.literal.terms
         for each in action.effects

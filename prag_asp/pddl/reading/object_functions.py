@@ -1,4 +1,4 @@
-"""Functions with objects as values, as predicates with the value as last argument; each has at most one value.
+"""Functions with objects as values, as predicates with the value as the last argument; each has at most one value.
 
 ``undefined`` is a value like any other (PDDL 3.1): two functions without a value are equal. A literal with a function
 without a value is false.
@@ -47,5 +47,5 @@ class ObjectFunction:
     line: int
 
     def literal(self, value: Variable | str, *, positive: bool = True) -> Literal:
-        """Return the literal that the function has a value."""
+        """Return the literal which states that the function has a value."""
         return Literal(self.predicate, (*self.terms.terms, value), positive, self.line)

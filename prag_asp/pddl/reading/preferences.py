@@ -1,4 +1,4 @@
-"""Preferences: conditions that a plan need not satisfy. They are dropped, because they restrict no plan."""
+"""Preferences: conditions that a plan need not satisfy. They are dropped, because they restrict no plans."""
 
 from __future__ import annotations
 

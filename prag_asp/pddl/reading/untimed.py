@@ -1,7 +1,8 @@
-"""Durative actions as instantaneous ones: each has the effect of running from start to end without overlap.
+"""Durative actions as instantaneous actions: each has the effect of running from start to end without overlap.
 
 The effects at the start come first. The conditions over all and at the end are read in the state after these, so they
-are regressed over the effects at the start (Reiter 1991). The effects at the end come last, and override the others.
+are regressed over the effects at the start (Reiter 1991). The effects at the end come last, and override the other
+effects.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Parse a file of PDDL into nested expressions, whose words carry their lines.
 
 PDDL is a language of nested lists, but the files of many projects deviate from its grammar: names that begin with a
-digit, arbitrarily nested effects, requirements of other dialects. This parser only reads lists and leaves all of that
-to `file_reader`, which reports problems with their lines.
+digit, arbitrarily nested effects, requirements of other dialects. This parser only reads lists, and leaves all further
+checks to `file_reader`, which reports problems with their lines.
 """
 
 from __future__ import annotations
@@ -64,8 +64,8 @@ class Expression:
                 yield from each.all_words
 
 
-def parse_expressions(path: Path, text: str) -> tuple[Expression, ...]:
-    """Return the lists of a text in lower case, without its comments.
+def parse_expressions(path: Path, text: str, *, keep_case: bool = False) -> tuple[Expression, ...]:
+    """Return the lists of a text without its comments, in lower case unless `keep_case`.
 
     Raises:
         DomainError: parentheses do not match or are nested more than `DEEPEST` deep, or a word is outside of them.
@@ -73,7 +73,7 @@ def parse_expressions(path: Path, text: str) -> tuple[Expression, ...]:
     open_lists: list[tuple[int, list[Expression | Word]]] = []
     found: list[Expression] = []
     line = 1
-    for token in TOKEN.findall(text.lower()):
+    for token in TOKEN.findall(text if keep_case else text.lower()):
         if token == "\n":
             line += 1
         elif token == "(":

@@ -45,7 +45,7 @@ class Definition:
 
 
 def parse(path: Path, kind: str) -> Definition:
-    """Return the definition of a ``domain`` or ``problem`` in a file, which may have one of each.
+    """Return the definition of a ``domain`` or ``problem`` in a file, which may contain one of each.
 
     Raises:
         DomainError: the file cannot be read, or has no such definition.
@@ -67,7 +67,7 @@ def parse(path: Path, kind: str) -> Definition:
 
 
 def holds_both(path: Path) -> bool:
-    """Return whether a file has a domain and a problem."""
+    """Return whether a file contains both a domain and a problem."""
     kinds = {
         each.parts[1].head
         for each in parse_expressions(path, read_text(path))

@@ -73,7 +73,7 @@ def approach_problems(
 
 
 def _end(end: End, robot: str, simulator: Simulator) -> Stop:
-    """Return the stop of an arm in a state; it is down if a fact has it at an object, or if its object is supported."""
+    """Return the stop of an arm in a state; it is down if a fact puts it at an object, or its object is supported."""
     situation = situation_of(simulator, end.moment.poses, end.moment.openings, end.moment.arms)
     arm = end.moment.arms[robot]
     if arm.held is not None:

@@ -1,4 +1,4 @@
-"""Check a motion of a witness: its waypoints, and that nothing moves except what the action moves."""
+"""Check a motion of a witness: its waypoints, and that only the bodies that the action moves have moved."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ def _waypoint_collision(
 
 
 def stray_objects(effect: ActionEffect, before: Moment, after: Moment, simulator: Simulator) -> Iterator[str]:
-    """Yield objects and furniture that have moved though the action does not move them."""
+    """Yield objects and furniture that have moved although the action does not move them."""
     for furniture, opening in after.openings.items():
         if opening != before.openings[furniture] and furniture not in effect.turns:
             yield f"{furniture} has been opened or closed"

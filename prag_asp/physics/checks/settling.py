@@ -44,7 +44,7 @@ class Settling:
         self._client = client
 
     def fault(self, physical: PhysicalTask, witness: Witness) -> PhysicsFault | None:
-        """Return why a state of a witness is not stable, None if all states are.
+        """Return the reason why a state of a witness is not stable, or None if all states are stable.
 
         An object may move by `LARGEST_MOVE`, turn by `LARGEST_TURN` and end with a speed of `LARGEST_SPEED`;
         then every fact of the state has to pass its predicate's own check.
@@ -59,7 +59,7 @@ class Settling:
         }
         previous: Moment | None = None
         for facts, moment in zip(physical.states, witness.moments, strict=True):
-            # Where nothing has moved or been released, the state is as stable as the one before.
+            # If nothing has moved or been released, the state is as stable as the previous state.
             still = previous is not None and (previous.poses, previous.openings) == (moment.poses, moment.openings)
             if previous is None or not (still and previous.held <= moment.held):
                 poses, openings, displaced = self._settle(scene, bodies, moment)
@@ -107,7 +107,7 @@ def open_settling(scene: Scene) -> Iterator[Settling]:
 
 
 def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
-    """Return why a state of a witness is not stable (one of `CAUSES`), None if all states are.
+    """Return the reason (one of `CAUSES`) why a state of a witness is not stable, or None if all states are stable.
 
     Raises:
         SceneError: the task names an entity that has no shape.

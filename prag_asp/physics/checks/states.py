@@ -109,7 +109,7 @@ def tool_in(simulator: Simulator) -> Pose:
 
 
 def object_at_gripper(situation: Situation, robot: str) -> str | None:
-    """Return the object that a gripper is at, None if there is none."""
+    """Return the object at which a gripper is, or None if there is none."""
     return next((entity for entity in situation.poses if PREDICATES["at"].holds(situation, (robot, entity))), None)
 
 

@@ -33,7 +33,7 @@ GAP = 0.001
 
 
 class ArmMotors:
-    """The targets of the motors of one arm, which follow actions; `command` has the latest ones."""
+    """The targets of the motors of one arm, which follow actions; `command` holds the latest ones."""
 
     def __init__(self, robot: Robot, control: Control, command: ArmCommand):
         self.command = command

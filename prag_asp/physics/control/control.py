@@ -22,14 +22,14 @@ Floats = NDArray[np.float64]
 TOOL_SPEED, TOOL_TURN = 2.0, 10.0
 """The speed of the tool along and about an axis at the end of the range of `ee_delta`, in m/s and rad/s.
 
-Recordings, whose joints move at up to nine tenths of their speed limits, stay below.
+Recordings, whose joints move at up to nine tenths of their speed limits, stay below these speeds.
 """
 
 STRIDE, TURN = 1.0, 5.0
 """The same speeds of `ee_delta_upright`, which are lower so that agents learn."""
 
 FINGERS = 0.2
-"""The maximum speed of opening or closing a gripper, in metres a second."""
+"""The maximum speed of opening or closing a gripper, in metres per second."""
 
 FARTHEST = 1.5
 """A distance in metres from the base that no tool of a robot can exceed along an axis."""
@@ -59,19 +59,20 @@ CONVENTIONS: dict[ControlName, Convention] = {
 
 @dataclass(frozen=True, eq=False)
 class Control:
-    """A control convention for the robots of a scene: what the N numbers of an action mean.
+    """A control convention for the robots of a scene: the meaning of the N numbers of an action.
 
-    ``joint_position`` has the target angle of each joint, ``ee_position`` the target pose of the tool: its position in
-    the scene, and the rotation vector, along the axes of the scene, from the tool that points straight down with its x
-    axis along that of the scene. ``joint_delta`` and ``ee_delta`` have the changes of these targets in a step: that of
-    the pose as a translation, and as a rotation vector applied after the current rotation, both along the axes of the
-    scene. Changes add up on the targets, not on the measured state. All four have the target opening of the gripper.
-    ``ee_delta_upright`` has a translation and a turn about the vertical of a tool that points down, and the change of
-    the opening.
+    ``joint_position`` contains the target angle of each joint, ``ee_position`` the target pose of the tool: its
+    position in the scene, and the rotation vector, along the axes of the scene, from the tool that points straight down
+    with its x axis along that of the scene. ``joint_delta`` and ``ee_delta`` contain the changes of these targets in a
+    step; the change of the pose consists of a translation and of a rotation vector applied after the current rotation,
+    both along the axes of the scene. Changes add up on the targets, not on the measured state. All four conventions
+    contain the target opening of the gripper. ``ee_delta_upright`` contains a translation and a turn about the vertical
+    of a tool that points down, and the change of the opening.
 
-    An action has the numbers of each robot in turn, `rate` times a second. `names` (N,) are such as ``panda/joint_1``,
-    `units` (N,) are ``m`` or ``rad``. `lower` and `upper` (N,) are the smallest and largest values in these units;
-    `low` and `high` (N,) are the corresponding values of an action: the same in absolute conventions, else -1 and 1.
+    An action contains the numbers of each robot in turn; there are `rate` actions per second. `names` (N,) are names
+    like ``panda/joint_1``, `units` (N,) are ``m`` or ``rad``. `lower` and `upper` (N,) are the smallest and largest
+    values in these units; `low` and `high` (N,) are the corresponding values of an action: the same in absolute
+    conventions, else -1 and 1.
     """
 
     name: ControlName

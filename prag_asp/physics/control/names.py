@@ -20,7 +20,7 @@ STATES: tuple[StateName, ...] = get_args(StateName)
 """The conventions that describe a state: those of absolute numbers."""
 
 RATES = tuple(rate for rate in range(1, STEPS_A_SECOND + 1) if STEPS_A_SECOND % rate == 0)
-"""The possible numbers of actions a second: those that last a whole number of simulation steps."""
+"""The possible numbers of actions per second: those that last a whole number of simulation steps."""
 
 USUAL_RATE = 20
-"""The default number of actions a second, that of recordings."""
+"""The default number of actions per second, the same as in recordings."""

@@ -26,7 +26,7 @@ EXCESS = 1e-6
 def recorded_actions(control: Control, scene: Scene, commands: Numbers) -> Floats:
     """Return the actions of a control that lead from each of some motor commands to the next; shape (N, size).
 
-    `commands` (N + 1, R, 8) have the joint angles and the opening of each robot; the first row is the command before
+    `commands` (N + 1, R, 8) holds the joint angles and the opening of each robot; the first row is the command before
     the actions.
 
     Raises:
@@ -53,16 +53,29 @@ def recorded_actions(control: Control, scene: Scene, commands: Numbers) -> Float
 def recorded_states(name: ControlName, scene: Scene, arms: Numbers) -> Floats:
     """Return the states of the robots in an absolute convention; shape (N, size).
 
-    `arms` (N, R, 8) have the joint angles and the opening of each robot.
+    `arms` (N, R, 8) holds the joint angles and the opening of each robot.
     """
     robots = [robot_of(scene, robot) for robot in scene.robots]
     return np.concatenate([_absolute(name, robot, arms[:, i].astype(float)) for i, robot in enumerate(robots)], axis=1)
 
 
 def state_names(names: Iterable[ControlName], scene: Scene) -> list[str]:
-    """Return the names of the numbers of states in absolute conventions, one after the other, each name once."""
+    """Return the names of the numbers of states in absolute conventions, in sequence, each name once."""
     numbers = (f"{robot}/{each}" for name in names for robot in scene.robots for each in CONVENTIONS[name].numbers)
     return list(dict.fromkeys(numbers))
+
+
+def states_in(names: Iterable[ControlName], scene: Scene, arms: Numbers) -> Floats:
+    """Return the states of the robots in some absolute conventions; shape (N, size), the numbers of `state_names`.
+
+    `arms` (N, R, 8) have the joint angles and the opening of each robot.
+    """
+    names = list(names)
+    columns: dict[str, Floats] = {}
+    for name in names:
+        values = recorded_states(name, scene, arms)
+        columns = dict(zip(state_names([name], scene), values.T, strict=True)) | columns
+    return np.column_stack([columns[name] for name in state_names(names, scene)])
 
 
 def tool_poses(robot: Robot, joints: Floats) -> Floats:

@@ -30,7 +30,7 @@ FINGER_SPEED = 0.16
 
 
 class PerformanceFailed(Exception):
-    """An execution failed: the cause, one of `CAUSES`, and what went wrong; the performer catches it."""
+    """An execution failed: the cause, one of `CAUSES`, and a description; the performer catches this exception."""
 
 
 class Actor:

@@ -1,4 +1,4 @@
-"""The contacts that a task intends, and the unintended ones in an episode.
+"""The contacts that a task intends, and the unintended contacts in an episode.
 
 The check covers the contacts of robots and of moved bodies: those that a finger touches, and those that rest on them. A
 task intends contacts between
@@ -8,8 +8,8 @@ task intends contacts between
 - a moved body and its support, or a body that rests on it, in the state before the action or after it;
 - two bodies that rest on moved bodies.
 
-Any other contact is a fault if its force exceeds `GENTLE`. An intended one is a fault if it is deeper than `DEEPEST` or
-its force exceeds a bound for the object that the robot moves: `FIRM`, and `FACTOR` times its weight.
+Any other contact is a fault if its force exceeds `GENTLE`. An intended contact is a fault if it is deeper than
+`DEEPEST` or its force exceeds a bound for the object that the robot moves: `FIRM`, and `FACTOR` times its weight.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ Pair = tuple[str, str]
 
 
 class Touch(NamedTuple):
-    """A contact of two bodies in a frame: the largest force in newtons and depth in metres since the frame before.
+    """A contact of two bodies in a frame: the largest force in newtons and depth in metres since the previous frame.
 
     The depth is 0 if it is unknown, as in recordings.
     """

@@ -1,7 +1,7 @@
 """Check how an episode handles objects: held objects must not slip, and joints must stay within their limits.
 
-An object is in the hand while both fingers press on it. It should stay where it was when the arm began to move; a
-turn or a slip shows that friction does not bear the load.
+An object is in the hand while both fingers press on it. Its pose in the hand should not change after the arm begins to
+move; a turn or a slip shows that friction does not bear the load.
 """
 
 from __future__ import annotations

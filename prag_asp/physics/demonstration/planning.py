@@ -1,7 +1,7 @@
 """Plan the paths of an arm between the waypoints of a witness from the actual poses of the objects.
 
 The robot knows where the objects are: it grasps each as in the witness, but at its actual pose, and places it at its
-pose in the witness, whatever the actual grasp. So small errors do not accumulate.
+pose in the witness, whatever the actual grasp. Small errors therefore do not accumulate.
 """
 
 from __future__ import annotations
@@ -75,8 +75,8 @@ def action_legs(action: Action) -> Iterator[Leg]:
 def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, action: Action) -> Angles | None:
     """Return the joint angles of every time step on a path, shape (steps, 7); None if no free path is found.
 
-    The path is straight (up, down or along the fingers), that of the witness, or another free one; a heavy object is
-    accelerated less. `situation` is the actual one, `arm` the target of the motors.
+    The path is straight (up, down or along the fingers), that of the witness, or another free path; a heavy object is
+    accelerated less. `situation` is the actual situation, `arm` the target of the motors.
     """
     robot, waypoint = planner.robot, leg.waypoint
     most = MOST if arm.held is None else bearable_acceleration(situation.scene, arm.held, waypoint.robot)

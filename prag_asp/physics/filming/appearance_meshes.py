@@ -1,7 +1,8 @@
 """Simplified visual meshes of the robots, because TinyRenderer's time depends on the number of triangles.
 
 The Panda's meshes have 102,000 triangles; an image of 128 x 128 pixels takes 21 ms. Vertex clustering (Rossignac and
-Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993) leaves 3,000 with the same appearance.
+Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993) leaves 3,000 triangles with the same
+appearance.
 """
 
 from __future__ import annotations
@@ -55,7 +56,7 @@ def low_files(kind: str) -> Mapping[str, bytes]:
     root = ElementTree.fromstring(robot_file(ROBOTS[kind]))
     named: dict[str, Colour] = {}
     for material in root.iter("material"):
-        color = material.find("color")  # None if the material only refers to one that is defined elsewhere
+        color = material.find("color")  # None if the material only refers to a material that is defined elsewhere
         if color is not None:
             red, green, blue = map(float, color.get("rgba", "1 1 1 1").split()[:3])
             named[material.get("name", "")] = (red, green, blue)

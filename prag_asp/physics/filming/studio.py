@@ -47,7 +47,7 @@ FLIPPED = np.diag((1.0, -1.0, -1.0, 1.0))
 """The transformation from camera axes to those of OpenGL, with y up and z backwards."""
 
 BODY, LINK = (1 << 24) - 1, 24
-"""The mask of the body number in a pixel, and the first bit of the link number plus one."""
+"""The mask of the body number in a pixel, and the lowest bit of the link number, which is stored plus one."""
 
 RESTING = 0.002
 """The depth tolerance in metres within which an object hides the table below it."""

@@ -38,8 +38,8 @@ SMALLEST_PATCH = 6e-6
 """The minimum area of a contact in m²: 2 mm x 3 mm, a corner of a pad."""
 
 OPPOSITE = 0.004
-"""The maximum distance in metres between the centres of both contacts, parallel to the pads, so that they do not turn
-the body."""
+"""The maximum distance in metres between the centres of both contacts, parallel to the pads, so that the contacts do
+not turn the body."""
 
 SOFT = 0.002
 """The depth in metres to which fingers may penetrate a held body: their rubber yields, and grasps are not exact."""
@@ -48,7 +48,8 @@ ENOUGH_POINTS, UNSURE = 8, 0.15
 """The minimum number of points between the pads to judge a contact before it is computed, and its error in cosine."""
 
 MOST = (40, 40, 24)
-"""The maximum numbers of distinct grasps to keep, the best of a body: from above, at a slant, and from the side."""
+"""The maximum numbers of distinct grasps of a body to keep, the best first: from above, at a slant, and from the
+side."""
 
 SLANTED, SIDEWAYS = 0.5, 1.2
 """The smallest angles between the tool's direction and straight down of slanted and of sideways grasps, in radians."""
@@ -59,7 +60,8 @@ ENOUGH_SLACK, WIDE_CONTACT = 0.01, 0.005
 APART, TURNED = (0.008, 0.008, 0.03), (0.25, 0.25, 0.4)
 """The minimum distance in metres, or angle in radians, between the tools of distinct grasps of each of these kinds.
 
-A hand has the least room from the side, where grasps from all directions are worth more than many from one.
+A hand has the least room from the side, where grasps from all directions are worth more than many grasps from one
+direction.
 """
 
 
@@ -149,7 +151,7 @@ def dense_points(parts: Sequence[Floats]) -> Floats:
 def open_width(points: Floats, gripper: ParallelGripper, tool: Pose, width: float) -> float | None:
     """Return the widest opening in metres at which the hand at a tool pose is free of a body, None if there is none.
 
-    `points` are those of `dense_points`; `width` is that of the material between the pads.
+    `points` are the points of `dense_points`; `width` is the width of the material between the pads.
     """
     return _widest(in_frame(points[None], tool)[0], gripper, width)
 
@@ -157,7 +159,7 @@ def open_width(points: Floats, gripper: ParallelGripper, tool: Pose, width: floa
 def hand_is_free(points: Floats, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
     """Return whether the hand at a tool pose, with the pads `width` metres apart, penetrates a body by `SOFT` at most.
 
-    `points` are those of `dense_points`.
+    `points` are the points of `dense_points`.
     """
     return _free(in_frame(points[None], tool)[0], _soft_boxes(gripper, width))
 

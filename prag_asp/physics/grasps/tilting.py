@@ -3,9 +3,9 @@
 Friction bears the torque about the line through both pads; pressure bears the rest. A pad presses with a force F
 somewhere on its patch. If one presses at the upper end of its patch and the other one at the lower end of its own, the
 two forces form a couple of F times the difference in height: no grip bears a larger torque about the horizontal axis
-along the pads. The same holds about the direction of the fingers, with the ends of the patches along the pads. So a rim
-that leans is held best by fingers that lean with it: upright pads touch it at the bottom inside and at the top outside,
-which helps to tilt it.
+along the pads. The same holds about the direction of the fingers, with the ends of the patches along the pads. A rim
+that leans is therefore held best by fingers that lean with it: upright pads touch it at the bottom inside and at the
+top outside, which helps to tilt it.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Limit the acceleration of a held object to what the friction of the pads bears.
+"""Limit the acceleration of a held object so that the friction of the pads bears the load.
 
 The pads hold an object of mass m by friction: they bear at most 2 mu F, with the force F of a finger and the
 coefficient mu of friction (Coulomb). Gravity and an acceleration a of the tool need at most m (g + |a|).
@@ -23,7 +23,7 @@ FRICTION_SHARE = 0.95
 """The share of the friction of the pads that is used: the motors have tracking errors."""
 
 LEAST, MOST = 0.5, 40.0
-"""Accelerations in m/s²: an arm hardly moves with less, and no arm accelerates its tool by more."""
+"""Accelerations in m/s²: with less, an arm hardly moves, and no arm accelerates its tool by more."""
 
 SHARE = 0.98
 """The share of the acceleration to which a motion is slowed down, because the rounding of corners depends on speed."""

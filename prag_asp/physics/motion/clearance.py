@@ -45,7 +45,7 @@ def gaps(simulator: Simulator, passage: ArmPassage) -> Gaps:
 
 
 def keeps_clear(start: Gaps, way: Sequence[Gaps], goal: Gaps) -> bool:
-    """Return whether a path keeps clear: it is close to a body only from its start on, or until its goal.
+    """Return whether a path keeps clear: it is close to a body only right after its start or right before its goal.
 
     There, the arm comes no closer to the body than it is at this end.
     """

@@ -26,8 +26,8 @@ STRIDE = 0.06
 LOOK = 0.02
 """The sum of all joint motions between two points at which a path is checked, in radians.
 
-No part of an arm at the table, or of its load, is more than 1 m from a joint's axis. So nothing moves by more than 2 cm
-between two points: bodies that are `CLEARANCE` apart at both do not touch in between.
+No part of an arm at the table, or of its load, is more than 1 m from a joint's axis. Therefore nothing moves by more
+than 2 cm between two points: bodies that are `CLEARANCE` apart at both points do not touch in between.
 """
 
 RUNGS = 4
@@ -68,7 +68,7 @@ def is_straight(robot: Robot, one: Joints, two: Joints) -> bool:
 def straight_path(robot: Robot, start: Joints, goal: Joints) -> list[Joints] | None:
     """Return a path on which the tool moves in a straight line between poses of the same orientation.
 
-    None if the arm cannot follow the line.
+    The result is None if the arm cannot follow the line.
     """
     first, last = tool_pose(robot, start), tool_pose(robot, goal)
     path = [start]

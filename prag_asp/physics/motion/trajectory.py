@@ -1,10 +1,10 @@
 """Time parameterization of paths: smooth, with every joint within its speed and acceleration limits.
 
 The speed along a piecewise linear path is the highest that the joints allow: the slowest joint limits it at every
-point, and the weakest limits its change (a forward and a backward pass over the squared speed, as in Bobrow, Dubowsky
-and Gibson, "Time-optimal control of robotic manipulators along specified paths", 1985). The motion is then averaged
-over `ROUNDING`, which keeps both limits and bounds the jerk by twice the acceleration in this time. The average cuts
-corners, which are passed slowly enough for the joints.
+point, and the weakest joint limits its change (a forward and a backward pass over the squared speed, as in Bobrow,
+Dubowsky and Gibson, "Time-optimal control of robotic manipulators along specified paths", 1985). The motion is then
+averaged over `ROUNDING`, which keeps both limits and bounds the jerk by twice the acceleration in this time. The
+average cuts corners, which are passed slowly enough for the joints.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ SPEED_SHARE, ACCELERATION_SHARE = 0.9, 0.85
 LOADED_ACCELERATION = 6.0
 """The largest acceleration of a joint in rad/s² with an object in the gripper, which should not slip or rotate.
 
-It does not on straight vertical paths. With 8 or 10 on other paths, one in fifteen tasks of `prag` fails.
+On straight vertical paths, it does neither. With 8 or 10 rad/s² on other paths, one in fifteen tasks of `prag` fails.
 """
 
 ROUNDING = 0.1
@@ -163,7 +163,7 @@ def _passed(cells: _Cells, time_step: float) -> tuple[Angles, Angles]:
 def blend_paths(ways: Sequence[Angles], start: Joints, time_step: float, limits: JointLimits) -> Angles:
     """Return the joint angles of every time step along consecutive paths, shape (steps, 7).
 
-    Each path begins during the last `ROUNDING` of the one before, as far as the joint limits allow: while one path
+    Each path begins during the last `ROUNDING` of the previous path, as far as the joint limits allow: while one path
     decelerates at a constant rate and the other accelerates, the sum does not exceed the limit for one path.
     """
     whole, origin = ways[0], np.array(start)

@@ -41,7 +41,7 @@ GIVE = 0.005
 """The tolerance by which measured joint angles and openings may exceed their limits, in radians and metres."""
 
 START_FACTS = 4
-"""The number of facts in the caption of an initial state."""
+"""The maximum number of facts in the caption of an initial state."""
 
 SIDES = re.compile(r"\b(left|right|in front|behind)\b")
 
@@ -114,7 +114,7 @@ def animate(
 ) -> None:
     """Write an animation of a demonstration, `speed` times as fast, as a .gif or .webp according to the suffix.
 
-    It shows `RATE` frames per second, each `size` pixels large, with the current action below. `progress` is called
+    It shows `RATE` frames per second, each of `size` in pixels, with the current action below. `progress` is called
     with the number of rendered frames and their total.
 
     Raises:

@@ -43,7 +43,7 @@ WORDING = {
 
 
 def _violations(name: str, situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the subject violates the spread and the gap."""
+    """Yield the amounts in metres by which the subject violates the spread and the gap."""
     axis, sign = SIDES[name].in_frame(situation.scene.frame)
     one, two = situation.body(arguments[0]), situation.body(arguments[1])
     at, other = one.centre, two.centre

@@ -22,7 +22,7 @@ MARGIN = 0.003
 
 
 def _ends(situation: Situation, entity: str, direction: Vector) -> tuple[float, float]:
-    """Return how far a body reaches from the centre of its bounding box against and along a direction, in metres."""
+    """Return the reach of a body from the centre of its bounding box against and along a direction, in metres."""
     body = situation.body(entity)
     if situation.shape(entity).traits.furniture:
         half = abs(direction[0]) * body.half[0] + abs(direction[1]) * body.half[1]
@@ -34,7 +34,7 @@ def _ends(situation: Situation, entity: str, direction: Vector) -> tuple[float, 
 
 
 def _line(situation: Situation, arguments: Arguments) -> tuple[float, Vector]:
-    """Return the distance between the two others in metres, and the direction from the first to the second."""
+    """Return the distance between the two other bodies in metres, and the direction from the first to the second."""
     (ax, ay, _), (bx, by, _) = (situation.body(other).centre for other in arguments[1:])
     length = math.hypot(bx - ax, by - ay)
     return length, ((bx - ax) / length, (by - ay) / length, 0.0) if length > 0.0 else (1.0, 0.0, 0.0)
@@ -65,7 +65,7 @@ def _room(situation: Situation, arguments: Arguments, quaternion: Quaternion, li
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the body misses the line, and each of the two gaps."""
+    """Yield the distance in metres of the body from the line, and the amounts by which it violates the two gaps."""
     line = _line(situation, arguments)
     pose, (x, y, _) = situation.pose(arguments[0]), situation.body(arguments[1]).centre
     begin, end, aside, (middle, left) = _room(situation, arguments, pose.quaternion, line)
@@ -76,7 +76,7 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
 
 
 def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the rectangle around the line between the others."""
+    """Return the rectangle around the line between the other bodies."""
     line = _line(situation, arguments)
     begin, end, aside, (middle, left) = _room(situation, arguments, quaternion, line)
     x, y, _ = situation.body(arguments[1]).centre

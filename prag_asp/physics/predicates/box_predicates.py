@@ -43,7 +43,7 @@ def _extent(own: Own, situation: Situation, arguments: Arguments, quaternion: Qu
 
 
 def _violations(own: Own, situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the subject misses the nearest box, beyond the tolerance."""
+    """Yield the distance in metres of the subject from the nearest box, beyond the tolerance."""
     subject, other = arguments
     pose = situation.pose(subject)
     x, y = to_local(situation.pose(other), pose.position[0], pose.position[1])

@@ -83,7 +83,7 @@ def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> 
 
 
 def _contact_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how much the pads miss opposite sides of a body with a model: metres, radians to the friction cone."""
+    """Yield the distances of the pads from opposite sides of a body with a model: metres, radians to the cone."""
     robot, entity = arguments
     contact = contact_at(situation, entity, robot)
     if contact is None:
@@ -97,7 +97,7 @@ def _contact_violations(situation: Situation, arguments: Arguments) -> Iterator[
 
 
 def _grip_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the tool misses the places where it can grip the object."""
+    """Yield the distances in metres of the tool from the places where it can grip the object."""
     return _tool_violations(situation, arguments, situation.shape(arguments[1]).traits.even)
 
 
@@ -113,7 +113,7 @@ def _at_volume(situation: Situation, arguments: Arguments, quaternion: Quaternio
 
 
 def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the tool misses the object, and the fingers miss what is between the pads.
+    """Yield the distances in metres of the tool from the object, and of the fingers from what is between the pads.
 
     The width is not compared if the tool is so far away that the error of the width cannot be the largest.
     """
@@ -205,7 +205,7 @@ def _holding_volume(situation: Situation, arguments: Arguments, quaternion: Quat
 
 
 def _over_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres the tool is below the top of a zone or an object, and beyond its sides."""
+    """Yield the distances in metres of the tool below the top of a zone or an object, and beyond its sides."""
     robot, entity = arguments
     x, y, z = situation.tool(robot).position
     yield situation.top(entity) - z

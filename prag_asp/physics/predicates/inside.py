@@ -81,7 +81,7 @@ def _extent_within(situation: Situation, subject: str, container: str, quaternio
 
 
 def _lateral(situation: Situation, subject: str, container: str) -> Iterator[float]:
-    """Yield by how many metres the bounding box of a body extends beyond the container, in the container's frame."""
+    """Yield the lengths in metres by which a body's bounding box extends beyond a container, in its frame."""
     pose, (outer, inner) = situation.pose(subject), hollow(situation, container)
     dx, dy = to_local(outer, pose.position[0], pose.position[1])
     middle, half = _extent_within(situation, subject, container, pose.quaternion)
@@ -98,7 +98,7 @@ def _height(situation: Situation, subject: str, container: str) -> float:
 
 
 def _inside_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres a body misses the container's floor; one that stands on another body is not inside."""
+    """Yield the distance in metres of a body from the container's floor; a body on another body is not inside."""
     height = _height(situation, *arguments)
     yield -TOLERANCE - height
     yield height - FLOOR_BAND
@@ -106,7 +106,7 @@ def _inside_violations(situation: Situation, arguments: Arguments) -> Iterator[f
 
 
 def _located_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres a body misses the space in the container or on the table, and up to `HOVER` above it.
+    """Yield the distances in metres of a body from the space in the container or on the table, and up to `HOVER` above.
 
     The space over the table excludes the space over hollow bodies.
     """
@@ -136,7 +136,7 @@ def _hollow_others(situation: Situation, subject: str) -> list[str]:
 def _room(
     situation: Situation, arguments: Arguments, quaternion: Quaternion, height: float, margin: float = MARGIN
 ) -> Volume:
-    """Return the region for the centre of a body in a cavity, from the floor it stands on to `height` metres higher."""
+    """Return the region for the centre of a body in a cavity, on its floor or up to `height` metres higher."""
     subject, container = arguments
     pose, inner = hollow(situation, container)
     middle, half = _extent_within(situation, subject, container, quaternion)

@@ -54,7 +54,7 @@ class SentenceFunction(Protocol):
 
 
 class Gripper(Enum):
-    """The relation of the first argument's gripper to the second argument, which `OPEN` lacks."""
+    """The relation of the first argument's gripper to the second argument; `OPEN` has no second argument."""
 
     HOLDS = "holds"
     AT = "is at"
@@ -85,16 +85,16 @@ class Predicate:
 
     Definition: `violations` are the distances of a situation from each condition, in metres or radians. `subject` is
     the index of the argument that moves to make the predicate true. `volume` is the region of the gripper if
-    `of_gripper`, the range of the joint of furniture if `of_joint`, otherwise the region of the subject; with `turns`
-    it has ranges of yaws. `inverse` names the predicate that then holds for the swapped arguments, which is the same
-    one if it is symmetric. With `looks_around`, the violations may depend on bodies that are not arguments.
+    `of_gripper`, the range of the joint of furniture if `of_joint`, otherwise the region of the subject; with `turns`,
+    it has ranges of yaws. `inverse` names the predicate that then holds for the swapped arguments: the predicate itself
+    if it is symmetric. With `looks_around`, the violations may depend on bodies that are not arguments.
 
     Words: `sentence` states the predicate, `robot_sentence` does so in scenes with several robots. Captions state
     predicates in the order of `caption_rank`, and those of infinite rank only if there are no others.
 
     Relations: with `supports`, the last argument carries the subject; with `places`, it is the place where the subject
     rests or is held above; with `rests_on_other`, the subject may stand on or in it. `direction` points from the
-    second argument to the subject in the frame of the robot. `apart` has the smallest and the largest horizontal
+    second argument to the subject in the frame of the robot. `apart` holds the smallest and the largest horizontal
     distance between the bounding boxes of the first two arguments, in metres. With `lies_between`, the subject is
     between the two others. `gripper` is the relation of a gripper that the predicate states.
 

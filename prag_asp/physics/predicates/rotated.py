@@ -29,7 +29,7 @@ def target_yaw(situation: Situation, rotation: str) -> float:
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many radians the error of the yaw exceeds the tolerance."""
+    """Yield the angle in radians by which the error of the yaw exceeds the tolerance."""
     yaw = yaw_of(situation.pose(arguments[0]).quaternion)
     yield abs(wrap(yaw - target_yaw(situation, arguments[1]))) - TOLERANCE
 

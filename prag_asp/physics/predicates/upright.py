@@ -14,7 +14,7 @@ TOLERANCE = math.radians(10)
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many radians the tilt of the body exceeds the tolerance."""
+    """Yield the angle in radians by which the tilt of the body exceeds the tolerance."""
     if situation.shape(arguments[0]).traits.flat:
         x, y, z = rotate(situation.pose(arguments[0]).quaternion, (0.0, 0.0, 1.0))
         yield math.atan2(math.hypot(x, y), z) - TOLERANCE

@@ -33,7 +33,7 @@ Entities = tuple[str, ...]
 
 @dataclass(frozen=True)
 class ExclusionRule:
-    """A rule that excludes fluents; `kinds` has an entity, a class or `ANYTHING` for each variable.
+    """A rule that excludes fluents; `kinds` holds an entity, a class or `ANYTHING` for each variable.
 
     `different` are pairs of variables that must be different entities. `proofs` are the proofs that the rule covers.
     """

@@ -1,7 +1,7 @@
-"""Proofs about the table's top and its zones: a body stands on exactly the surfaces that its centre is over.
+"""Proofs about the table's top and its zones: a body stands on exactly the surfaces under its centre.
 
 A surface is a convex region of one plane, and a body stands on it if it stands on the plane with its centre over the
-region. So a body that is known to stand on several surfaces has its centre over their intersection.
+region. A body that is known to stand on several surfaces thus has its centre over their intersection.
 """
 
 from __future__ import annotations

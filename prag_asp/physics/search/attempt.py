@@ -61,7 +61,7 @@ CAUSES = (
 
 
 class PhysicsFault(NamedTuple):
-    """Why an attempt or a witness failed: the cause, the bodies involved, and the fact that does not hold, or a text.
+    """The reason why an attempt or a witness failed: the cause, the bodies, and the violated fact or a text.
 
     The cause is one of `CAUSES`, or a problem of a witness that is checked again.
     """
@@ -93,8 +93,8 @@ class Search:
     """The inputs of a search: the simulator, the task's objects and random generator, and the room for later actions.
 
     If it `packs`, it places objects tightly, for tasks that random placement does not solve. If it `returns`, it undoes
-    actions, back to one that may be to blame, when all attempts at an action fail. The best `passed_over` grasps of
-    bodies with a model are tried last: witnesses with them failed a later check.
+    actions, back to an action that may be the cause, when all attempts at an action fail. The best `passed_over` grasps
+    of bodies with a model are tried last: witnesses with them failed a later check.
     """
 
     simulator: Simulator
@@ -125,8 +125,8 @@ class Search:
 class Snapshot:
     """One state of the search: the situation, the acting robot, and the grippers that are lowered to an object.
 
-    `lowered` maps each of these grippers to the joint configuration straight above the object. `waypoints` are those of
-    the current action.
+    `lowered` maps each of these grippers to the joint configuration straight above the object. `waypoints` are the
+    waypoints of the current action.
     """
 
     situation: Situation

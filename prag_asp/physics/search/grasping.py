@@ -59,7 +59,7 @@ EASE = 0.3
 """The bonus in a grasp's score if the arm approaches from its own side."""
 
 STEADY = 1.0
-"""The decrease of a grasp's score if the weight of the body is just about to tilt it out of the pads."""
+"""The decrease of a grasp's score if the weight of the body just suffices to tilt it out of the pads."""
 
 SECTOR, SIDEWAYS = math.pi / 4, 0.7
 """Grasps are of the same kind if their axes are in the same sector, in radians, and both or neither come from the side,

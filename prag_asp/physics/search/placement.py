@@ -89,7 +89,7 @@ def choose_support(search: Search, situation: Situation, entity: str, facts: Ite
     """Return the support for an object to stand on or in: the one that the facts name, or a random one that they allow.
 
     If they name none, it is the table, unless the object is known not to be on it. If a user-defined relation lets the
-    object stand on or in another one, that is an equally likely choice.
+    object stand on or in another object, that object is an equally likely choice.
 
     Raises:
         Failure: every support is ruled out.
@@ -284,7 +284,7 @@ def _neighbours(
 ) -> list[Neighbour]:
     """Return the other bodies that an object at a height can meet, without containers that it is put into.
 
-    `turned` has the shape of the object, its orientation, and its bounding box at the origin. Furniture has the
+    `turned` holds the shape of the object, its orientation, and its bounding box at the origin. Furniture has the
     bounding boxes of its body and of the swept moving part.
     """
     neighbours = []

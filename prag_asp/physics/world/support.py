@@ -17,8 +17,8 @@ from prag_asp.scene.solids import weight
 CONTACT = 0.002
 BALANCE = 1e-6
 LEAST_MARGIN, TENTH = 0.005, 0.1
-"""The smallest desired margin of a placed object's centre of mass within its support, in metres, and the share of its
-base that is enough."""
+"""The smallest desired margin of a placed object's centre of mass within its support, in metres, and the sufficient
+share of the width of its base."""
 TABLE = ""
 
 

@@ -92,7 +92,7 @@ def leaves(expression: Expression) -> Iterator[str]:
 
 
 def divides(expression: Expression) -> bool:
-    """Return whether an expression has a division, which crashes clingo if it is out of range."""
+    """Return whether an expression contains a division, which crashes clingo if it is out of range."""
     own = isinstance(expression, Operation) and expression.sign in ("/", "\\")
     return own or any(map(divides, _parts(expression)))
 

@@ -1,4 +1,4 @@
-"""The functions that a guarded program calls during grounding: they check ranges, and numbers and depths of terms."""
+"""The functions that a guarded program calls during grounding to check ranges, and numbers and depths of terms."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ WIDEST = 1_000_000
 """The maximum number of values of an interval; each takes a few hundred bytes in an atom."""
 
 MOST_KNOWN = 100_000
-"""The maximum number of remembered operations and inputs in range: some ten megabytes."""
+"""The maximum number of remembered operations and inputs in range: about ten megabytes."""
 
 ZERO = clingo.Number(0)
 
@@ -162,7 +162,7 @@ class Checks:
 
 
 def measure(symbol: clingo.Symbol, cache: dict[clingo.Symbol, int], of: Callable[[Iterable[int]], int]) -> int:
-    """Return a measure of a term, computed by `of` from the measures of its arguments; `cache` has earlier results."""
+    """Return a measure of a term, computed by `of` from the measures of its arguments; `cache` stores results."""
     waiting = [] if symbol in cache else [symbol]
     while waiting:
         each = waiting[-1]

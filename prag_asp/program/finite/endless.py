@@ -2,7 +2,7 @@
 
 A recursive rule derives new terms if a term of its head may be larger than the terms that it reads in the same
 component. Without such rules, the terms of a component are bounded by those of the components below it, so grounding
-terminates. The proof here covers only one application of a rule: it derives no larger term. Otherwise, `Checks.goes_on`
+terminates. The proof covers only one application of a rule: it derives no larger term. Otherwise, `Checks.goes_on`
 bounds the number and the depth of the rule's new terms at run time.
 
 A rule that reads only its own head, with smaller terms, never terminates once it fires: such `certain` rules are

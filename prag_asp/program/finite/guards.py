@@ -1,8 +1,8 @@
 """Insert checks of the range of numbers, and of the number of new terms, into the rules of a domain.
 
-clingo computes with 32 bits and overflows silently. So rules call functions of `Checks` during grounding; line numbers
-do not change. An operation is checked in place: ``X+1`` becomes ``(X+1)+@in_range(7,X)``, which adds 0 or has no
-value. If clingo solves an operation for a variable, as in an atom of a body, the check follows the literal.
+clingo computes with 32 bits and overflows silently. Therefore rules call functions of `Checks` during grounding; line
+numbers do not change. An operation is checked in place: ``X+1`` becomes ``(X+1)+@in_range(7,X)``, which adds 0 or has
+no value. If clingo solves an operation for a variable, as in an atom of a body, the check follows the literal.
 """
 
 from __future__ import annotations
@@ -120,7 +120,7 @@ class _CheckWriter:
             self._count(each)
 
     def _require_few_combinations(self, rule: Statement) -> None:
-        """Check that the constant intervals of a rule have few combinations, if each is an instance of the rule.
+        """Check that the constant intervals of a rule, if they multiply its instances, have few combinations.
 
         Raises:
             BoundReached: the intervals have too many combinations.

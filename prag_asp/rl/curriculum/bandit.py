@@ -1,4 +1,4 @@
-"""An EXP3 bandit whose arms are action names, pairs and classes: a pull is a lot of tasks that favours one of them."""
+"""An EXP3 bandit whose arms are action names, pairs and classes: a pull is a batch of tasks that favours one arm."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from decimal import Context, Decimal
 from fractions import Fraction
 
 from prag_asp.errors import QueryError
+from prag_asp.exact_numbers import Number
 from prag_asp.rl.curriculum.proposal_stream import ProposalStream, scale_weights
 from prag_asp.rl.curriculum.task_pool import (
     Proposal,
@@ -19,7 +20,6 @@ from prag_asp.rl.curriculum.task_pool import (
     sample_index,
 )
 from prag_asp.rl.curriculum.task_sampler import ActionKeys, EpisodeResult, State
-from prag_asp.space.weights.weights import Number
 
 EMPHASIS = 8
 """The factor for the weight of an arm's name, pair or class while the arm is pulled."""
@@ -35,8 +35,8 @@ class BanditCurriculum:
     """EXP3 over arms that are action names, pairs of names, or classes.
 
     A pull of an arm is a `lot` of episodes whose tasks are sampled with `EMPHASIS` times the arm's weight. The gain is
-    the absolute learning progress, between 0 and 1: the difference between the success rate of the arm's subgoals and
-    that in the last lot that attempted some of them.
+    the absolute learning progress, between 0 and 1: the difference between the success rate of the arm's subgoals in
+    this lot and in the last lot that attempted any of them.
 
     `exploration` is the gamma of EXP3. For K arms and g pulls, the expected total gain is less than that of the best
     arm by at most (e - 1) gamma G + K ln(K) / gamma, where G is the total gain of the best arm; with the best gamma,
@@ -115,7 +115,7 @@ class BanditSampler:
         return {"lot": self._lots, "arm": self.arms[self._arm]}
 
     def state_dict(self) -> State:
-        """Return the state as values of JSON."""
+        """Return the state as JSON values."""
         return {
             "seed": self._seed,
             "lots": self._lots,

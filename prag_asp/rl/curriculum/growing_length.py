@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
+from prag_asp.exact_numbers import Number
 from prag_asp.rl.curriculum.mastery import Mastery, review_shares
 from prag_asp.rl.curriculum.task_pool import Proposal, TaskPool, Word, derive_seed, parse_share, sample_index
 from prag_asp.rl.curriculum.task_sampler import EpisodeResult, State, skip
-from prag_asp.space.weights.weights import Number
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class LengthSampler:
         return {"length": self._lengths[self._reached]}
 
     def state_dict(self) -> State:
-        """Return the state as values of JSON."""
+        """Return the state as JSON values."""
         return {
             "seed": self._seed,
             "reached": self._reached,

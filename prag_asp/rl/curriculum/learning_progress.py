@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
+from prag_asp.exact_numbers import Number
 from prag_asp.rl.curriculum.proposal_stream import ProposalStream, scale_weights
 from prag_asp.rl.curriculum.task_pool import (
     Proposal,
@@ -18,7 +19,6 @@ from prag_asp.rl.curriculum.task_pool import (
     sample_index,
 )
 from prag_asp.rl.curriculum.task_sampler import ActionKeys, EpisodeResult, State
-from prag_asp.space.weights.weights import Number
 
 EMPHASIS = 4
 """The weight factor for the greatest progress, relative to no progress."""
@@ -37,10 +37,10 @@ class AdaptiveCurriculum:
     episodes the factors are updated.
 
     A share `exploration` of the tasks is sampled by the weights of the domain alone: 1 only explores, near 0 exploits.
-    So the probability of a task is at least that share of its probability without a curriculum, and no importance
-    weight exceeds the inverse of the share. The absolute learning progress is that of Matiisen, Oliver, Cohen and
-    Schulman ("Teacher-student curriculum learning", 2017); no regret bound is known for it (`BanditCurriculum` has
-    one).
+    The probability of a task is therefore at least that share of its probability without a curriculum, and no
+    importance weight exceeds the inverse of the share. The absolute learning progress is that of Matiisen, Oliver,
+    Cohen and Schulman ("Teacher-student curriculum learning", 2017); no regret bound is known for it
+    (`BanditCurriculum` has one).
 
     Raises:
         QueryError: the share is not in (0, 1], or a number is less than 1.
@@ -99,7 +99,7 @@ class AdaptiveSampler:
         return {"lot": self._lots}
 
     def state_dict(self) -> State:
-        """Return the state as values of JSON."""
+        """Return the state as JSON values."""
         return {
             "seed": self._seed,
             "lots": self._lots,

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
+from prag_asp.exact_numbers import Number
 from prag_asp.rl.curriculum.task_pool import parse_count, parse_share
-from prag_asp.space.weights.weights import Number
 
 
 @dataclass
@@ -44,7 +44,7 @@ class Mastery:
 
 
 def review_shares(review: Fraction, places: int) -> list[Fraction]:
-    """Return the probability of each of several places: all but the last share `review` equally."""
+    """Return the probability of each of several places: all places except the last one share `review` equally."""
     if places == 1:
         return [Fraction(1)]
     return [review / (places - 1)] * (places - 1) + [1 - review]

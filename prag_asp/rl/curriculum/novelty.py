@@ -29,19 +29,19 @@ MISSED = 1000
 """The number of samples outside the pool after which a new pass begins: the part may have no task with a due item."""
 
 RARE = Fraction(1, 16)
-"""The share of samples with a due name or pair below which the weights of the due ones are increased."""
+"""The share of samples with a due name or pair below which the weights of due names or pairs are increased."""
 
 EMPHASIS, HALF = 64, Fraction(1, 2)
-"""The factor of these weights, applied until at least half of the samples have something due."""
+"""The factor of these weights, applied until at least half of the samples have a due name or pair."""
 
 
 @dataclass(frozen=True)
 class NoveltyCurriculum:
-    """Sample new ones first: `what` is "tasks", "skeletons", action "names", or "pairs" of names.
+    """Sample new items first: `what` is "tasks", "skeletons", action "names", or "pairs" of names.
 
     Tasks are sampled without replacement, in uniformly random order; so are skeletons, each with one of its tasks by
-    weight. With names or pairs, each task has one that is due: one that has not occurred in a feasible task or in
-    `TRIES` infeasible ones. When none is due, or no task of the part with a due one is found, a new pass begins.
+    weight. With names or pairs, each task has a due name or pair: one that has not occurred in a feasible task or in
+    `TRIES` infeasible tasks. When none is due, or no task of the part with a due one is found, a new pass begins.
 
     Raises:
         QueryError: `what` has another value.
@@ -96,7 +96,7 @@ class _Skeletons:
         self.size = sum(size for _, size in self._stretches)
 
     def word(self, number: int, seed: int) -> tuple[Word, Fraction]:
-        """Return a task with the skeleton of a number, sampled by a seed, and its probability among all with it."""
+        """Return a sampled task with the skeleton of a number, and its probability among the tasks with it."""
         length, rank = _found(self._stretches, number)
         letters, probability = self._samplers[length].of_rank(rank, SeededBits(seed), number)
         names = self._pool.at(length).action_texts()
@@ -144,7 +144,7 @@ class PassSampler:
         return {"pass": times + 1, "drawn": str(place), "of": str(self._things.size)}
 
     def state_dict(self) -> State:
-        """Return the state as values of JSON."""
+        """Return the state as JSON values."""
         return {"seed": self._seed, "drawn": self._drawn}
 
     def load_state_dict(self, state: State) -> None:
@@ -217,11 +217,11 @@ class CoverageSampler:
         """Do nothing."""
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return the numbers of due names or pairs and of all."""
+        """Return the number of due names or pairs and the number of all."""
         return {"due": len(self._due), "of": len(self._all)}
 
     def state_dict(self) -> State:
-        """Return the state as values of JSON."""
+        """Return the state as JSON values."""
         return {
             "seed": self._seed,
             "times": self._times,
@@ -257,8 +257,8 @@ class CoverageSampler:
         """Begin to sample due names or pairs, with larger weights if rare; the share of tasks with them is exact.
 
         The total weight of all tasks is a polynomial in the weight factor of the due names or pairs, and its constant
-        term is the weight of the tasks without them; so the share of the tasks with them can approach 1. The weight of
-        a name that is also a class or an entity cannot be increased: the sampler waits for it.
+        term is the weight of the tasks without them; so the share of the tasks with due names or pairs can approach 1.
+        The weight of a name that is also a class or an entity cannot be increased: the sampler waits for it.
         """
         self._due, self._tries, self._emphasized = frozenset(due), dict(tries), None
         spaces = map(self._pool.at, self._pool.space.lengths)

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from fractions import Fraction
 from itertools import chain
 
+from prag_asp.exact_numbers import Number
 from prag_asp.rl.curriculum.task_pool import Proposal, TaskPool, Word
 from prag_asp.rl.curriculum.task_sampler import skip
-from prag_asp.space.weights.weights import Number
 
 
 class ProposalStream:
@@ -22,7 +22,7 @@ class ProposalStream:
         draws = pool.draws(seed=seed, weights=self._weights)
         self._symbols = {str(action): action for action in pool.space.domain.facts.actions}
         first = next(draws)
-        # The probability of a task is its weight divided by the total, so any sample gives the total.
+        # The probability of a task is its weight divided by the total, so the total follows from any sample.
         self.total = self._weight_of(first.word) / first.probability
         self._draws = chain([first], draws)
         self.taken = 0

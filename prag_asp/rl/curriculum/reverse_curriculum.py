@@ -6,20 +6,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
+from prag_asp.exact_numbers import Number
 from prag_asp.rl.curriculum.mastery import Mastery, review_shares
 from prag_asp.rl.curriculum.task_pool import parse_share, sample_index
 from prag_asp.rl.curriculum.task_sampler import EpisodeResult, State
-from prag_asp.space.weights.weights import Number
 
 
 @dataclass(frozen=True)
 class ReverseCurriculum:
     """Begin with the last subgoal of tasks, then with the last two, and so on back to whole tasks.
 
-    One more subgoal is added when the success rate of the last `window` episodes that began farthest back reaches
-    `threshold`. A share `review` of the episodes begins nearer to the goal, uniformly. The idea is that of Florensa,
-    Held, Wulfmeier, Zhang and Abbeel ("Reverse curriculum generation for reinforcement learning", 2017); here the
-    initial states are those of witnesses.
+    One more subgoal is added when the success rate of the last `window` episodes that began with the earliest subgoal
+    reaches `threshold`. A share `review` of the episodes begins nearer to the goal, uniformly. The idea is that of
+    Florensa, Held, Wulfmeier, Zhang and Abbeel ("Reverse curriculum generation for reinforcement learning", 2017); here
+    the initial states are those of witnesses.
 
     Raises:
         QueryError: a share is not between 0 and 1, or the window is less than 1.
@@ -52,7 +52,7 @@ class ReverseSampler:
         self._mastery.load(())
 
     def stage(self, stages: int) -> tuple[int, Fraction]:
-        """Return the initial subgoal of a task of `stages` subgoals, from 0, and its exact probability."""
+        """Return the initial subgoal, from 0, of a task with `stages` subgoals, and its exact probability."""
         shares = review_shares(self._review, min(self._back, stages))
         place = sample_index(shares, self._seed, "stage", self._drawn)
         self._drawn += 1
@@ -69,7 +69,7 @@ class ReverseSampler:
         return {"back": self._back}
 
     def state_dict(self) -> State:
-        """Return the state as values of JSON."""
+        """Return the state as JSON values."""
         return {
             "seed": self._seed,
             "back": self._back,

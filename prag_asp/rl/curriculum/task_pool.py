@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from prag_asp.batches import growing_batches
 from prag_asp.errors import NotFound, QueryError
+from prag_asp.exact_numbers import Number, parse_number
 from prag_asp.random_bits import SeededBits
 from prag_asp.space.distinct_sampling import MISSES
 from prag_asp.space.engines import Draw
 from prag_asp.space.sampling.streams import log_probability
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.weights.weights import Number, Weights, parse_number
+from prag_asp.space.weights.weights import Weights
 from prag_asp.task import Task
 
 if TYPE_CHECKING:
@@ -117,9 +118,9 @@ class TaskPool:
         return word in self.part
 
     def proposals(self, *, seed: int, length: int | None = None) -> Iterator[Proposal]:
-        """Yield independent tasks by the weights of the domain, without end, of the given length if any.
+        """Yield independent tasks by the weights of the domain, endlessly, and only of the given length, if any.
 
-        The probability is that among all tasks of the space, or among those of the length.
+        The probability is that among all tasks of the space, or of the length.
 
         Raises:
             QueryError: the pool has no task.
@@ -154,7 +155,7 @@ class TaskPool:
         raise NotFound(f"none of {misses} sampled tasks in a row is in the part; give a larger part")
 
     def batched(self, draws: Iterator[Draw]) -> Iterator[Draw]:
-        """Yield draws, and record their batches: when a task is needed, all tasks of its batch are made."""
+        """Yield draws, and record their batches: when a task is needed, all tasks of its batch are created."""
         for batch in growing_batches(draws, BATCH):
             if len(self._batches) > NOTED:
                 self._batches.clear()

@@ -15,7 +15,7 @@ from prag_asp.program.facts import Facts
 from prag_asp.rl.curriculum.task_pool import Proposal, TaskPool, Word
 
 State = dict[str, Any]
-"""The state of a sampler, as values of JSON."""
+"""The state of a sampler, as JSON values."""
 
 
 class Attempt(NamedTuple):
@@ -54,7 +54,7 @@ class TaskSampler(Protocol):
         """Return the progress as a few numbers or words."""
 
     def state_dict(self) -> State:
-        """Return the state as values of JSON."""
+        """Return the state as JSON values."""
 
     def load_state_dict(self, state: State) -> None:
         """Continue from a state of `state_dict`."""
@@ -67,7 +67,7 @@ class SubgoalSampler(Protocol):
         """Reset the sampler."""
 
     def stage(self, stages: int) -> tuple[int, Fraction]:
-        """Return the initial subgoal of a task of `stages` subgoals, from 0, and its exact probability."""
+        """Return the initial subgoal, from 0, of a task with `stages` subgoals, and its exact probability."""
 
     def update(self, result: EpisodeResult) -> None:
         """Record the result of an episode."""
@@ -76,7 +76,7 @@ class SubgoalSampler(Protocol):
         """Return the progress as a few numbers or words."""
 
     def state_dict(self) -> State:
-        """Return the state as values of JSON."""
+        """Return the state as JSON values."""
 
     def load_state_dict(self, state: State) -> None:
         """Continue from a state of `state_dict`."""
@@ -130,7 +130,7 @@ class DomainWeightsSampler:
         return {}
 
     def state_dict(self) -> State:
-        """Return the state as values of JSON."""
+        """Return the state as JSON values."""
         return {"seed": self._seed, "taken": self._taken}
 
     def load_state_dict(self, state: State) -> None:

@@ -42,7 +42,7 @@ class Probability(Fraction):
 class EpisodeStart:
     """The task of an episode with its subgoals and texts, and the `stage`, the number of the initial subgoal.
 
-    `chance` is the probability of the stage if it was sampled; `named` is set if the options name it.
+    `chance` is the probability of the stage if the stage was sampled; `named` is set if the options name the stage.
     """
 
     assignment: Assignment
@@ -142,7 +142,7 @@ class EpisodeSampler:
         return {**self._source.summary(), **(self._subgoals.summary() if self._subgoals is not None else {})}
 
     def state_dict(self) -> dict[str, Any]:
-        """Return the state of the samplers as values of JSON."""
+        """Return the state of the samplers as JSON values."""
         return {
             "source": self._source.state_dict(),
             "subgoals": None if self._subgoals is None else self._subgoals.state_dict(),
@@ -158,7 +158,7 @@ class EpisodeSampler:
         """Return a given task with its witness, which is searched for if it is not given.
 
         Raises:
-            QueryError: the task is not of the domain, or has no witness.
+            QueryError: the task does not belong to the domain, or has no witness.
         """
         if not isinstance(task, Task) or not isinstance(witness, Witness | None):
             raise QueryError(f"a task is a Task, a witness that of a task; got {task!r:.80} and {witness!r:.80}")

@@ -9,10 +9,10 @@ from pathlib import Path
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.domain.load import Domain, load_domain
 from prag_asp.errors import QueryError
+from prag_asp.exact_numbers import Number
 from prag_asp.rl.tasks.task_origin import Curricula, Split, TaskOrigin
 from prag_asp.space.parts.ranked_tasks import RankedTasks
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.weights.weights import Number
 from prag_asp.space.without_replacement import Division
 from prag_asp.task import Task
 

@@ -83,7 +83,7 @@ class TaskOrigin:
         self._curriculum_with("subgoal_sampler")
 
     def domain(self, requested: Domain | str | None) -> Domain:
-        """Return the domain of the tasks; that of a single task may be `requested`.
+        """Return the domain of the tasks; the domain of a single task may be `requested`.
 
         Raises:
             QueryError: a domain is given with other tasks, or is invalid.

@@ -32,8 +32,8 @@ class Assignment(NamedTuple):
     """A task for the agent with a witness, and its rank among all tasks of its length, if known.
 
     `probability` is the exact probability of the sample, or None if the task was not sampled; `rejected` counts the
-    samples since the last assignment that are infeasible or not in the part. `texts` are those of a dataset. `scenario`
-    identifies the task and its initial state, if the space or the dataset is known.
+    samples since the last assignment that are infeasible or not in the part. `texts` are the texts stored in a dataset.
+    `scenario` identifies the task and its initial state, if the space or the dataset is known.
     """
 
     task: Task
@@ -72,7 +72,7 @@ class TaskSource(Protocol):
         """Return the progress of its curriculum."""
 
     def state_dict(self) -> State:
-        """Return the state as values of JSON."""
+        """Return the state as JSON values."""
 
     def load_state_dict(self, state: State) -> None:
         """Continue from a state of `state_dict`."""
@@ -185,7 +185,7 @@ def require_rank(rank: object, count: int) -> int:
 
 
 class SpaceSource:
-    """Samples the tasks of a pool by a curriculum, and rejects those without a witness.
+    """Samples the tasks of a pool by a curriculum, and rejects tasks without a witness.
 
     Unless `trivial`, it also rejects tasks whose final state is the initial state.
     """
@@ -256,7 +256,7 @@ class SpaceSource:
         return self._sampler.summary()
 
     def state_dict(self) -> State:
-        """Return the state as values of JSON."""
+        """Return the state as JSON values."""
         return {"seed": self._seed, "number": self._number, "sampler": self._sampler.state_dict()}
 
     def load_state_dict(self, state: State) -> None:
@@ -306,7 +306,7 @@ class DatasetSource:
         return {}
 
     def state_dict(self) -> State:
-        """Return the state as values of JSON."""
+        """Return the state as JSON values."""
         return {"rng": dict(self._rng.bit_generator.state)}
 
     def load_state_dict(self, state: State) -> None:

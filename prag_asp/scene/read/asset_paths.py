@@ -1,6 +1,6 @@
 """Find the files that a model names, by the path conventions of PyBullet, ROS and model folders.
 
-A path is relative to the folder of the model or to one above it, the nearest first, as PyBullet resolves it. In
+A path is relative to the folder of the model or to a folder above it, the nearest first, as PyBullet resolves it. In
 ``package://NAME/PATH`` and ``model://NAME/PATH``, NAME is also a folder, or the package that contains the model, whose
 folder may have another name here. Files outside the folder of the domain are not found.
 """

@@ -34,7 +34,8 @@ ANGLES = (5.0, 150.0)
 """The smallest and the largest field of view in degrees; a pinhole camera has less than 180."""
 
 PIXELS = (16, 2048)
-"""The smallest and the largest side of an image in pixels: policies need no more, and the software renderer is slow."""
+"""The smallest and the largest side of an image in pixels: policies need no larger images, and the software renderer is
+slow."""
 
 RANGE = (0.005, 100.0)
 """The smallest and the largest distance of a clipping plane, in metres."""

@@ -70,7 +70,7 @@ def convex_hull(points: Floats) -> Floats:
 
 
 def _tetrahedron(points: Floats) -> list[int]:
-    """Return the indices of four points that span a tetrahedron, each the farthest from those before it."""
+    """Return the indices of four points that span a tetrahedron, each the farthest from the previous ones."""
     first = int(points[:, 0].argmin())
     second = int(np.linalg.norm(points - points[first], axis=1).argmax())
     along = (points[second] - points[first]) / np.linalg.norm(points[second] - points[first])

@@ -50,7 +50,7 @@ def read_own(section: TableEntry, names: DomainNames) -> dict[str, Own]:
 
 
 def _predicate(entry: TableEntry, name: str, names: DomainNames) -> Own | None:
-    """Return a predicate, or None if the kind of its definition is not clear from the table."""
+    """Return a predicate, or None if the table does not make clear how it is defined."""
     if not entry.is_table("with arguments, and boxes or python"):
         return None
     if name in PREDICATE_ROLES or name == IGNORED:

@@ -165,7 +165,7 @@ def _weighed(
 def _resting(
     section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape], fixed: Collection[str]
 ) -> dict[str, Shape]:
-    """Return the shapes at rest of the movable bodies with a model; report the bodies that roll on."""
+    """Return the shapes at rest of the movable bodies with a model; report the bodies that do not come to rest."""
     models = {entity: shape for entity, shape in shapes.items() if shape.model is not None and entity not in fixed}
     if not models:
         return {}
@@ -203,7 +203,7 @@ def _rotations(section: TableEntry) -> dict[str, float]:
 
 
 def _ranges(section: TableEntry) -> Ranges:
-    """Return the ranges of domain randomization; a missing one is the default."""
+    """Return the ranges of domain randomization; a missing range has its default."""
     usual, (low, high) = Ranges(), FACTORS
     section.require_known(Ranges._fields)
     ranges: dict[str, Any] = {}
@@ -236,7 +236,7 @@ def _materials(section: TableEntry, names: DomainNames) -> dict[str, Material]:
 
 
 def _colors(section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape], top: str) -> dict[str, str]:
-    """Return the colour of every entity: its own, that of its class, or one that differs visibly from all others.
+    """Return the colour of every entity: its own, that of its class, or a colour that differs visibly from all others.
 
     `top` is the colour of the table.
     """

@@ -29,7 +29,7 @@ STABLE_DEPTH = 0.0025
 
 GRAZING, ROLLS = 0.0002, 0.0003
 """The height in metres up to which the lowest points of a body support it, and the distance of its centre of mass from
-them beyond which it rolls, as a lemon does until it lies on its belly: points in files are rounded."""
+them beyond which it rolls, like a lemon until it lies on its side: points in files are rounded."""
 
 TOUCHING = 1e-7
 """The height in metres up to which a point is on the ground, apart from rounding errors."""

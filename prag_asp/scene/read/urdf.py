@@ -43,7 +43,7 @@ MOST_SOLIDS = 1000
 
 
 PROLOGUE = re.compile(rb"((?:\xef\xbb\xbf|\s|<!--.*?-->)+)(<\?xml\s.*?\?>)", re.DOTALL)
-"""Characters that some files have before the XML declaration, where XML allows none."""
+"""Characters that some files contain before the XML declaration, where XML allows none."""
 
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 """The attributes of ``<inertia>``: the upper triangle of the matrix, by rows."""
@@ -95,7 +95,7 @@ def read_urdf(path: Path, folder: Path) -> Shape:
 def _looks(
     root: ElementTree.Element, frames: Mapping[ElementTree.Element, Frame | None], path: Path, folder: Path
 ) -> list[Look]:
-    """Return the visual parts of the links, or none if one cannot be read, because half a body would be misleading."""
+    """Return the visual parts of the links, or none if any cannot be read, because half a body would be misleading."""
     named = {material.get("name", ""): material for material in root.iter("material") if len(material)}
     looks = []
     try:

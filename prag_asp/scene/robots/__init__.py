@@ -1,4 +1,4 @@
-"""The robots: one file each; the rest of physics uses the same description for all."""
+"""The robots, one file each; the rest of physics uses the same kind of description for all robots."""
 
 from __future__ import annotations
 

@@ -31,8 +31,8 @@ FINGER_BOXES = (
 class KinematicsSolver(Protocol):
     """The closed-form kinematics of an arm with seven degrees of freedom, one of which is a free angle.
 
-    `last_resort` has free angles to try if no others give a solution, `weights` the costs of the joints' distances from
-    the robot's posture in the inverse kinematics.
+    `last_resort` holds free angles to try if no other angles give a solution, `weights` the costs of the joints'
+    distances from the robot's posture in the inverse kinematics.
     """
 
     last_resort: tuple[float, ...]
@@ -79,8 +79,8 @@ class Robot:
     inner and outer radius of the ring around the base, seen from above, in which the gripper can be at an object and
     above it, pointing straight down, at any yaw, up to `reach_height`. `payload` is the maximum mass that the arm may
     carry, in kilograms, `grip_force` the force of each finger, in newtons. `finger_names` are the links of the fingers,
-    each with its side; `finger_boxes` make up the left one, in its frame. `hand` is set if the gripper is a custom one.
-    `base` is the pose of the robot.
+    each with its side; `finger_boxes` make up the left finger, in its frame. `hand` is set if the gripper is
+    custom-made. `base` is the pose of the robot.
     """
 
     urdf: str

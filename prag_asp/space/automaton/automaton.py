@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.processes.progress_events import counted
 from prag_asp.space.automaton.walks import words_along
 
 KEPT_BYTES = 1 << 30
@@ -134,7 +135,7 @@ class Completions:
             place -= self._every
         row = self._kept[place]
         self._between = {}
-        for number in range(place + 1, left + 1):
+        for number in counted(range(place + 1, left + 1), "lengths"):
             row = self.following(row)
             if number % self._every:
                 self._between[number] = row
@@ -157,7 +158,7 @@ class Completions:
         """Return the same as `row` without caching the rows before it."""
         place = max(number for number in self._kept if number <= left)
         row = self._kept[place]
-        for _ in range(left - place):
+        for _ in counted(range(left - place), "lengths"):
             row = self.following(row)
         return row
 

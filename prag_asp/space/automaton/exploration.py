@@ -29,10 +29,11 @@ MOST, FEWEST = 16_384, 64
 """Bounds on the states expanded together: enough to amortise the overhead of NumPy, few enough for the memory."""
 
 MANY = 4096
-"""Number of states from which states too far from the end of a plan are pruned; below, pruning gains nothing."""
+"""Number of states above which states that are too far from the end of a plan are pruned; below it, pruning gains
+nothing."""
 
 FEW = 1 / 16
-"""Minimum share of states too far from the end for which pruning pays off."""
+"""Minimum share of states that are too far from the end for which pruning pays off."""
 
 ROOM = 2**26
 """Target for the maximum memory of the successors of states expanded together, in bytes."""

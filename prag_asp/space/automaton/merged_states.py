@@ -1,8 +1,8 @@
 """Words, ranks and samples of an automaton with states merged up to renaming of interchangeable entities.
 
 A path of the merged automaton stands for many words. A walk composes the renamings edge by edge, and expands each edge
-into the actions that it stands for. So words have the same order as in the automaton without merging. A unit of a joint
-group counts as an entity here, as in `Merging`.
+into the actions that it stands for. Words therefore have the same order as in the automaton without merging. A unit of
+a joint group counts as an entity here, as in `Merging`.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class _Branches:
 class MergedAutomaton:
     """An automaton with merged states.
 
-    `base` has no weights; `own` has the weight of each action that an edge stands for, shape (edges,), or is None if
+    `base` has no weights; `own` holds the weight of each action that an edge stands for, shape (edges,), or is None if
     all weights are 1.
     """
 

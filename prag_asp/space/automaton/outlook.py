@@ -41,7 +41,7 @@ def forecast_states(sizes: Sequence[int], further: int) -> float:
 class Outlook:
     """A forecast that notes once if the exploration of some steps will take long.
 
-    `names` has the action name of each letter; `width` is the number of 64-bit words of a state.
+    `names` holds the action name of each letter; `width` is the number of 64-bit words of a state.
     """
 
     tell: Callable[[str], None]

@@ -55,6 +55,14 @@ def count_by_recurrence(completions: Completions, length: int, check: LimitCheck
     return None
 
 
+def weight_of_length(completions: Completions, length: int) -> int:
+    """Return the weight of all words of a given length, by a recurrence if the length is large."""
+    if not completions.automaton.states:
+        return 0
+    weight = count_by_recurrence(completions, length)
+    return int(completions.last_row(length)[0]) if weight is None else weight
+
+
 def shortest_recurrence(terms: Sequence[int], prime: int) -> list[int] | None:
     """Return a[1], ..., a[d] with c(n) = a[1] c(n-1) + ... + a[d] c(n-d) modulo a prime, as residues nearest to 0.
 

@@ -2,8 +2,8 @@
 
 A state of the product is a state of each part. Its completions are the shuffles of completions of the parts: for n
 letters, their number is the sum, over all compositions of n into one length per part, of the multinomial coefficient
-times the product of the parts' numbers (Stanley, Enumerative Combinatorics 2, 5.1). So memory grows with the sum of the
-parts' states, not with their product.
+times the product of the parts' numbers (Stanley, Enumerative Combinatorics 2, 5.1). Memory therefore grows with the sum
+of the parts' states, not with their product.
 """
 
 from __future__ import annotations

@@ -105,7 +105,7 @@ class Has:
             which = _named_by_all(actions, facts)
             if not which and parsed.arguments is None:
                 which = str(number)
-            elif not which:  # the term has the entities that the pattern names
+            elif not which:  # the term contains the entities that the pattern names
                 arguments = (f'"{ANY}"' if argument == ANY else argument for argument in parsed.arguments or ())
                 which = f'("{parsed.name}",{",".join(arguments)})'
             yield from _counted(which, self.times, actions)
@@ -131,7 +131,7 @@ class Uses:
 
 @dataclass(frozen=True)
 class Names:
-    """Some action, or none, uses an entity of this kind: a special case of `Uses` with a smaller state."""
+    """Some action, or no action, uses an entity of this kind: a special case of `Uses` with a smaller state."""
 
     kind: str
     some: bool
@@ -203,7 +203,7 @@ class Part:
 
 @dataclass(frozen=True)
 class After:
-    """After `steps` actions (0: initially), fluents have these values; unknown ones become known in hindsight."""
+    """After `steps` actions (0: initially), fluents have these values; unknown values become known in hindsight."""
 
     steps: int
     formula: str

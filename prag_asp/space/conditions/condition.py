@@ -36,7 +36,7 @@ class Condition:
 
     @property
     def fewest_actions(self) -> int:
-        """A lower bound on the number of actions of a plan that satisfies it."""
+        """A lower bound on the number of actions of a plan that satisfies the condition."""
         from prag_asp.space.conditions.clause_kinds import fewest_actions
 
         return max(map(fewest_actions, self.clauses), default=0)

@@ -1,4 +1,4 @@
-"""Divide a task space into parts that share no skeleton, with shares as near to the requested ones as possible."""
+"""Divide a task space into parts that share no skeleton, with shares as close to the requested ones as possible."""
 
 from __future__ import annotations
 

@@ -223,7 +223,7 @@ class _UnrolledPlans:
         """Yield the letters, in order, that follow `word` in words that continue with `prefix`, each once known.
 
         Each letter is tried alone. After each failure, twice as many searches as before, starting with one, look for
-        any other letters, or prove that there are none. So n letters take at most n + 1 successful searches, and one
+        any other letters, or prove that there are none. Thus n letters take at most n + 1 successful searches, and one
         failed search for each doubling.
         """
         assumptions = self.assume((*word, *prefix))
@@ -314,7 +314,7 @@ class _UnrolledPlans:
                 handle.cancel()
                 raise
             handle.get()
-            # Models are numbered; the statistics have their number too, but take milliseconds to read.
+            # Models are numbered; the statistics also contain their number, but take milliseconds to read.
             last = handle.last()
         if answer is not None:
             return answer, None

@@ -34,8 +34,9 @@ class Draw:
 class Engine(Protocol):
     """An engine that counts, enumerates and samples the words of one domain at one level.
 
-    `prefix` has, for the first steps, the text of a letter or the name of several (see `name_in_prefix`). Words are in
-    lexicographic order of their letters: actions in clingo's order of terms, names in alphabetical order.
+    `prefix` holds, for each of the first steps, the text of a letter or the name of several letters (see
+    `name_in_prefix`). Words are in lexicographic order of their letters: actions in clingo's order of terms, names in
+    alphabetical order.
     """
 
     def count(self, length: int, prefix: Letters = ()) -> int:
@@ -89,7 +90,7 @@ def name_in_prefix(item: str, letters: Container[str]) -> str | None:
 
 
 def prefix_sets(prefix: Letters, numbers: Mapping[str, int], names: Sequence[str]) -> list[frozenset[int]]:
-    """Return the numbers of the letters that each item of a prefix allows; `names` has the name of each letter."""
+    """Return the numbers of the letters that each item of a prefix allows; `names` holds the name of each letter."""
     sets = []
     for item in prefix:
         name = name_in_prefix(item, numbers)

@@ -1,9 +1,9 @@
 """Domains that consist of independent parts: each part is explored separately, then their words are shuffled.
 
-A plan of the whole domain is a shuffle of one plan of each part. So the number of plans of length n is the sum, over
-all compositions of n into one length per part, of the multinomial coefficient times the product of the parts' counts
-(the product formula of exponential generating functions; Stanley, Enumerative Combinatorics 2, 5.1). This requires
-that the state of a part does not change while another part acts, which is tested on every state.
+A plan of the whole domain is a shuffle of one plan of each part. Therefore the number of plans of length n is the sum,
+over all compositions of n into one length per part, of the multinomial coefficient times the product of the parts'
+counts (the product formula of exponential generating functions; Stanley, Enumerative Combinatorics 2, 5.1). This
+requires that the state of a part does not change while another part acts, which is tested on every state.
 """
 
 from __future__ import annotations

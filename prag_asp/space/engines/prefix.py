@@ -16,7 +16,7 @@ from prag_asp.space.engines.engine import ALL, LEVELS, Level
 from prag_asp.space.plans.canonical_plan import canonical_prefix
 
 Prefix = Sequence[str | Atom]
-"""The first steps of a plan, each an action or the name of one."""
+"""The first steps of a plan, each an action or the name of an action."""
 
 
 def checked_level(by: Level) -> Level:
@@ -31,7 +31,7 @@ def checked_level(by: Level) -> Level:
 
 
 def engine_prefix(prefix: Prefix, by: Level, length: int, domain: Domain, model: DomainLogic) -> tuple[str, ...]:
-    """Return a prefix as the engines of a given level and length take it; tasks have canonical names of entities.
+    """Return a prefix in the form that engines of a level and length accept; tasks have canonical names of entities.
 
     `domain` has no conditions; `model` is the logic with them.
 

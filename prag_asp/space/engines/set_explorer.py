@@ -29,7 +29,7 @@ class SetWords:
     horizon: int | None = None
 
     def follow(self, layers: Layers, names: Sequence[int], length: int) -> None:
-        """Explore the sets within `length` steps; `names` has the number of each letter's name."""
+        """Explore the sets within `length` steps; `names` holds the number of each letter's name."""
         start = layers.only_start()
         numbers: dict[Node, int] = {}
         frontier = [start]

@@ -25,8 +25,8 @@ class SharpEngine:
     The sat engine enumerates words; ranks are computed from counts of words with a prefix.
 
     Raises:
-        EngineError: the model counter is not installed; each query raises it if the program cannot be translated to
-            clauses, or a count exceeds the time limit.
+        EngineError: the model counter is not installed; each query raises this error if the program cannot be
+        translated to clauses, or if a count exceeds the time limit.
     """
 
     def __init__(

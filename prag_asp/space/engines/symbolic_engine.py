@@ -24,7 +24,7 @@ from prag_asp.space.weights.weights import Weighed, Weights, edge_weights, refus
 def symbolic_engine(
     model: DomainLogic, level: Level, progress: Progress | None = None, limits: Limits = UNLIMITED
 ) -> Engine:
-    """Return the symbolic engine of one domain at one level; it caches its computations between queries.
+    """Return the symbolic engine of one domain at one level, which caches its computations between queries.
 
     Skeletons are the words of an automaton whose states are sets of states of the domain. Each set is a diagram, and
     usually few sets are reached.

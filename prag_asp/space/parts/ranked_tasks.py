@@ -10,15 +10,15 @@ from itertools import takewhile
 from typing import Protocol, overload
 
 from prag_asp.errors import QueryError
+from prag_asp.exact_numbers import Number
 from prag_asp.space.parts.shares import divided, parse_shares
 from prag_asp.space.parts.shuffle import Shuffle
-from prag_asp.space.weights.weights import Number
 from prag_asp.task import Task
 from prag_asp.wording import plural
 
 
 class Ranks(Protocol):
-    """Any number of distinct ranks in an order."""
+    """A sequence of any number of distinct ranks."""
 
     @property
     def size(self) -> int:
@@ -186,7 +186,7 @@ class RankedTasks:
 
 
 def checked_place(place: int, size: int) -> int:
-    """Return a place from 0 to size - 1; a negative one counts from the end.
+    """Return a place from 0 to size - 1; a negative place counts from the end.
 
     Raises:
         IndexError: there is no such place.

@@ -9,9 +9,9 @@ from itertools import accumulate, pairwise
 import clingo
 
 from prag_asp.errors import QueryError
+from prag_asp.exact_numbers import Number, parse_number
 from prag_asp.program.entity_names import action_name, mentioned_entities, refuse_ambiguous
 from prag_asp.program.facts import Facts
-from prag_asp.space.weights.weights import Number, parse_number
 
 
 def parse_shares(shares: Mapping[str, Number | float]) -> dict[str, Fraction]:

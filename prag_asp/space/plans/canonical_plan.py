@@ -13,7 +13,7 @@ from prag_asp.program.entity_names import mentioned_entities
 
 
 def canonical_names(plan: Iterable[clingo.Symbol], symmetries: Symmetries) -> dict[clingo.Symbol, clingo.Symbol]:
-    """Return canonical names for the interchangeable entities of a plan: the first one used gets the first name."""
+    """Return canonical names for the interchangeable entities of a plan: the first entity used gets the first name."""
     return symmetries.names(entity for action in plan for entity in mentioned_entities(action, symmetries.entities))
 
 

@@ -1,7 +1,7 @@
 """Exact sampling without replacement: each word by its weight among the remaining ones.
 
-The weights of the words already taken are summed for each prefix of choices and subtracted during a walk. So no draw is
-rejected, and sampling ends only when no weight remains.
+The weights of the words already taken are summed for each prefix of choices and subtracted during a walk. No draw is
+therefore rejected, and sampling ends only when no weight remains.
 """
 
 from __future__ import annotations

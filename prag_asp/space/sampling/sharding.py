@@ -51,7 +51,7 @@ class Deal:
         return own * self.of + self.number - 1
 
     def own(self, whole: int) -> int | None:
-        """Return the number within this shard of a draw by its overall number, or None if it is in another shard."""
+        """Return the number in this shard of the draw with an overall number, or None if it is in another shard."""
         own, remainder = divmod(whole - self.number + 1, self.of)
         return None if remainder else own
 

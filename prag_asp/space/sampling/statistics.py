@@ -18,10 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import QueryError
-from prag_asp.processes.progress_events import stage
+from prag_asp.processes.progress_events import counted, stage
 from prag_asp.program.entity_names import action_name, mentioned_entities
 from prag_asp.program.facts import Facts
 from prag_asp.space.automaton.automaton import Automaton, Completions, avoiding, positive
+from prag_asp.space.automaton.occurrences import occurrences_by_recurrence
+from prag_asp.space.automaton.recurrence import SHORTEST, weight_of_length
 from prag_asp.space.engines.engine import Engine, Level
 from prag_asp.space.sampling.streams import weighed_words
 from prag_asp.space.weights.weights import Weights
@@ -39,8 +41,8 @@ class Statistics:
     """Exact statistics of a random word of a level: a plan, a task or a skeleton of `length`, sampled by weight.
 
     `words` is the number of words of positive weight and `total_weight` the sum of their weights. `entropy` is in bits,
-    with 30 decimal places. The `expected` mappings have the expected numbers of occurrences of an action, a name and
-    two consecutive names; the `contains` mappings have the probability that a word contains an action, a name, an
+    with 30 decimal places. The `expected` mappings hold the expected numbers of occurrences of an action, a name and
+    two consecutive names; the `contains` mappings hold the probability that a word contains an action, a name, an
     entity, or an entity of a class. Actions, names and pairs that never occur are absent; entities and classes are
     complete. Skeletons have only names and pairs.
     """
@@ -71,10 +73,9 @@ def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights:
     name_of = letters if by == "skeleton" else tuple(_names(facts, letters))
     names = sorted(set(name_of))
     numbers = np.array([names.index(name) for name in name_of], dtype=np.int64)
-    transitions = crossings(weighed.completions, length)
     total = weighed.total(length)
-    occurring = _summed(transitions, weighed.automaton.letters, len(letters))
-    by_name = _summed(transitions, numbers[weighed.automaton.letters], len(names))
+    occurring = occurrences(weighed.completions, length, weighed.automaton.letters, len(letters))
+    by_name = _summed(occurring, numbers, len(names))
     pairs = consecutive(weighed.completions, length, numbers)
     own = {letter: {number} for number, letter in enumerate(letters)}
     entities, classes = ({}, {}) if by == "skeleton" else _mentions(facts, letters)
@@ -84,16 +85,19 @@ def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights:
 
     def containing(sets: Mapping[str, Collection[int]]) -> dict[str, Fraction]:
         others = {key: Completions(avoiding(weighed.automaton, excluded)) for key, excluded in sets.items()}
-        return {key: 1 - Fraction(int(other.last_row(length)[0]), total) for key, other in others.items()}
+        return {
+            key: 1 - Fraction(weight_of_length(others[key], length), total)
+            for key in counted(list(others), "probabilities")
+        }
 
     actions = {} if by == "skeleton" else shares(occurring, letters)
     named = shares(by_name, names)
     return Statistics(
         by,
         length,
-        int(Completions(replace(positive(weighed.automaton), weights=None)).last_row(length)[0]),
+        weight_of_length(Completions(replace(positive(weighed.automaton), weights=None)), length),
         total * weighed.unit,
-        entropy(weighed.automaton, transitions, total),
+        entropy(weighed.completions, length, total),
         actions,
         named,
         {(names[one], names[two]): Fraction(weight, total) for (one, two), weight in sorted(pairs.items())},
@@ -149,13 +153,19 @@ def _mentions(facts: Facts, letters: Sequence[str]) -> tuple[dict[str, set[int]]
     return by_entity, by_class
 
 
-def crossings(completions: Completions, length: int) -> list[int]:
-    """Return for each edge the weight of all words through it, counted once for each passage."""
-    automaton = completions.automaton
-    transitions = np.zeros(len(automaton.letters), dtype=object)
-    for step, over in enumerate(_forward(automaton, length)):
-        transitions += over * completions.row(length - step - 1)[automaton.targets].astype(object)
-    return list(transitions)
+def occurrences(completions: Completions, length: int, kinds: NDArray[np.int64], size: int) -> list[int]:
+    """Return for each kind of edge, from 0 to `size` - 1, the weight of all words, once for each edge of that kind.
+
+    `kinds` has shape (edges,).
+    """
+    marks = [(kinds == kind,) for kind in range(size)]
+    weights = occurrences_by_recurrence(completions.automaton, marks, length)
+    if weights is None:
+        crossings = np.zeros(len(kinds), dtype=object)
+        for step, over in _forward(completions.automaton, length):
+            crossings += over * completions.row(length - step - 1)[completions.automaton.targets].astype(object)
+        weights = _summed(crossings, kinds, size)
+    return weights
 
 
 def consecutive(completions: Completions, length: int, names: NDArray[np.int64]) -> dict[tuple[int, int], int]:
@@ -174,9 +184,14 @@ def consecutive(completions: Completions, length: int, names: NDArray[np.int64])
     counts = np.searchsorted(leaving, (coming // width + 1) * width) - first
     left = np.repeat(np.arange(len(coming)), counts)
     right = np.arange(len(left)) + np.repeat(first - np.cumsum(counts) + counts, counts)
+    if length > SHORTEST:
+        found = np.unique(np.stack([coming[left] % width, leaving[right] % width]), axis=1).T.tolist()
+        counts = occurrences_by_recurrence(automaton, [(named == one, named == two) for one, two in found], length)
+        if counts is not None:
+            return {(one, two): weight for (one, two), weight in zip(found, counts, strict=True) if weight}
     sums = np.zeros(len(left), dtype=object)
     factors = _factors(automaton)
-    for step, over in enumerate(_forward(automaton, length - 1)):
+    for step, over in _forward(automaton, length - 1):
         behind = factors * completions.row(length - step - 2)[automaton.targets].astype(object)
         before, after = _summed(over, into, len(coming)), _summed(behind, out_of, len(leaving))
         sums += np.array(before, dtype=object)[left] * np.array(after, dtype=object)[right]
@@ -220,32 +235,34 @@ def weight_without(
         automaton.accepting[states],
         None if automaton.weights is None else automaton.weights[left],
     )
-    return int(Completions(apart).last_row(length)[0])
+    return weight_of_length(Completions(apart), length)
 
 
-def entropy(automaton: Automaton, transitions: Sequence[int], total: int) -> Decimal:
+def entropy(completions: Completions, length: int, total: int) -> Decimal:
     """Return the entropy in bits of a word sampled by weight: log2 of the total minus the expected log2 of a weight.
 
-    `transitions` are the `crossings`. The expected numbers of edges are exact; only logarithms are rounded.
+    The expected numbers of edges are exact; only logarithms are rounded.
     """
-    by_weight: dict[int, int] = {}
-    for weight, passed in zip(_factors(automaton).tolist(), transitions, strict=True):
-        if passed:
-            by_weight[weight] = by_weight.get(weight, 0) + passed
+    factors = _factors(completions.automaton).tolist()
+    different = sorted({*factors} - {0, 1})
+    places = {weight: place for place, weight in enumerate(different, 1)}
+    kinds = np.array([places.get(weight, 0) for weight in factors], dtype=np.int64)
+    passed = occurrences(completions, length, kinds, len(different) + 1)[1:] if different else []
+    by_weight = dict(zip(different, passed, strict=True))
     with localcontext(Context(prec=2 * ENTROPY_PLACES + 20, Emax=MAX_EMAX, Emin=MIN_EMIN)):
         spent = sum((Decimal(passed) / total * Decimal(weight).ln() for weight, passed in by_weight.items()), Decimal())
         bits = (Decimal(total).ln() - spent) / Decimal(2).ln()
         return abs(bits.quantize(Decimal(1).scaleb(-ENTROPY_PLACES)))
 
 
-def _forward(automaton: Automaton, length: int) -> Iterator[Objects]:
-    """Yield for each step the weight of all paths that end with each edge."""
+def _forward(automaton: Automaton, length: int) -> Iterator[tuple[int, Objects]]:
+    """Yield for each step, from 0, the weight of all paths that end with each edge."""
     row = np.zeros(automaton.states, dtype=object)
     row[0] = 1
     factors = _factors(automaton)
-    for _ in range(length):
+    for step in counted(range(length), "steps"):
         over = row[automaton.sources] * factors
-        yield over
+        yield step, over
         row = np.array(_summed(over, automaton.targets, automaton.states), dtype=object)
 
 

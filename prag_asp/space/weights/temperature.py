@@ -8,8 +8,9 @@ from fractions import Fraction
 from typing import TypeVar
 
 from prag_asp.errors import QueryError
+from prag_asp.exact_numbers import Number, parse_number
 from prag_asp.integers import shortened
-from prag_asp.space.weights.weights import Number, Weights, parse_number
+from prag_asp.space.weights.weights import Weights
 
 INFINITE = "inf"
 LARGEST_DENOMINATOR = 10_000

@@ -6,10 +6,8 @@ distinct entity that it uses; the weight of an entity includes the weights of it
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from decimal import Decimal
 from fractions import Fraction
 from itertools import pairwise
 from math import lcm, prod
@@ -20,13 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.errors import QueryError
-from prag_asp.integers import shortened
+from prag_asp.exact_numbers import Number, parse_number
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.program.entity_names import action_name, mentioned_entities, refuse_ambiguous, shared_names
 from prag_asp.program.facts import Facts
 from prag_asp.program.predicates import FINDING, REQUEST
-from prag_asp.program.settings import MAX_EXPONENT
 from prag_asp.space.automaton.automaton import Automaton, Completions, Word
+from prag_asp.space.automaton.recurrence import weight_of_length
 from prag_asp.space.automaton.walks import Choice
 from prag_asp.wording import unknown
 
@@ -35,11 +33,6 @@ MOST_BITS, FEW_BITS = 1 << 19, 64
 
 Each state has a total for each number of remaining steps. In the domain `prag`, totals of this size take minutes.
 """
-
-Number = int | Fraction | Decimal | str
-
-EXPONENT = re.compile(r"[-+]?(?P<digits>[\d_.]*)(?:[eE](?P<exponent>[-+]?\d{1,18}))?\d*")
-"""A number as text; digits after an exponent of 18 digits do not matter."""
 
 MANY_KINDS = 1 << 61
 """Numbers of edge kinds are compressed above this bound, so that doubling them fits into 64 bits."""
@@ -133,32 +126,6 @@ def parse_weight(key: str, number: Number) -> Fraction:
     if weight < 0:
         raise QueryError(f"weight of {key!r}: {number} is below 0; weights start at 0, which means never")
     return weight
-
-
-def parse_number(what: str, number: Number) -> Fraction:
-    """Return an exact number as a fraction, read from decimal digits or from p/q; `what` names it in errors.
-
-    Raises:
-        QueryError: the value is not an exact number.
-    """
-    try:
-        if isinstance(number, (float, bool)):
-            raise ValueError
-        if _exponent(number) > MAX_EXPONENT:
-            raise QueryError(f"{what}: {shortened(str(number))} is out of range; write a number up to 1e{MAX_EXPONENT}")
-        return Fraction(number)
-    except (ValueError, ZeroDivisionError, TypeError, OverflowError):
-        raise QueryError(f"{what}: {number!r} is no exact number; write 2, '0.5' or '1/3'") from None
-
-
-def _exponent(number: Number) -> int:
-    """Return an upper bound on the number of digits before and after the decimal point, without expanding it."""
-    if isinstance(number, Decimal):
-        return abs(number.adjusted()) if number.is_finite() else 0
-    if isinstance(number, str):
-        parts = [EXPONENT.fullmatch(part.strip()) for part in number.split("/")]
-        return max((len(part["digits"]) - 1 + abs(int(part["exponent"] or 0)) for part in parts if part), default=0)
-    return max(abs(number.numerator).bit_length(), number.denominator.bit_length()) * 3 // 10
 
 
 def refuse_weights(level: str, weights: Weights, model: DomainLogic, length: int) -> None:
@@ -255,7 +222,7 @@ class Weighed:
         """Return the sum of the weights of all words of a given length, as a multiple of `unit`."""
         if self.ranking is not None:
             return self.ranking.total
-        return int(self.completions.row(length)[0]) if self.automaton.states else 0
+        return weight_of_length(self.completions, length)
 
 
 def edge_weights(actions: Sequence[clingo.Symbol], weights: Weights) -> tuple[list[Fraction], list[Fraction]]:

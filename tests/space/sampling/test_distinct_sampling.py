@@ -14,11 +14,11 @@ from typing import Any
 import pytest
 
 from prag_asp import QueryError, TaskSpace, load_domain
+from prag_asp.exact_numbers import Number
 from prag_asp.random_bits import SeededBits
 from prag_asp.space import distinct_sampling
 from prag_asp.space.distinct_sampling import distinct_order
 from prag_asp.space.sampling.remaining_words import RemainingWords
-from prag_asp.space.weights.weights import Number
 from prag_asp.space.without_replacement import Division, ordered_parts, with_tasks
 from tests.chance import Chance
 from tests.commands import run

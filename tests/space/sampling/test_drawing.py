@@ -19,12 +19,13 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from prag_asp import QueryError, Task, TaskSpace, load_domain
+from prag_asp.exact_numbers import Number
 from prag_asp.random_bits import SeededBits, uniform_below
 from prag_asp.space.automaton.automaton import Automaton, Completions
 from prag_asp.space.sampling import paths, samplers, streams
 from prag_asp.space.sampling.choice_table import exact_choice
 from prag_asp.space.sampling.samplers import WeightSampler
-from prag_asp.space.weights.weights import Number, Weighed
+from prag_asp.space.weights.weights import Weighed
 from tests.chance import Chance
 from tests.domains import domain_of
 from tests.space.sampling.test_sampling import expected_weight

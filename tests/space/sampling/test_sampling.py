@@ -11,8 +11,8 @@ from itertools import islice, pairwise
 import pytest
 
 from prag_asp import QueryError, TaskSpace, load_domain
+from prag_asp.exact_numbers import Number
 from prag_asp.space.engines.engine import Level
-from prag_asp.space.weights.weights import Number
 from tests.chance import Chance
 from tests.spaces import with_engine
 

@@ -14,9 +14,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from prag_asp import QueryError, TaskSpace, load_domain
+from prag_asp.exact_numbers import Number
 from prag_asp.space.engines.engine import LEVELS, Level
 from prag_asp.space.sampling.statistics import Statistics
-from prag_asp.space.weights.weights import Number
 from tests.brute_force import Toy, term
 from tests.chance import Chance, examples
 from tests.domains import domain_of
@@ -103,17 +103,28 @@ def test_the_entropy_of_a_uniform_draw_is_the_logarithm_of_the_count() -> None:
     assert sum(found.expected_pairs.values()) == 999
 
 
-def test_where_each_draw_is_free_figures_are_known() -> None:
+@pytest.mark.parametrize("length", [400, 10_000])
+def test_where_each_draw_is_free_figures_are_known(length: int) -> None:
     """Two actions without conditions, one three times as heavy: n coins, each with the entropy of one."""
     domain = domain_of("fluent(f). action(a). action(b).")
-    found = TaskSpace(domain, 400).statistics(weights={"a": "3/2", "b": "1/2"})
-    assert found.total_weight == 2**400
-    assert found.expected_names == {"a": 300, "b": 100}
-    assert found.expected_pairs["a", "b"] == 399 * Fraction(3, 16)
-    assert found.contains_name["b"] == 1 - Fraction(3, 4) ** 400
+    found = TaskSpace(domain, length).statistics(weights={"a": "3/2", "b": "1/2"})
+    assert found.total_weight == 2**length
+    assert found.expected_names == {"a": length * Fraction(3, 4), "b": length * Fraction(1, 4)}
+    assert found.expected_pairs["a", "b"] == (length - 1) * Fraction(3, 16)
+    assert found.contains_name["b"] == 1 - Fraction(3, 4) ** length
     with localcontext(Context(prec=60)):
         coin = 2 - Decimal(3).ln() / Decimal(2).ln() * 3 / 4
-        assert abs(found.entropy - 400 * coin) < Decimal("1e-29")
+        assert abs(found.entropy - length * coin) < Decimal("1e-29")
+
+
+@pytest.mark.parametrize("weights", [{}, {"grasp": 3, "rotate>rotate": "1/2", "drop": 0}])
+def test_the_recurrence_of_long_words_gives_the_figures_of_each_step(
+    monkeypatch: pytest.MonkeyPatch, weights: dict[str, Number]
+) -> None:
+    by_steps = TaskSpace(DOMAIN, 300).statistics(weights=weights, by="plan")
+    monkeypatch.setattr("prag_asp.space.automaton.recurrence.SHORTEST", 0)
+    monkeypatch.setattr("prag_asp.space.sampling.statistics.SHORTEST", 0)
+    assert TaskSpace(DOMAIN, 300).statistics(weights=weights, by="plan") == by_steps
 
 
 def test_draws_have_the_moments_that_the_figures_say(chance: Chance) -> None:
