@@ -186,7 +186,7 @@ def _on_planes(radius: float, long: float, axis: Vector, centre: Vector, window:
             # The normal of the side is there a combination of y and the normal of the plane.
             length, normal = math.hypot(axis[k], axis[1]), [0.0, axis[k], 0.0]
             normal[k] = -axis[1]
-            for out in (-radius / length, radius / length):
-                along = (left - out * normal[k]) / axis[k]
+            for share in (-radius / length, radius / length):
+                along = (left - share * normal[k]) / axis[k]
                 if abs(along) <= long:
-                    yield _point(_point(centre, along, axis), out, (normal[0], normal[1], normal[2]))
+                    yield _point(_point(centre, along, axis), share, (normal[0], normal[1], normal[2]))
