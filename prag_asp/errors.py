@@ -11,7 +11,8 @@ PragError
 │   ├── PicturesMissingError
 │   ├── DatasetsMissingError
 │   ├── LearningMissingError
-│   └── RayMissingError
+│   ├── RayMissingError
+│   └── SimilarityMissingError
 ├── NotFound           less was found than requested
 ├── WorkerError        processes that validate tasks died repeatedly, or could not be started
 └── OutputError        a result could not be written
@@ -116,6 +117,10 @@ class LearningMissingError(MissingError):
 
 class RayMissingError(MissingError):
     """Work on a cluster needs Ray."""
+
+
+class SimilarityMissingError(MissingError):
+    """String metrics need rapidfuzz."""
 
 
 class NotFound(PragError):

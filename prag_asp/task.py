@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NoReturn, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, Protocol, TypeVar
 
 from prag_asp.atom import Atom
+
+if TYPE_CHECKING:
+    from prag_asp.similarity.background import Background, Trace, UpTo
+    from prag_asp.similarity.measures import Distance
+    from prag_asp.similarity.task_comparison import TaskComparison
 
 State = Mapping[Atom, bool]
 """The known facts of a state: fluents that are not in it are unknown (they may have any value)."""
@@ -51,6 +56,14 @@ class FrozenDict(dict[Key, Value]):
     clear = pop = popitem = setdefault = update = _refuse
 
 
+class KnownDomain(Protocol):
+    """What knows the classes and the interchangeable entities of tasks; a task space does."""
+
+    @property
+    def background(self) -> Background:
+        """What comparisons of tasks use."""
+
+
 @dataclass(frozen=True)
 class Task:
     """A plan with the known facts of every state that it passes through.
@@ -87,3 +100,26 @@ class Task:
     def trivial(self) -> bool:
         """Whether the known facts of the final state are those of the initial state, so that waiting achieves it."""
         return not self.states or dict(self.states[-1]) == dict(self.initial)
+
+    def distance(
+        self, other: Trace, metric: str = "combined", *, within: KnownDomain | None = None, up_to: UpTo = "names"
+    ) -> Distance:
+        """Return the distance of two tasks by a metric, the least over renamings of interchangeable entities.
+
+        `metric` is a name in `prag_asp.similarity.METRICS`. `within` is a task space of the domain. Without it, classes
+        have no hierarchy, what an action needs is guessed from what it changes, and entities match by their names, or
+        by their classes with ``up_to="classes"``.
+
+        Raises:
+            QueryError: there is no such metric, or it does not compare such tasks.
+            SimilarityMissingError: the metric needs rapidfuzz, which is not installed.
+        """
+        return self.compare(other, metric, within=within, up_to=up_to).distance
+
+    def compare(
+        self, other: Trace, metric: str = "combined", *, within: KnownDomain | None = None, up_to: UpTo = "names"
+    ) -> TaskComparison:
+        """Return the comparison that `distance` makes: also the edits, the renaming, and a similarity from 0 to 1."""
+        from prag_asp.similarity.task_comparison import compare  # noqa: PLC0415 - a task alone needs no metrics
+
+        return compare(self, other, metric, None if within is None else within.background, up_to)

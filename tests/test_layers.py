@@ -61,7 +61,8 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "integers": frozenset(),
     "exact_numbers": frozenset(["errors", "integers"]),
     "atom": frozenset(["errors", "integers"]),
-    "task": frozenset(["errors", "atom", "integers"]),
+    "task": frozenset(["errors", "atom", "integers", "similarity"]),
+    "similarity": GROUND - {"task"},
     "program": GROUND - {"task"},
     "scene": GROUND - {"task"},
     "grammar": (GROUND - {"task"}) | {"program", "scene"},
@@ -74,15 +75,15 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "logic": (GROUND - {"task"}) | {"program", "domain"},
     "models": (GROUND - {"task"}) | {"program", "logic"},
     "planners": GROUND | {"program", "domain", "logic"},
-    "space": GROUND | {"program", "reduction", "domain", "logic"},
+    "space": GROUND | {"program", "reduction", "domain", "logic", "similarity"},
     "physics": GROUND | {"program", "scene", "domain"},
     "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
     "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
     "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
-    "analysis": GROUND | {"program", "domain", "logic", "space"},
+    "analysis": GROUND | {"program", "domain", "logic", "space", "similarity"},
     "cli": GROUND
     | {"program", "scene", "grammar", "pddl", "bddl", "reduction", "domain", "logic", "space", "models", "planners"}
-    | {"physics", "dataset", "evaluation", "analysis", "versions"},
+    | {"physics", "dataset", "evaluation", "analysis", "similarity", "versions"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""

@@ -17,6 +17,7 @@ from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
     from prag_asp.analysis.curve import Curve, Series, counts_by_length, draw_curve
+    from prag_asp.analysis.frequencies import Frequency, FrequencyTest, compare_frequencies
     from prag_asp.analysis.hamming import DistanceDistribution, hamming_distribution, mean_hamming
     from prag_asp.analysis.neighbours import NearestTask, count_neighbours, nearest_task
     from prag_asp.analysis.vendi import VendiScore, vendi_score
@@ -24,9 +25,12 @@ if TYPE_CHECKING:
 __all__ = [
     "Curve",
     "DistanceDistribution",
+    "Frequency",
+    "FrequencyTest",
     "NearestTask",
     "Series",
     "VendiScore",
+    "compare_frequencies",
     "count_neighbours",
     "counts_by_length",
     "draw_curve",
@@ -38,6 +42,7 @@ __all__ = [
 
 _HOMES = {
     "prag_asp.analysis.curve": ("Curve", "Series", "counts_by_length", "draw_curve"),
+    "prag_asp.analysis.frequencies": ("Frequency", "FrequencyTest", "compare_frequencies"),
     "prag_asp.analysis.hamming": ("DistanceDistribution", "hamming_distribution", "mean_hamming"),
     "prag_asp.analysis.neighbours": ("NearestTask", "count_neighbours", "nearest_task"),
     "prag_asp.analysis.vendi": ("VendiScore", "vendi_score"),

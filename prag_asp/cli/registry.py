@@ -24,6 +24,7 @@ COMMANDS = {
     "compare": "evaluate",
     "completion": "completion",
     "count": "count",
+    "diversity": "diversity",
     "domains": "domains",
     "enumerate": "enumerate",
     "evaluate": "evaluate",
@@ -50,7 +51,7 @@ COMMANDS = {
 
 GROUPS = {
     "Define": ("domains", "new", "check", "import", "explain"),
-    "Count and sample": ("count", "task", "sample", "enumerate", "scenario", "split", "stats"),
+    "Count and sample": ("count", "task", "sample", "enumerate", "scenario", "split", "stats", "diversity"),
     "Check by physics": ("validate", "learn", "render"),
     "Data": ("generate", "merge", "verify", "suite", "export"),
     "Learn and evaluate": ("evaluate", "compare", "power"),

@@ -31,6 +31,7 @@ from prag_asp.task import Task
 
 if TYPE_CHECKING:
     from prag_asp.logic.formula.approximate import Estimate
+    from prag_asp.similarity.background import Background
     from prag_asp.space.parts.ranked_tasks import RankedTasks
     from prag_asp.space.plans.readings import Readings
     from prag_asp.space.sampling.samplers import Over
@@ -111,6 +112,16 @@ class TaskSpace:
     def symmetries(self) -> Symmetries:
         """The interchangeable entities and units; tasks are plans up to the renamings that these generate."""
         return self.engines.model.symmetries(self.length)
+
+    @property
+    def background(self) -> Background:
+        """The classes, preconditions and interchangeable entities, for distances between tasks."""
+        from prag_asp.space.plans.task_background import background_of
+
+        model, length = self.engines.model, max(self.lengths)
+        return self.engines.latest(
+            "background", length, lambda: background_of(model.domain.facts, model.symmetries(length))
+        )
 
     def __repr__(self) -> str:
         length = self.lengths[0] if len(self.lengths) == 1 else spelled_lengths(self.lengths)

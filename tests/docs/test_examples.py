@@ -99,6 +99,7 @@ def test_sessions_and_examples_import_public_names_alone() -> None:
         "prag_asp.physics",
         "prag_asp.rl",
         "prag_asp.rl.wrappers",
+        "prag_asp.similarity",
     }
 
 

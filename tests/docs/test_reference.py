@@ -16,6 +16,7 @@ import prag_asp.dataset
 import prag_asp.evaluation
 import prag_asp.physics
 import prag_asp.rl
+import prag_asp.similarity
 from prag_asp import TaskSpace, load_domain
 from prag_asp.cli import cli
 from prag_asp.dataset import feasible, write_line
@@ -49,7 +50,7 @@ def test_the_options_name_every_rule() -> None:
     assert {path.stem for path in (ROOT / "encodings" / "rules").glob("*.lp") if f"`{path.stem}" not in text} == set()
 
 
-PACKAGES = (prag_asp, prag_asp.dataset, prag_asp.physics, prag_asp.rl, prag_asp.evaluation)
+PACKAGES = (prag_asp, prag_asp.similarity, prag_asp.dataset, prag_asp.physics, prag_asp.rl, prag_asp.evaluation)
 
 
 @pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.__name__)

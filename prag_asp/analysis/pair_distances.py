@@ -1,0 +1,185 @@
+"""Distances of all pairs of tasks, up to renaming, in blocks of bounded memory.
+
+    tasks -> features, each once -> renamed features (one for each renaming that matters) -> table of codes
+          -> block of rows x renamed columns -> least of each column's renamings -> matrix, neighbours, ...
+
+Which renamings matter depends on the entities of the row alone, so rows are grouped by them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from prag_asp.processes.progress_events import so_far, stage
+from prag_asp.similarity.background import Background, Trace, UpTo
+from prag_asp.similarity.distance_tables import DistanceTable, Numbers, Values
+from prag_asp.similarity.edit_arrays import small_type
+from prag_asp.similarity.features import Feature
+from prag_asp.similarity.metrics import Metric, metric_of
+from prag_asp.similarity.symbols import entities_in, renamer
+
+if TYPE_CHECKING:
+    from prag_asp.task import KnownDomain
+
+ROWS, COLUMNS = 128, 256
+"""Features and renamed features of a block: its arrays of two bytes for each pair stay in the cache of a core."""
+
+STRIPE = 1 << 22
+"""Pairs of tasks in the rows that are expanded together: 32 MB of floats."""
+
+
+@dataclass(frozen=True)
+class Images:
+    """The renamed features of all features against one group of rows: `starts[k]` is where those of feature k begin."""
+
+    numbers: Numbers
+    starts: Numbers
+
+    def of(self, first: int, last: int) -> tuple[Numbers, Numbers]:
+        """Return the images of the features from `first` to `last`, and where those of each begin."""
+        starts = self.starts[first : last + 1]
+        return self.numbers[starts[0] : starts[-1]], starts[:-1] - starts[0]
+
+
+@dataclass(frozen=True)
+class PairDistances:
+    """The distances of all pairs of some tasks.
+
+    `place` maps each task to its feature; several tasks can have one. `groups` are the images of all features for each
+    group of rows, with the features of the group, which follow each other.
+    """
+
+    metric: Metric
+    table: DistanceTable
+    place: Numbers
+    groups: tuple[tuple[range, Images], ...]
+
+    @property
+    def count(self) -> int:
+        """The number of tasks."""
+        return len(self.place)
+
+    @property
+    def features(self) -> int:
+        """The number of different features."""
+        return self.groups[-1][0].stop if self.groups else 0
+
+    @property
+    def kind(self) -> type[Any]:
+        """The type of distances in arrays."""
+        return small_type(self.table.largest) if self.table.denominator else np.float32
+
+    @cached_property
+    def plain(self) -> Numbers:
+        """The number in the table of each feature without renaming."""
+        return np.array([images.numbers[images.starts[at]] for own, images in self.groups for at in own], dtype=np.intp)
+
+    def block(self, rows: range, columns: range) -> Values:
+        """Return the distances of two ranges of features; the rows are in one group."""
+        images = next(images for own, images in self.groups if rows.start in own)
+        numbers, starts = images.of(columns.start, columns.stop)
+        found = self.table.block(self.plain[rows.start : rows.stop], numbers)
+        return found if len(numbers) == len(columns) else np.minimum.reduceat(found, starts, axis=1)
+
+    def blocks(self, *, upper: bool) -> Iterator[tuple[range, range, Values]]:
+        """Yield blocks that cover all pairs of features; with `upper`, only those on and above the diagonal."""
+        done, whole = 0, self.features**2
+        for rows in self._row_ranges():
+            for columns in self._column_ranges(rows, rows.start if upper else 0):
+                yield rows, columns, self.block(rows, columns)
+            done += len(rows) * (2 * (self.features - rows.start) - len(rows) if upper else self.features)
+            so_far(f"{done / whole:.0%} of {self.count:,} x {self.count:,} tasks")
+
+    def _row_ranges(self) -> Iterator[range]:
+        for own, _ in self.groups:
+            yield from (range(at, min(at + ROWS, own.stop)) for at in range(own.start, own.stop, ROWS))
+
+    def _column_ranges(self, rows: range, first: int) -> Iterator[range]:
+        starts = next(images.starts for own, images in self.groups if rows.start in own)
+        while first < self.features:
+            last = max(int(np.searchsorted(starts, starts[first] + COLUMNS, side="right")) - 1, first + 1)
+            yield range(first, min(last, self.features))
+            first = last
+
+    def square(self) -> Values:
+        """Return the distances of all features, shape (features, features), in units."""
+        stage("comparing tasks")
+        values = np.zeros((self.features, self.features), self.kind)
+        for rows, columns, block in self.blocks(upper=True):
+            values[rows.start : rows.stop, columns.start : columns.stop] = block
+            values[columns.start : columns.stop, rows.start : rows.stop] = block.T
+        return values
+
+    def stripes(self) -> Iterator[tuple[range, Values]]:
+        """Yield the distances of ranges of tasks to all tasks, in order, without a whole matrix."""
+        stage("comparing tasks")
+        step = max(STRIPE // max(self.count, 1), 1)
+        for first in range(0, self.count, step):
+            tasks = range(first, min(first + step, self.count))
+            needed, inverse = np.unique(self.place[tasks.start : tasks.stop], return_inverse=True)
+            values = np.empty((len(needed), self.features), self.kind)
+            for row, at in enumerate(needed.tolist()):
+                for columns in self._column_ranges(range(at, at + 1), 0):
+                    values[row, columns.start : columns.stop] = self.block(range(at, at + 1), columns)[0]
+            so_far(f"{tasks.stop:,} of {self.count:,} tasks")
+            yield tasks, values[inverse][:, self.place]
+
+
+def pair_distances(
+    tasks: Sequence[Trace],
+    metric: str | Metric = "combined",
+    within: KnownDomain | None = None,
+    up_to: UpTo = "names",
+) -> PairDistances:
+    """Return the distances of all pairs of tasks, to be computed in blocks; arguments are those of `Task.distance`.
+
+    Raises:
+        QueryError: there is no such metric, or it does not compare such tasks.
+        SimilarityMissingError: the metric needs rapidfuzz, which is not installed.
+    """
+    stage("reading tasks")
+    found = metric if isinstance(metric, Metric) else metric_of(metric)
+    background = within.background if within is not None else Background.of_tasks(tasks, up_to)
+    features = [found.features(task, background) for task in tasks]
+    entities = background.interchange.entities
+    mentioned = {feature: tuple(dict.fromkeys(entities_in(feature, entities))) for feature in features}
+    ordered = sorted(mentioned, key=lambda feature: sorted(mentioned[feature]))
+    groups: dict[frozenset[str], list[int]] = {}
+    for number, feature in enumerate(ordered):
+        groups.setdefault(frozenset(mentioned[feature]), []).append(number)
+    numbers: dict[Feature, int] = {}
+    listed = []
+    for fixed, members in groups.items():
+        listed.append((range(members[0], members[-1] + 1), _images(ordered, mentioned, background, fixed, numbers)))
+    table = found.measure(background).table(tuple(numbers))
+    number_of = {feature: number for number, feature in enumerate(ordered)}
+    place = np.array([number_of[feature] for feature in features], dtype=np.intp)
+    return PairDistances(found, table, place, tuple(listed))
+
+
+def _images(
+    ordered: Sequence[Feature],
+    mentioned: dict[Feature, tuple[str, ...]],
+    background: Background,
+    fixed: frozenset[str],
+    numbers: dict[Feature, int],
+) -> Images:
+    """Return the images of features that matter against rows with the entities `fixed`; `numbers` numbers them."""
+    renamers: dict[tuple[str, ...], list[Any]] = {}
+    by_names: dict[frozenset[tuple[str, str]], Any] = {}
+    images: list[int] = []
+    starts = [0]
+    for feature in ordered:
+        names = mentioned[feature]
+        if names not in renamers:
+            renamings = background.interchange.renamings(names, fixed)
+            renamers[names] = [by_names.setdefault(frozenset(each.items()), renamer(each)) for each in renamings]
+        renamed = (rename(feature) for rename in renamers[names])
+        images += dict.fromkeys(numbers.setdefault(each, len(numbers)) for each in renamed)
+        starts.append(len(images))
+    return Images(np.array(images, dtype=np.intp), np.array(starts, dtype=np.intp))

@@ -1,0 +1,85 @@
+"""What a comparison of tasks may use beyond the tasks: classes, interchangeable entities, preconditions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal, Protocol
+
+from prag_asp.atom import Atom
+from prag_asp.errors import QueryError
+from prag_asp.similarity.class_tree import ClassTree
+from prag_asp.similarity.interchange import Interchange
+
+FactValues = Mapping[Atom, bool]
+"""Known facts with their values."""
+
+UpTo = Literal["names", "classes"]
+"""Which entities of tasks without a domain are interchangeable: none, or those of one class."""
+
+
+class Trace(Protocol):
+    """The part of a task that metrics read; `prag_asp.Task` has it."""
+
+    @property
+    def actions(self) -> tuple[Atom, ...]:
+        """The actions."""
+
+    @property
+    def entities(self) -> Mapping[str, str]:
+        """The entities with their classes."""
+
+    @property
+    def initial(self) -> FactValues:
+        """The known facts of the initial state."""
+
+    @property
+    def states(self) -> tuple[FactValues, ...]:
+        """The known facts after each action."""
+
+    @property
+    def subgoals(self) -> tuple[FactValues, ...]:
+        """The facts that each action itself makes true or false."""
+
+
+@dataclass(frozen=True)
+class Background:
+    """What is known of a domain: `classes` of entities, `parents` of classes, interchangeable entities.
+
+    `preconditions` maps each action to the facts that it needs; None means that they are unknown.
+    """
+
+    classes: Mapping[str, str] = field(default_factory=dict)
+    parents: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    interchange: Interchange[str] = field(default_factory=Interchange)
+    preconditions: Mapping[Atom, FactValues] | None = None
+
+    @cached_property
+    def tree(self) -> ClassTree:
+        """The tree of the classes."""
+        return ClassTree(self.classes, self.parents)
+
+    @classmethod
+    def of_tasks(cls, tasks: Iterable[Trace], up_to: UpTo = "names") -> Background:
+        """Return what is known from tasks alone: no class is above another.
+
+        No two entities are interchangeable, or, with ``classes``, all entities of a class are.
+
+        Raises:
+            QueryError: two tasks have an entity of the same name in different classes, or `up_to` is neither.
+        """
+        classes: dict[str, str] = {}
+        for task in tasks:
+            for entity, name in task.entities.items():
+                if classes.setdefault(entity, name) != name:
+                    raise QueryError(
+                        f"{entity} is of class {classes[entity]} in one task and of class {name} in another; compare "
+                        "tasks of one domain"
+                    )
+        if up_to not in ("names", "classes"):
+            raise QueryError(f"up_to={up_to!r}: write 'names' or 'classes'")
+        members: dict[str, list[str]] = {}
+        for entity in sorted(classes) if up_to == "classes" else ():
+            members.setdefault(classes[entity], []).append(entity)
+        return cls(classes, {}, Interchange(tuple(tuple(each) for each in members.values() if len(each) > 1)))

@@ -1,0 +1,78 @@
+"""The tree of classes, and how far two entities and two actions are apart in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+
+from prag_asp.atom import Atom, parse_atom
+
+ROOT = ""
+"""The class above all classes that have no other above them."""
+
+LEAST_DIAMETER = 4
+"""Edges between entities of two classes right below the root: entity, class, root, class, entity."""
+
+
+@dataclass(frozen=True)
+class ClassTree:
+    """Entities with their classes, and classes with those right above them.
+
+    The distance of two entities is the number of edges on the shortest path between them, divided by that of the
+    longest one between entities of any two classes (Rada et al. 1989): 0 for the same entity, 1 for the farthest
+    classes. Without `parents`, that is 1/2 within a class and 1 otherwise. Shortest paths in a graph are a metric.
+    """
+
+    classes: Mapping[str, str]
+    parents: Mapping[str, tuple[str, ...]]
+
+    @cached_property
+    def _paths(self) -> Mapping[str, Mapping[str, int]]:
+        """The number of edges between two classes."""
+        names = {*self.classes.values(), *self.parents, *(each for above in self.parents.values() for each in above)}
+        edges: dict[str, set[str]] = {name: set() for name in (*names, ROOT)}
+        for name in names:
+            for above in self.parents.get(name, ()) or (ROOT,):
+                edges[name].add(above)
+                edges[above].add(name)
+        paths: dict[str, dict[str, int]] = {}
+        for name in edges:
+            paths[name] = {name: 0}
+            for place in (queue := [name]):
+                for near in sorted(edges[place]):
+                    if near not in paths[name]:
+                        paths[name][near] = paths[name][place] + 1
+                        queue.append(near)
+        return paths
+
+    @cached_property
+    def diameter(self) -> int:
+        """The number of edges between entities of the classes that are farthest apart."""
+        longest = max((max(lengths.values()) for name, lengths in self._paths.items() if name != ROOT), default=0)
+        return max(2 + longest, LEAST_DIAMETER)
+
+    def entity_distance(self, one: str, other: str) -> Fraction:
+        """Return how far two entities are apart, from 0 to 1."""
+        if one == other:
+            return Fraction(0)
+        return Fraction(2 + self._paths[self.classes[one]][self.classes[other]], self.diameter)
+
+    def atom_distance(self, one: Atom, other: Atom) -> Fraction:
+        """Return the mean distance of the arguments of two actions or facts, or 1 if their names or arities differ."""
+        if one == other:
+            return Fraction(0)
+        if one.name != other.name or len(one.arguments) != len(other.arguments):
+            return Fraction(1)
+        distances = [self._term_distance(*pair) for pair in zip(one.arguments, other.arguments, strict=True)]
+        return sum(distances, Fraction(0)) / len(distances)
+
+    def _term_distance(self, one: str, other: str) -> Fraction:
+        if one == other:
+            return Fraction(0)
+        if one in self.classes and other in self.classes:
+            return self.entity_distance(one, other)
+        if "(" in one and "(" in other and '"' not in one + other and not {one, other} & {*self.classes}:
+            return self.atom_distance(parse_atom(one), parse_atom(other))
+        return Fraction(1)

@@ -1,0 +1,118 @@
+"""Costs of edits: what it costs to replace, insert or delete an action or a state."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import lcm
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.errors import QueryError
+from prag_asp.similarity.background import Background
+from prag_asp.similarity.symbols import Symbol
+
+Cost = Callable[[Symbol, Symbol], Fraction]
+"""The cost of replacing one symbol by another; None in place of a symbol means to insert or to delete."""
+
+LARGEST = 2**62
+"""Bound of costs in integer units, so that sums of two distances fit in 64 bits."""
+
+
+def unit_cost(background: Background) -> Cost:
+    """Return the cost 1 of every edit (Levenshtein 1966)."""
+    return lambda one, other: Fraction(int(one != other))
+
+
+def class_cost(background: Background) -> Cost:
+    """Return the cost of replacing an action: the distance of its arguments in the tree of classes.
+
+    Inserting, deleting, and replacing by an action of another name cost 1.
+    """
+
+    def cost(one: Symbol, other: Symbol) -> Fraction:
+        if one is None or other is None:
+            return Fraction(int(one is not other))
+        return background.tree.atom_distance(one, other)
+
+    return cost
+
+
+def effect_cost(background: Background) -> Cost:
+    """Return the cost of replacing an action by what it changes: (1 + the Jaccard distance of the effects) / 2.
+
+    The 1 distinguishes different actions with the same effects. Symbols are actions with their effects.
+    """
+
+    def cost(one: Symbol, other: Symbol) -> Fraction:
+        if one is None or other is None or one == other:
+            return Fraction(int(one != other))
+        union = len(one[1] | other[1])
+        return (1 + (Fraction(len(one[1] ^ other[1]), union) if union else Fraction(0))) / 2
+
+    return cost
+
+
+def state_cost(one: Symbol, other: Symbol) -> Fraction:
+    """Return the number of facts in which two states differ; inserting or deleting a state costs its facts plus 1.
+
+    This is a metric: a state is a set with one more element than its facts, and nothing is the empty set.
+    """
+    if one is None or other is None:
+        return Fraction(0 if one is other else 1 + len(other if one is None else one))
+    return Fraction(len(one ^ other))
+
+
+@dataclass(frozen=True)
+class CostTable:
+    """The costs between symbols as integers in units of 1 / `denominator`.
+
+    `costs` has shape (symbols + 1, symbols + 1); the last row and column are those of inserting and deleting.
+    """
+
+    symbols: tuple[Symbol, ...]
+    costs: NDArray[np.int64]
+    denominator: int
+
+    @classmethod
+    def of(cls, symbols: Sequence[Symbol], cost: Cost) -> CostTable:
+        """Return the costs between some symbols.
+
+        Raises:
+            QueryError: the costs have no common denominator that fits in 64 bits.
+        """
+        everything = (*symbols, None)
+        rows = [[cost(one, other) for other in everything] for one in everything]
+        denominator = lcm(*{value.denominator for row in rows for value in row})
+        scaled = [[int(value * denominator) for value in row] for row in rows]
+        if max(map(max, scaled)) > LARGEST // 2**16:
+            raise QueryError("the costs have no small common denominator; give costs with fewer different denominators")
+        return cls(tuple(symbols), np.array(scaled, dtype=np.int64), denominator)
+
+    @cached_property
+    def uniform(self) -> bool:
+        """Whether every edit costs 1."""
+        return self.denominator == 1 and bool((self.costs == 1 - np.eye(len(self.costs), dtype=np.int64)).all())
+
+    def violation(self) -> str:
+        """Return why the costs are no metric, or "" if they are one."""
+        costs = self.costs
+        spell = [str(symbol) for symbol in self.symbols] + ["nothing"]
+        for text, wrong in (
+            ("{0} costs {d} to replace by itself", np.argwhere(np.diag(costs) != 0).repeat(2, axis=1)),
+            ("{0} costs nothing to replace by {1}", np.argwhere((costs == 0) & ~np.eye(len(costs), dtype=np.bool_))),
+            ("{0} costs {d} to replace by {1}, but the reverse costs {e}", np.argwhere(costs != costs.T)),
+        ):
+            if len(wrong):
+                i, j = wrong[0]
+                d, e = (Fraction(int(value), self.denominator) for value in (costs[i, j], costs[j, i]))
+                return text.format(spell[i], spell[j], d=d, e=e)
+        for middle in range(len(costs)):
+            wrong = np.argwhere(costs > costs[:, middle, None] + costs[middle])
+            if len(wrong):
+                i, j = wrong[0]
+                return f"{spell[i]} costs more to replace by {spell[j]} than by way of {spell[middle]}"
+        return ""

@@ -1,0 +1,83 @@
+"""String metrics of the paper's code and others of its kind, on sequences of symbols; rapidfuzz computes all but one.
+
+The code of the paper compares sequences by Levenshtein, Hamming, Jaro-Winkler, the longest common subsequence and the
+longest common substring.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from types import ModuleType
+from typing import Any
+
+from prag_asp.errors import SimilarityMissingError
+from prag_asp.similarity.symbols import Symbol
+
+StringDistance = Callable[[str, str], float]
+
+FIRST_CODE = 0x20000
+"""The first character that stands for a symbol; it and all that follow are valid characters."""
+
+PREFIX_WEIGHT = 0.1
+"""Weight of each of up to four equal symbols at the beginning (Winkler 1990)."""
+
+
+def rapidfuzz_distance() -> ModuleType:
+    """Import the module of distances of rapidfuzz.
+
+    Raises:
+        SimilarityMissingError: rapidfuzz is not installed.
+    """
+    try:
+        return import_module("rapidfuzz.distance")
+    except ImportError:
+        raise SimilarityMissingError(
+            'this metric needs rapidfuzz; install it: pip install "prag_asp[similarity]"'
+        ) from None
+
+
+def spelled(*sequences: Sequence[Symbol]) -> list[str]:
+    """Return sequences as texts of the same equalities: one character for each symbol."""
+    characters: dict[Any, str] = {}
+    return [
+        "".join(characters.setdefault(symbol, chr(FIRST_CODE + len(characters))) for symbol in sequence)
+        for sequence in sequences
+    ]
+
+
+def substring_distance(one: str, other: str) -> int:
+    """Return how many characters to remove from the ends of one text and to add to reach the other.
+
+    This is the sum of the lengths less twice the longest common substring. It is a metric: two substrings of a text
+    overlap in at least the sum of their lengths less that of the text.
+    """
+    longest, ending = 0, [0] * (len(other) + 1)
+    for character in one:
+        ending = [0, *(ending[place] + 1 if each == character else 0 for place, each in enumerate(other))]
+        longest = max(longest, *ending)
+    return len(one) + len(other) - 2 * longest
+
+
+def damerau_distance() -> StringDistance:
+    """Return the distance by insertions, deletions, replacements and swaps of neighbours (Damerau 1964)."""
+    distance: StringDistance = rapidfuzz_distance().DamerauLevenshtein.distance
+    return distance
+
+
+def jaro_distance() -> StringDistance:
+    """Return 1 less the similarity of Jaro (1989)."""
+    distance: StringDistance = rapidfuzz_distance().Jaro.distance
+    return distance
+
+
+def jaro_winkler_distance() -> StringDistance:
+    """Return 1 less the similarity of Winkler (1990), which favours equal beginnings."""
+    function = rapidfuzz_distance().JaroWinkler.distance
+    return lambda one, other: float(function(one, other, prefix_weight=PREFIX_WEIGHT))
+
+
+def subsequence_distance() -> StringDistance:
+    """Return the length of the longer text less that of the longest common subsequence (Bakkelund 2009)."""
+    distance: StringDistance = rapidfuzz_distance().LCSseq.distance
+    return distance
