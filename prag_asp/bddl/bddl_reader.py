@@ -50,7 +50,19 @@ REGION_KEYS = (":target", ":ranges", ":yaw_rotation", ":rgba")
 PI = re.compile(r"(?P<sign>[-+]?)(?:(?P<times>[0-9.]+)\*)?(?:np\.|math\.)?pi(?:(?P<by>[*/])(?P<number>[0-9.]+))?")
 """A multiple of pi, because LIBERO evaluates a yaw as a Python expression."""
 
+DOMAIN_FILE = re.compile(rb"(?:\s|;[^\n]*\n)*\(\s*define\s*\(\s*domain\b", re.IGNORECASE)
+"""The beginning of a file that is no problem, but declares the predicates of a dialect."""
+
+LONGEST_HEAD = 10_000
+"""The number of bytes that are searched for the beginning of a domain, after comments."""
+
 Item = Expression | Word
+
+
+def bddl_files(folder: Path) -> list[Path]:
+    """Return the files of BDDL in a folder and its folders, without those of domains."""
+    files = sorted(folder.rglob(f"*{BDDL}"))
+    return [each for each in files if not DOMAIN_FILE.match(each.read_bytes()[:LONGEST_HEAD])]
 
 
 def read_bddl(path: str | Path) -> BddlProblem:

@@ -7,9 +7,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from prag_asp.atom import Atom
-from prag_asp.bddl.bddl_reader import BDDL, read_bddl
+from prag_asp.bddl.bddl_reader import BDDL, bddl_files, read_bddl
 from prag_asp.bddl.goal_rules import goal_rules
 from prag_asp.bddl.ground_goals import FactValue, conjuncts, fact_values
 from prag_asp.bddl.ground_problems import GroundProblem, ground_problem
@@ -17,6 +18,9 @@ from prag_asp.errors import DomainError
 from prag_asp.pddl.clingo_names import TERMS, clingo_names
 from prag_asp.pddl.program_text import filled, heading, statement
 from prag_asp.wording import plural
+
+if TYPE_CHECKING:
+    import clingo
 
 LOGIC = "manipulation.lp"
 """The file of rules that each written domain includes."""
@@ -26,6 +30,8 @@ LOCATIONS = {"on": False, "ontop": False, "in": True, "inside": True}
 
 SWITCHES = ("turnon", "toggled_on")
 OPEN = "open"
+KIND = re.compile(r"is_a\(\w,(\w+)\)")
+"""A class that a rule reads."""
 
 
 def logic_text() -> str:
@@ -63,6 +69,20 @@ class SuiteDomain:
         lines = [*self._head(), *select, "", *self._union(), *heading("The problems"), "", *includes]
         return {**files, "domain.lp": "\n".join(lines) + "\n"}
 
+    def program(self, name: str) -> str:
+        """Return the whole program of one problem as one text."""
+        head = [line for line in self._head() if LOGIC not in line]
+        return "\n".join([*head, logic_text(), *self._union_of(name), "", *self._problem(name, "")]) + "\n"
+
+    def _union_of(self, name: str) -> list[str]:
+        """Return what the suite shows of the kinds of one problem."""
+        kinds = {self._kinds[each] for each in self.problems[name].kinds.values()}
+        return [line for line in self._rules if set(KIND.findall(line)) <= kinds]
+
+    @cached_property
+    def _rules(self) -> tuple[str, ...]:
+        return tuple(self._union())
+
     @cached_property
     def names(self) -> Mapping[str, str]:
         """The name of each problem in the program."""
@@ -93,6 +113,17 @@ class SuiteDomain:
         """Return a fact as a fluent of the program."""
         arguments = ",".join(self._objects[each] for each in atom.arguments)
         return f"{self._predicates[atom.name]}({arguments})" if arguments else self._predicates[atom.name]
+
+    @cached_property
+    def _given_names(self) -> tuple[Mapping[str, str], Mapping[str, str]]:
+        predicates, objects = self._predicates.items(), self._objects.items()
+        return {ours: given for given, ours in predicates}, {ours: given for given, ours in objects}
+
+    def own_fact(self, fluent: clingo.Symbol) -> Atom:
+        """Return a fluent of the program as a fact of BDDL; what BDDL does not know keeps its name."""
+        predicates, objects = self._given_names
+        names = (str(each) for each in fluent.arguments)
+        return Atom(predicates.get(fluent.name, fluent.name), tuple(objects.get(each, each) for each in names))
 
     def _head(self) -> list[str]:
         lines = [f"% {self.title}"]
@@ -192,7 +223,7 @@ def read_suite(path: str | Path) -> SuiteDomain:
         error.
     """
     path = Path(path)
-    files = sorted(path.rglob(f"*{BDDL}")) if path.is_dir() else [path]
+    files = bddl_files(path) if path.is_dir() else [path]
     if not files:
         raise DomainError(f"{path}: no file in this folder ends in {BDDL}; give a folder of BDDL problems")
     problems: dict[str, GroundProblem] = {}
