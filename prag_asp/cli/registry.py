@@ -39,6 +39,7 @@ COMMANDS = {
     "render": "render",
     "sample": "sample",
     "scenario": "scenario",
+    "similarity": "similarity",
     "split": "split",
     "stats": "stats",
     "suite": "suite",
