@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         similarity_matrix,
         without_duplicates,
     )
+    from prag_asp.analysis.frequencies import Frequency, FrequencyTest, compare_frequencies
     from prag_asp.analysis.hamming import DistanceDistribution, hamming_distribution, mean_hamming
     from prag_asp.analysis.neighbours import NearestTask, count_neighbours, nearest_task
     from prag_asp.analysis.task_scaling import TaskMap, task_map
@@ -36,6 +37,8 @@ __all__ = [
     "Curve",
     "Dendrogram",
     "DistanceDistribution",
+    "Frequency",
+    "FrequencyTest",
     "NearestTask",
     "NearestTasks",
     "PairDistances",
@@ -43,6 +46,7 @@ __all__ = [
     "SimilarityMatrix",
     "TaskMap",
     "VendiScore",
+    "compare_frequencies",
     "count_neighbours",
     "counts_by_length",
     "dendrogram_of",
@@ -61,6 +65,7 @@ __all__ = [
 
 _HOMES = {
     "prag_asp.analysis.curve": ("Curve", "Series", "counts_by_length", "draw_curve"),
+    "prag_asp.analysis.frequencies": ("Frequency", "FrequencyTest", "compare_frequencies"),
     "prag_asp.analysis.hamming": ("DistanceDistribution", "hamming_distribution", "mean_hamming"),
     "prag_asp.analysis.neighbours": ("NearestTask", "count_neighbours", "nearest_task"),
     "prag_asp.analysis.dendrogram": ("Dendrogram", "dendrogram_of"),

@@ -20,10 +20,12 @@ PROGRAM, COMPLETION = "prag-asp", "_PRAG_ASP_COMPLETE"
 """The name of the program, and the environment variable by which a shell requests completions."""
 
 COMMANDS = {
+    "audit": "audit",
     "check": "check",
     "compare": "evaluate",
     "completion": "completion",
     "count": "count",
+    "diversity": "diversity",
     "domains": "domains",
     "enumerate": "enumerate",
     "evaluate": "evaluate",
@@ -51,7 +53,7 @@ COMMANDS = {
 
 GROUPS = {
     "Define": ("domains", "new", "check", "import", "explain"),
-    "Count and sample": ("count", "task", "sample", "enumerate", "scenario", "split", "stats"),
+    "Count and sample": ("count", "task", "sample", "enumerate", "scenario", "split", "stats", "diversity"),
     "Check by physics": ("validate", "learn", "render"),
     "Data": ("generate", "merge", "verify", "suite", "export"),
     "Learn and evaluate": ("evaluate", "compare", "power"),

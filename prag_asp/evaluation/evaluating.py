@@ -16,7 +16,7 @@ import numpy as np
 from prag_asp.dataset.scenarios import Scenarios
 from prag_asp.errors import NotFound, OutputError, QueryError
 from prag_asp.evaluation.episode import EpisodeJob, EpisodeSetup, EvaluatedEpisode, open_episodes, open_runner
-from prag_asp.evaluation.policies import load_policy
+from prag_asp.evaluation.policies import environment_of, load_policy
 from prag_asp.evaluation.policies.python_callable import CallablePolicy
 from prag_asp.evaluation.results import EVALUATION, EvaluationRecord, Results
 from prag_asp.missing import require_pyarrow
@@ -65,7 +65,8 @@ def evaluate(
 
     `policy` is a text that `load_policy` accepts, a function of an observation (and of `info`, if it has a parameter of
     that name), or a class whose instances are such functions; `environment` holds options of `TaskEnv` (those in
-    `ENVIRONMENT`). A `wrapper` wraps the environment, as in training. The global random generators of Python, NumPy and
+    `ENVIRONMENT`), which take precedence over those that the policy determines, such as the control of a checkpoint of
+    LeRobot. A `wrapper` wraps the environment, as in training. The global random generators of Python, NumPy and
     PyTorch are seeded for each episode, so results do not depend on the number of `workers`, unless the policy itself
     does.
 
@@ -87,6 +88,7 @@ def evaluate(
         raise QueryError(f"videos {videos}: videos need a folder for the results; give one")
     name = policy if isinstance(policy, str) else _name(policy)
     maker: PolicyMaker = load_policy(policy) if isinstance(policy, str) else partial(CallablePolicy, policy)
+    environment = {**(environment_of(policy) if isinstance(policy, str) else {}), **environment}
     domain, count = source.domain, source.count
     setup = EpisodeSetup(domain, source.lengths, {"reward": "sparse", **environment}, maker, wrapper, seed, name)
     options = {key: str(value) for key, value in sorted(environment.items())}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Set
-from functools import reduce
+from functools import cache, reduce
 from typing import Any, NamedTuple
 
 from prag_asp.atom import Atom, atom_of
@@ -41,26 +41,25 @@ def ways_of_actions(
     from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
 
     found: dict[Signature, dict[str, dict[int, Way]]] = {}
+    atom = cache(atom_of)  # actions share their effects
     for action in facts.declared_actions:
-        arguments = list(map(str, action.arguments))
-        here = found.setdefault((action.name, len(arguments)), {}).setdefault(str(action), {})
-        effects = [
-            (fluent, list(map(str, fluent.arguments)), value) for fluent, value in facts.postconditions.get(action, ())
-        ]
-        changes = Counter((fluent.name, tuple(pair[:1]), value) for fluent, pair, value in effects if len(pair) == 2)
-        for fluent, pair, value in effects:
+        name, arguments = atom(action)
+        here = found.setdefault((name, len(arguments)), {}).setdefault(str(action), {})
+        effects = [(atom(fluent), value) for fluent, value in facts.postconditions.get(action, ())]
+        moves = [(fluent, value) for fluent, value in effects if len(fluent.arguments) == 2]
+        changes = Counter((fluent.name, fluent.arguments[0], value) for fluent, value in moves)
+        for fluent, value in moves:
+            subject, landmark = fluent.arguments
+            if value == "unknown" or subject not in arguments or landmark not in arguments:
+                continue
             predicate = str(predicates.get(fluent.name, fluent.name))
-            if len(pair) != 2 or value == "unknown" or not set(pair) <= set(arguments):
+            itself = PREDICATE_ROLES.get(predicate, ())[:1] == ("robot",) or subject in robots
+            if itself and not all(changes[fluent.name, subject, each] == 1 for each in ("true", "false")):
                 continue
-            itself = PREDICATE_ROLES.get(predicate, ())[:1] == ("robot",) or pair[0] in robots
-            if itself and not all(changes[fluent.name, (pair[0],), each] == 1 for each in ("true", "false")):
-                continue
-            place = len(arguments) - 1 - arguments[::-1].index(pair[1])
-            moved = arguments.index(pair[0])
+            place = len(arguments) - 1 - arguments[::-1].index(landmark)
+            moved = arguments.index(subject)
             if moved < place and (value == "true" or place not in here):
-                here[place] = Way(
-                    "to" if value == "true" else "from", -1 if itself else moved, atom_of(fluent), predicate
-                )
+                here[place] = Way("to" if value == "true" else "from", -1 if itself else moved, fluent, predicate)
     return found
 
 

@@ -11,10 +11,11 @@ import clingo
 
 from prag_asp.models.answer_set_formula import ModelFormula, model_formula
 from prag_asp.models.atom_weights import PLAIN, LiteralWeights, literal_weights, projected_away
-from prag_asp.models.compiler import PreparedFormula, Progress, compile_formula, prepare
+from prag_asp.models.compiler import Progress, compile_formula
 from prag_asp.models.diagram import WeightedDiagram
 from prag_asp.models.enumeration.enumeration import Enumeration
 from prag_asp.models.ground_program import GroundModels
+from prag_asp.models.prepared_formula import PreparedFormula, prepare_formula
 from prag_asp.models.program_reader import GivenProgram
 from prag_asp.models.questions.optimum import Optimum
 from prag_asp.models.shifting import is_head_cycle_free
@@ -74,7 +75,7 @@ class CompiledProgram:
         """The formula, ordered for compilation."""
         printed = {abs(literal) for _, literal in self.formula.printed}
         stage("ordering variables")
-        return prepare(self.formula, printed | {abs(literal) for literal in self.weights.weights})
+        return prepare_formula(self.formula, printed | {abs(literal) for literal in self.weights.weights})
 
     @cached_property
     def diagram(self) -> WeightedDiagram:

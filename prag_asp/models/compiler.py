@@ -12,18 +12,17 @@ from __future__ import annotations
 
 from array import array
 from collections import Counter
-from collections.abc import Callable, Container, Generator, Iterable, Mapping, Sequence
+from collections.abc import Callable, Container, Generator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from itertools import chain, count
 
-from prag_asp.logic.formula.clause_builder import TRUE, Literal
+from prag_asp.logic.formula.clause_builder import Literal
 from prag_asp.logic.formula.solver import Solver
 from prag_asp.models.answer_set_formula import ModelFormula
 from prag_asp.models.diagram import Branch, Diagram
 from prag_asp.models.foundedness import FoundednessOracle
-from prag_asp.models.open_sums import Missing, OpenSum, open_sums
-from prag_asp.models.variable_order import DecisionOrder, decision_order
+from prag_asp.models.prepared_formula import Missing, PreparedFormula
 from prag_asp.program.finite.components import components
 
 REPORTED = 1000
@@ -61,76 +60,6 @@ _Work = Generator[tuple[_Part, _Case], Node, Node]
 """A generator that yields components, receives their nodes, and returns the node of the whole formula."""
 
 
-@dataclass(frozen=True)
-class PreparedFormula:
-    """A formula before compilation: units are propagated, and variables numbered in decision order.
-
-    The clauses `nodes` define the `sums`; their further variables have the last numbers, and are not decided. `names`
-    has the variable of each number, from 1; `projection` has the numbers of decision variables, and `kept` the names of
-    the variables whose values the diagram has. `copies` holds the atom of each copy, 0 for a fixed one, and None for a
-    gate. All models have the literals `fixed`; no clause or sum restricts the variables `free`. If the formula is
-    `contradictory`, the other fields are meaningless.
-    """
-
-    clauses: tuple[tuple[Literal, ...], ...]
-    nodes: tuple[tuple[Literal, ...], ...]
-    sums: tuple[OpenSum, ...]
-    names: tuple[int, ...]
-    fixed: tuple[Literal, ...]
-    free: tuple[int, ...]
-    projection: frozenset[int]
-    kept: frozenset[int]
-    copies: Mapping[int, int | None]
-    order: DecisionOrder
-    contradictory: bool
-
-    @property
-    def cost(self) -> str:
-        """The length of the formula as text."""
-        numbers = {"clause": len(self.clauses), "sum": len(self.sums), "variable": len(self.order.variables)}
-        clauses, sums, variables = (
-            f"{number:,} {what}{'' if number == 1 else 's'}" for what, number in numbers.items()
-        )
-        return f"{clauses}{f' and {sums}' if self.sums else ''} over {variables}, width {self.order.width}"
-
-
-def prepare(formula: ModelFormula, kept: Iterable[int]) -> PreparedFormula:
-    """Return a formula prepared for a diagram with the values of the variables `kept`."""
-    cnf, copies = formula.cnf, formula.completion.copies
-    fixed, propagated = _propagate(cnf.clauses)
-    hidden = set() if copies else formula.completion.clauses.nodes
-    sums = () if copies else open_sums(formula.completion.clauses.sums.values(), fixed)
-    clauses = [clause for clause in propagated or () if hidden.isdisjoint(map(abs, clause))]
-    nodes = [clause for clause in propagated or () if not hidden.isdisjoint(map(abs, clause))]
-    order = decision_order(clauses, [each.variables for each in sums], looped=bool(copies))
-    further = sorted({abs(literal) for clause in nodes for literal in clause}.difference(order.variables))
-    number = {variable: place for place, variable in enumerate((*order.variables, *further), 1)}
-
-    def numbered(clause: Sequence[Literal]) -> tuple[Literal, ...]:
-        return tuple(number[abs(literal)] * (1 if literal > 0 else -1) for literal in clause)
-
-    variables = range(1, cnf.variables + 1) if formula.whole else cnf.shown
-    projection = [variable for variable in variables if variable not in copies and variable not in hidden]
-    decided = {*order.variables, *map(abs, fixed)}
-    return PreparedFormula(
-        tuple(map(numbered, clauses)),
-        tuple(map(numbered, nodes)),
-        tuple(each.renamed(number) for each in sums),
-        (0, *order.variables, *further),
-        tuple(sorted(fixed, key=abs)),
-        tuple(variable for variable in projection if variable not in decided),
-        frozenset(number[variable] for variable in projection if variable in number),
-        frozenset(kept),
-        {
-            number[variable]: None if literal == TRUE else number.get(abs(literal), 0)
-            for variable, literal in copies.items()
-            if variable in number
-        },
-        order,
-        contradictory=propagated is None,
-    )
-
-
 def compile_formula(
     formula: ModelFormula,
     prepared: PreparedFormula,
@@ -144,35 +73,6 @@ def compile_formula(
     propagation = Solver(max(len(prepared.names) - 1, 1), clauses)  # it only propagates, so it learns nothing
     with closing(FoundednessOracle(formula.completion)) as oracle, propagation:
         return _Compiler(prepared, oracle, propagation, progress, look).compile()
-
-
-def _propagate(
-    clauses: Iterable[Sequence[Literal]],
-) -> tuple[set[Literal], list[tuple[Literal, ...]] | None]:
-    """Return the literals implied by unit propagation and the remaining clauses, or None at a contradiction."""
-    distinct = list(dict.fromkeys(tuple(dict.fromkeys(clause)) for clause in clauses))
-    against: dict[Literal, list[int]] = {}
-    for place, clause in enumerate(distinct):
-        for literal in clause:
-            against.setdefault(-literal, []).append(place)
-    left = list(map(len, distinct))
-    waiting = [clause[0] for clause in distinct if len(clause) == 1]
-    fixed: set[Literal] = set()
-    for literal in waiting:  # grows during the iteration
-        if -literal in fixed:
-            return fixed, None
-        if literal in fixed:
-            continue
-        fixed.add(literal)
-        for place in against.get(literal, ()):
-            left[place] -= 1
-            if left[place] == 0:
-                return fixed, None
-            if left[place] == 1:
-                waiting += [each for each in distinct[place] if -each not in fixed]
-    unsatisfied = (clause for clause in distinct if fixed.isdisjoint(clause))
-    reduced = (tuple(literal for literal in clause if -literal not in fixed) for clause in unsatisfied)
-    return fixed, list(dict.fromkeys(reduced))
 
 
 class _Compiler:

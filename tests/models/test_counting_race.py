@@ -11,9 +11,9 @@ from prag_asp.errors import EngineError
 from prag_asp.logic.formula import counter
 from prag_asp.logic.formula.cnf import Cnf
 from prag_asp.logic.formula.counter import D4, GANAK, count_models
-from prag_asp.models.compiler import _propagate
 from prag_asp.models.counting_race import count_unless_compiled
 from prag_asp.models.enumeration.effort import Turn
+from prag_asp.models.prepared_formula import propagate_units
 from prag_asp.processes.workers import WorkerGroup
 from tests.chance import Chance
 from tests.processes import children
@@ -53,7 +53,7 @@ def test_d4_counts_as_trying_every_assignment_does(chance: Chance) -> None:
 
 def test_unit_propagation_fixes_what_all_models_have_and_drops_nothing_else(chance: Chance) -> None:
     for variables, clauses in random_clauses(chance, chance.examples(300)):
-        fixed, left = _propagate(clauses)
+        fixed, left = propagate_units(clauses)
         models = models_of(variables, clauses)
         if left is None:
             assert not models

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.dataset.formats.body_values import POSE, body_names, furniture_in, objects_in
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.entry import DatasetEntry
 from prag_asp.dataset.store.instructions import LEVELS, PLAIN
@@ -17,7 +17,7 @@ from prag_asp.domain.load import load_scene
 from prag_asp.errors import QueryError
 from prag_asp.physics.control.control import Control
 from prag_asp.physics.control.names import CONTROLS, ControlName
-from prag_asp.physics.control.recorded_actions import recorded_actions, recorded_states, state_names
+from prag_asp.physics.control.recorded_actions import recorded_actions, state_names, states_in
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration
 from prag_asp.physics.demonstration.footage import NOTHING, CameraVideo
 from prag_asp.physics.robot.kinematics import tool_pose
@@ -27,7 +27,6 @@ from prag_asp.scene.variation import table_of
 from prag_asp.wording import did_you_mean, unknown
 
 Floats = NDArray[np.float32]
-POSE = ("x", "y", "z", "qx", "qy", "qz", "qw")
 NO_TASK = "has no such task; request others"
 
 
@@ -157,12 +156,12 @@ class EpisodeSource:
     @cached_property
     def objects(self) -> list[str]:
         """All objects of the scene; a task may have only some of them."""
-        return [entity for entity, shape in self.scene.shapes.items() if shape.traits.body]
+        return objects_in(self.scene)
 
     @cached_property
     def furniture(self) -> list[str]:
         """The objects with a jointed part."""
-        return [entity for entity in self.objects if self.scene.shapes[entity].traits.furniture]
+        return furniture_in(self.scene)
 
     @cached_property
     def legend(self) -> list[str]:
@@ -261,8 +260,7 @@ class EpisodeSource:
     @property
     def body_names(self) -> list[str]:
         """The names of the numbers of `bodies_of`."""
-        poses = [f"{entity}/{number}" for entity in self.objects for number in ("there", *POSE)]
-        return [*poses, *(f"{entity}/opening" for entity in self.furniture)]
+        return body_names(self.scene)
 
     def bodies_of(self, episode: ExportEpisode) -> Floats:
         """Return the poses of objects and the openings of furniture at each time step, shape (N, numbers)."""
@@ -274,12 +272,7 @@ class EpisodeSource:
 
         The numbers are those of `state_names`.
         """
-        columns: dict[str, NDArray[Any]] = {}
-        for name in names:
-            values = recorded_states(name, self.scene, episode.arms)
-            columns = dict(zip(state_names([name], self.scene), values.T, strict=True)) | columns
-        rows = [columns[name] for name in state_names(names, self.scene)]
-        result: Floats = np.column_stack(rows).astype(np.float32)
+        result: Floats = states_in(names, self.scene, episode.arms).astype(np.float32)
         return result
 
     def segmentation_of(self, episode: ExportEpisode, camera: str) -> NDArray[np.unsignedinteger]:

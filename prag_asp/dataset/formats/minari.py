@@ -17,7 +17,8 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.dataset.formats.episode_source import POSE, EpisodeSource, ExportEpisode
+from prag_asp.dataset.formats.body_values import POSE
+from prag_asp.dataset.formats.episode_source import EpisodeSource, ExportEpisode
 from prag_asp.dataset.formats.export_format import Progress
 from prag_asp.dataset.formats.hdf5 import group_in, note, numbers_of, origin, pictures_of, put, require_steps, written
 from prag_asp.dataset.formats.provenance import write_provenance

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 from prag_asp.errors import QueryError
 from prag_asp.evaluation.policies.policy import Environment, Policy, PolicyMaker
@@ -16,26 +17,55 @@ BASELINES = ("oracle", "random", "zeros")
 KINDS: Mapping[str, tuple[Callable[[str], bool], str]] = {
     "a baseline": (BASELINES.__contains__, "baselines"),
     "a policy server": (lambda text: text.startswith(("ws://", "wss://")), "server"),
+    "a checkpoint of LeRobot": (lambda text: Path(text).is_dir(), "lerobot_policy"),
     "a Stable-Baselines3 zip": (lambda text: Path(text).suffix == ".zip", "stable_baselines"),
     "module:callable": (lambda text: ":" in text, "python_callable"),
 }
-"""Each kind of policy: a test of the text, and the module of this package whose function `maker` accepts the text."""
+"""Each kind of policy: a test of the text, and the module of this package whose function `maker` accepts the text.
+
+A module may also have a function `environment`, which returns the options of the environment that a policy determines.
+"""
 
 
 def load_policy(text: str) -> PolicyMaker:
-    """Return the maker of a policy: a baseline, ``module:callable``, a Stable-Baselines3 zip, or ``ws://host:port``.
+    """Return the maker of a policy.
+
+    It is a baseline, ``module:callable``, a Stable-Baselines3 zip, a checkpoint of LeRobot, or ``ws://host:port``.
 
     Makers can be pickled: each worker process makes its own policy.
 
     Raises:
         QueryError: the text matches no kind of policy, or there is no such policy.
     """
+    file = _file_of(text)
+    import_module(f"{__name__}.{file}").maker(text)  # report a wrong name before anything runs
+    return partial(_made, file, text)
+
+
+def environment_of(text: str) -> dict[str, Any]:
+    """Return the options of the environment that a policy determines, such as its control; often none.
+
+    Raises:
+        QueryError: the text matches no kind of policy, or there is no such policy.
+    """
+    options: Callable[[str], dict[str, Any]] | None = getattr(
+        import_module(f"{__name__}.{_file_of(text)}"), "environment", None
+    )
+    return {} if options is None else options(text)
+
+
+def _file_of(text: str) -> str:
+    """Return the name of the module for a policy.
+
+    Raises:
+        QueryError: the text matches no kind of policy.
+    """
     for is_kind, file in KINDS.values():
         if is_kind(text):
-            maker = import_module(f"{__name__}.{file}").maker
-            maker(text)  # report a wrong name before anything runs
-            return partial(_made, file, text)
-    kinds = ", ".join([*BASELINES, "module:callable", "a Stable-Baselines3 .zip", "ws://HOST:PORT"])
+            return file
+    kinds = ", ".join(
+        [*BASELINES, "module:callable", "a Stable-Baselines3 .zip", "a folder of LeRobot", "ws://HOST:PORT"]
+    )
     raise QueryError(f"policy {text!r:.200}: give one of {kinds}")
 
 

@@ -208,7 +208,9 @@ class Diagrams:
 
     def _node(self, level: int, below: dict[int, Node]) -> Node:
         """Return the unique node of a mapping, which must not change afterwards."""
-        self._work(1 + len(below))
+        self._worked += 1 + len(below)
+        if self._worked >= LOOK:
+            self._work(0)
         if EMPTY in below.values():
             below = {digit: each for digit, each in below.items() if each}
         if not below:
@@ -273,19 +275,21 @@ class Diagrams:
         return result
 
     def _having(self, level: int, node: Node, target: int, mask: int) -> Node:
-        if not node:
-            return EMPTY
-        cache = self._results.setdefault("having", {})
-        key = (node, target, mask)
-        result = cache.get(key)
-        if result is None:
-            below = self._children[node]
-            if level == target:
-                below = {digit: each for digit, each in below.items() if digit & mask}
-            else:
-                below = {digit: self._having(level + 1, each, target, mask) for digit, each in below.items()}
-            result = cache[key] = self._node(level, below)
-        return result
+        cache, children = self._results.setdefault("having", {}), self._children
+
+        def having(level: int, node: Node) -> Node:
+            key = (node, target, mask)
+            result = cache.get(key)
+            if result is None:
+                below = children[node]
+                if level == target:
+                    kept = {digit: each for digit, each in below.items() if digit & mask}
+                else:
+                    kept = {digit: having(level + 1, each) for digit, each in below.items()}
+                result = cache[key] = node if kept == below else self._node(level, kept)
+            return result
+
+        return having(level, node) if node else EMPTY
 
 
 def _paired(several: list[Node], both: Callable[[Node, Node], Node]) -> Node:

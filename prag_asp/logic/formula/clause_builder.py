@@ -74,7 +74,10 @@ class ClauseBuilder:
             return existing
         output = self._gates[frozenset(inputs)] = self.fresh() if into is None else into
         for literal in inputs:
-            self.add(-output, literal)
+            if abs(literal) == abs(output):  # a rule may derive an atom from itself
+                self.add(-output, literal)
+            else:
+                self.clauses.append((-output, literal) if abs(output) < abs(literal) else (literal, -output))
         self.add(output, *(-literal for literal in inputs))
         return output
 

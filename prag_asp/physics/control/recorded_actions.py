@@ -65,6 +65,19 @@ def state_names(names: Iterable[ControlName], scene: Scene) -> list[str]:
     return list(dict.fromkeys(numbers))
 
 
+def states_in(names: Iterable[ControlName], scene: Scene, arms: Numbers) -> Floats:
+    """Return the states of the robots in some absolute conventions; shape (N, size), the numbers of `state_names`.
+
+    `arms` (N, R, 8) have the joint angles and the opening of each robot.
+    """
+    names = list(names)
+    columns: dict[str, Floats] = {}
+    for name in names:
+        values = recorded_states(name, scene, arms)
+        columns = dict(zip(state_names([name], scene), values.T, strict=True)) | columns
+    return np.column_stack([columns[name] for name in state_names(names, scene)])
+
+
 def tool_poses(robot: Robot, joints: Floats) -> Floats:
     """Return the poses of a tool in the scene, shape (N, 4, 4), from joint angles (N, 7)."""
     base = matrix(robot.base)

@@ -165,11 +165,14 @@ def _tools(axis: Floats) -> Iterator[tuple[float, Floats]]:
         for turn in sorted(turns):
             direction = math.cos(turn) * side + math.sin(turn) * across
             angle = math.acos(max(-1.0, min(1.0, -float(direction[2]))))
-            yield angle, np.stack([crossed(axis, direction), axis, direction], 1)
+            yield angle, np.ascontiguousarray(np.array([crossed(axis, direction), axis, direction]).T)
 
 
 def crossed(one: Floats, two: Floats) -> Floats:
     """Return the cross products of vectors (3,) or (n, 3); for few vectors, `np.cross` takes several times as long."""
+    if one.ndim == two.ndim == 1:
+        (a, b, c), (d, e, f) = one.tolist(), two.tolist()
+        return np.array([b * f - c * e, c * d - a * f, a * e - b * d])
     (a, b, c), (d, e, f) = one.T, two.T
     return np.stack([b * f - c * e, c * d - a * f, a * e - b * d], -1)
 
@@ -180,8 +183,9 @@ def above_ground(gripper: ParallelGripper, lowest: float, middle: Floats, rotati
     `lowest` is the height of the ground in metres. The result is None if fingers from the side, or the palm, would be
     in the ground.
     """
+    slope = np.abs(rotation[2])
     tips = min(
-        z * rotation[2, 2] - np.abs(rotation[2]) @ (x_half, y + y_half + gripper.opening / 2, z_half)
+        z * rotation[2, 2] - slope @ (x_half, y + y_half + gripper.opening / 2, z_half)
         for (_, y, z), (x_half, y_half, z_half) in gripper.fingers
     )
     ground = lowest + BELOW
@@ -191,7 +195,7 @@ def above_ground(gripper: ParallelGripper, lowest: float, middle: Floats, rotati
             return None
         middle = middle + miss / rotation[2, 2] * rotation[:, 2]
     centre, sides = gripper.palm
-    if middle[2] + rotation[2] @ centre - np.abs(rotation[2]) @ sides < ground + ROOM:
+    if middle[2] + rotation[2] @ centre - slope @ sides < ground + ROOM:
         return None
     return Pose((float(middle[0]), float(middle[1]), float(middle[2])), _quaternion(rotation))
 

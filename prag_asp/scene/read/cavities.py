@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.scene.read.scene_values import MAX_LENGTH
 from prag_asp.scene.scene import Cavity
 
 Floats = NDArray[np.float64]
@@ -51,9 +52,14 @@ STEEP = 0.2
 
 
 def find_cavity(triangles: Floats) -> Cavity | None:
-    """Return the largest cavity of a body, given by triangles (n, 3, 3) in metres, None if there is none."""
+    """Return the largest cavity of a body, given by triangles (n, 3, 3) in metres, None if there is none.
+
+    Bodies above `MAX_LENGTH` are not searched, because they are refused, and their grids would not fit into memory.
+    """
     points = triangles.reshape(-1, 3)
     low, high = points.min(0), points.max(0)
+    if (high - low).max() > MAX_LENGTH:
+        return None
     cell = min(float((high - low)[:2].max()) / CELLS, WIDEST)
     xs, ys = (np.arange(low[i] - cell / 2, high[i] + cell, cell) for i in (0, 1))
     shape = (LEVELS, len(xs), len(ys))

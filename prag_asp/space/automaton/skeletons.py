@@ -99,12 +99,12 @@ def _determinise(
     for place, subset in enumerate(subsets):
         if place % LOOK == LOOK - 1 and not stop:
             stop = check()
-        union: dict[int, set[int]] = {}
+        reached: dict[int, list[list[int]]] = {}
         for state in () if stop else subset:
             for letter, successors in moves.get(state, {}).items():
-                union.setdefault(letter, set()).update(successors)
-        for letter in sorted(union):
-            target = frozenset(union[letter])
+                reached.setdefault(letter, []).append(successors)
+        for letter in sorted(reached):
+            target = frozenset().union(*reached[letter])
             if target not in numbers:
                 numbers[target] = len(subsets)
                 subsets.append(target)

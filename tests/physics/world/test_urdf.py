@@ -209,7 +209,7 @@ def test_a_mesh_with_a_group_for_each_side_is_one_hull(tmp_path):
             BLOCK.replace("0.01 0 0.045", "nan 0 0"),
             "x.urdf:6: link body, collision 2: the xyz of <origin> is 'nan 0 0'; give 3 finite numbers",
         ),
-        ("x.urdf", BLOCK.replace("0.04 0.05 0.04", "4 5 4"), "m long; give its lengths in metres"),
+        ("x.urdf", BLOCK.replace("0.04 0.05 0.04", "40 50 40"), "m long; give its lengths in metres"),
         (
             "x.urdf",
             BLOCK.replace("cylinder", "capsule"),

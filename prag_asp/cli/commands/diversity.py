@@ -1,0 +1,195 @@
+"""``prag-asp diversity``: distances, neighbours, diversity and frequencies of a whole task space, exactly."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from itertools import chain
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from prag_asp.atom import split_actions
+from prag_asp.cli import options, shell_completion
+from prag_asp.cli.domain_options import SPACE, DomainOptions, domain_options
+from prag_asp.cli.line_output import require_writable, writer
+from prag_asp.cli.options import whole
+from prag_asp.cli.terminal import aligned, progress, tell_line
+from prag_asp.errors import QueryError
+from prag_asp.wording import plural
+
+if TYPE_CHECKING:
+    from prag_asp.analysis.frequencies import FrequencyTest
+    from prag_asp.space.task_space import TaskSpace
+    from prag_asp.task import Task
+
+FEATURES = ("actions", "classes", "names", "pairs")
+
+
+@click.command()
+@domain_options(*SPACE)
+@click.option(
+    "--tasks", "file", metavar="FILE|DATASET", shell_complete=shell_completion.files,
+    help="Compare these tasks, JSON lines or a dataset, with the space.",
+)  # fmt: skip
+@click.option(
+    "--feature", "features", multiple=True, type=click.Choice(FEATURES), default=FEATURES,
+    help="What is compared at each place of a plan; may be repeated.  [default: all]",
+)  # fmt: skip
+@click.option(
+    "--distances/--no-distances", "distances", default=True,
+    help="Print the Hamming distances of all pairs of tasks.  [default: distances]",
+)  # fmt: skip
+@click.option(
+    "--near", "plan", metavar="'A B ...'", shell_complete=shell_completion.plan,
+    help="Count the tasks near the task with these actions, instead of all else.",
+)  # fmt: skip
+@click.option(
+    "--radius", type=whole(0, 100), metavar="R", default=3, show_default=True, help="With --near: number of edits."
+)
+@click.option(
+    "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True,
+    help="Tables with decimals, or JSON with exact numbers.",
+)  # fmt: skip
+@options.output
+def diversity(
+    *, request: DomainOptions, file: str | None, features: tuple[str, ...], distances: bool, plan: str | None,
+    radius: int, form: str, output: str | None,
+) -> None:  # fmt: skip
+    """Measure how much the tasks of length N differ.
+
+    Prints the exact distribution of the Hamming distance of two random tasks, and Vendi scores (effective numbers of
+    different tasks). With --tasks, also the scores of the given tasks, and a chi-square test of their frequencies
+    against the exact expected ones. With --near, prints how many tasks are within 0, 1, ... edits of a task, which the
+    space need not have, and a nearest one. Nothing is sampled or listed.
+    """
+    require_writable(output)
+    with progress() as tell:
+        space = request.space(tell)
+        if plan is not None:
+            if file is not None:
+                raise QueryError("give --near or --tasks")
+            found = _near(space, split_actions(plan), radius)
+        else:
+            tasks = None if file is None else list(_given(file, space))
+            found = _measured(space, tasks, features, distances)
+    with writer(output) as out:
+        if form == "json":
+            import json
+
+            out.write(json.dumps(found, indent=2, default=_exact))
+        else:
+            for line in chain(_near_text(found) if plan is not None else _text(found)):
+                out.write(line)
+
+
+def _exact(value: Any) -> Any:
+    """Return a fraction as text, and the frequencies of a feature as an object."""
+    if isinstance(value, Fraction):
+        return str(value)
+    rows = {each.value: {"observed": each.observed, "expected": str(each.expected)} for each in value.frequencies}
+    statistic = value.statistic if isfinite(value.statistic) else None  # JSON has no infinity
+    return {"statistic": statistic, "degrees": value.degrees, "p_value": value.p_value, "frequencies": rows}
+
+
+def _near(space: TaskSpace, plan: list[str], radius: int) -> dict[str, Any]:
+    from prag_asp.analysis.neighbours import count_neighbours, nearest_task
+
+    near = nearest_task(space, plan)
+    numbers = count_neighbours(space, plan, radius)
+    return {"neighbours": numbers, "nearest": {"distance": near.distance, "plan": near.plan}}
+
+
+def _given(file: str, space: TaskSpace) -> Iterator[Task]:
+    """Yield the tasks of a file or dataset that have the length of a space.
+
+    Raises:
+        QueryError: a task is of another domain, or none has this length.
+    """
+    from prag_asp.dataset.jsonl import Record, read_tasks
+    from prag_asp.dataset.store.dataset import Dataset
+    from prag_asp.dataset.task_origin import foreign
+
+    if Path(file).is_dir():
+        records: Iterator[Record] = (Record(task, place=file) for task in Dataset.open(file).tasks())
+    else:
+        records = read_tasks(file)
+    found = others = 0
+    for record in records:
+        problem = foreign(record, space.domain)
+        if problem:
+            raise QueryError(f"{record.place}: {problem}")
+        if len(record.task) == space.length:
+            found += 1
+            yield record.task
+        else:
+            others += 1
+    if not found:
+        raise QueryError(f"{file}: no task of length {space.length}; choose a length that it has")
+    if others:
+        tell_line(f"note: {file}: {plural(others, 'task')} of other lengths left out")
+
+
+def _measured(
+    space: TaskSpace, tasks: list[Task] | None, features: tuple[str, ...], distances: bool
+) -> dict[str, Any]:  # fmt: skip
+    from prag_asp.analysis.frequencies import compare_frequencies
+    from prag_asp.analysis.hamming import hamming_distribution
+    from prag_asp.analysis.vendi import vendi_score
+
+    found: dict[str, Any] = {"length": space.length, "tasks": space.count()}
+    if distances:
+        pairs = hamming_distribution(space)
+        found["distance"] = {"mean": pairs.mean, "mean_of_different": pairs.mean_of_different, "pairs": pairs.pairs}
+    usable: list[Any] = [each for each in dict.fromkeys(features) if space.length > (each == "pairs")]
+    scores: dict[str, dict[str, float]] = {}
+    for feature in usable:
+        scores[feature] = {"space": vendi_score(space, feature=feature).score}
+        if tasks is not None:
+            scores[feature]["given"] = vendi_score(space, tasks, feature=feature).score
+    found["vendi"] = scores
+    if tasks is not None:
+        found["given"] = len(tasks)
+        found["frequencies"] = {feature: compare_frequencies(space, tasks, feature) for feature in usable}
+    return found
+
+
+def _near_text(found: dict[str, Any]) -> Iterator[str]:
+    yield from aligned([("edits", "tasks"), *((str(k), f"{number}") for k, number in enumerate(found["neighbours"]))])
+    yield ""
+    yield f"nearest, {plural(found['nearest']['distance'], 'edit')}: {' '.join(found['nearest']['plan'])}"
+
+
+def _text(found: dict[str, Any]) -> Iterator[str]:
+    given = found.get("given")
+    yield from aligned(
+        [
+            (f"tasks of length {found['length']}", f"{found['tasks']}"),
+            *([("given tasks", f"{given}")] if given is not None else []),
+        ]
+    )
+    if "distance" in found:
+        pairs = found["distance"]["pairs"]
+        total = sum(pairs)
+        yield ""
+        yield f"mean Hamming distance of two tasks: {float(found['distance']['mean']):.6f}"
+        yield ""
+        rows = [(f"{k}", f"{number}", f"{float(Fraction(number, total)):.3e}") for k, number in enumerate(pairs)]
+        yield from aligned([("distance", "ordered pairs of tasks", "share"), *rows])
+    if found["vendi"]:
+        yield ""
+        heads = ("Vendi score", "space", *(["given tasks"] if given is not None else []))
+        rows_of = ((name, *(f"{each:.2f}" for each in own.values())) for name, own in found["vendi"].items())
+        yield from aligned([heads, *rows_of])
+    for test in found.get("frequencies", {}).values():
+        yield ""
+        yield from _frequency_text(test)
+
+
+def _frequency_text(test: FrequencyTest) -> Iterator[str]:
+    rows = [(each.value, f"{each.observed}", f"{float(each.expected):.2f}") for each in test.frequencies]
+    yield from aligned([(test.feature, "given", "expected"), *rows])
+    few = f"; {plural(test.few, 'value')} expected fewer than 5 times, so p is rough" if test.few else ""
+    yield f"chi-square {test.statistic:.2f} with {test.degrees} degrees of freedom, p = {test.p_value:.3g}{few}"
