@@ -9,11 +9,11 @@ import click
 
 from prag_asp.cli import shell_completion
 from prag_asp.cli.arguments import parse_length
-from prag_asp.cli.compared_tasks import ComparedTasks, read_all, read_pair
+from prag_asp.cli.comparison.compared_tasks import ComparedTasks, read_all, read_pair
+from prag_asp.cli.comparison.similarity_files import FILE_OPTIONS, SimilarityFiles
 from prag_asp.cli.domain_options import OF_FILE, WHERE, DomainOptions, domain_options
 from prag_asp.cli.line_output import require_writable
 from prag_asp.cli.options import whole
-from prag_asp.cli.similarity_files import FILE_OPTIONS, SimilarityFiles
 from prag_asp.cli.terminal import aligned, progress, say
 from prag_asp.errors import QueryError
 

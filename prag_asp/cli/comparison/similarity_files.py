@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from prag_asp.cli import shell_completion
-from prag_asp.cli.compared_tasks import ComparedTasks
+from prag_asp.cli.comparison.compared_tasks import ComparedTasks
 from prag_asp.cli.options import grouped
 from prag_asp.errors import PicturesMissingError, QueryError
 
