@@ -17,6 +17,7 @@ from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
     from prag_asp.analysis.curve import Curve, Series, counts_by_length, draw_curve
+    from prag_asp.analysis.distant_tasks import tasks_apart
     from prag_asp.analysis.frequencies import Frequency, FrequencyTest, compare_frequencies
     from prag_asp.analysis.hamming import DistanceDistribution, hamming_distribution, mean_hamming
     from prag_asp.analysis.neighbours import NearestTask, count_neighbours, nearest_task
@@ -37,6 +38,7 @@ __all__ = [
     "hamming_distribution",
     "mean_hamming",
     "nearest_task",
+    "tasks_apart",
     "vendi_score",
 ]
 
@@ -45,6 +47,7 @@ _HOMES = {
     "prag_asp.analysis.frequencies": ("Frequency", "FrequencyTest", "compare_frequencies"),
     "prag_asp.analysis.hamming": ("DistanceDistribution", "hamming_distribution", "mean_hamming"),
     "prag_asp.analysis.neighbours": ("NearestTask", "count_neighbours", "nearest_task"),
+    "prag_asp.analysis.distant_tasks": ("tasks_apart",),
     "prag_asp.analysis.vendi": ("VendiScore", "vendi_score"),
 }
 
