@@ -2,9 +2,9 @@
 
 The distance of two tasks is the smallest number of different actions over all renamings of one of them. Pairs of words
 are pairs of paths of the layered automaton. For each pair of states, the dynamic programme counts the pairs of paths to
-the end by their numbers of agreements under each renaming; it distinguishes only letters of one orbit, because two
-others differ under all renamings. The recursion for one renaming and matrices M of pairs of states is
-M' = A M A^T + (z - 1) sum_a A_a M A_a^T, where A_a has the edges with letter a, and z counts agreements.
+the end by their numbers of agreements under each renaming; it distinguishes only letters of one orbit, because letters
+of two orbits differ under all renamings. The recursion for one renaming and matrices M of pairs of states is M' = A M
+A^T + (z - 1) sum_a A_a M A_a^T, where A_a contains the edges with letter a, and z counts agreements.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ MOST_AGREEMENTS = 1 << 15
 class DistanceDistribution:
     """The numbers of ordered pairs of words of a level at each Hamming distance 0, 1, ..., `length`.
 
-    Both words of a pair are any of all `words`, also the same, as in two independent samples.
+    Both words of a pair range over all `words` and may be equal, as in two independent samples.
     """
 
     by: Level
@@ -96,7 +96,8 @@ def hamming_distribution(space: TaskSpace, by: Level = "task") -> DistanceDistri
 def mean_hamming(space: TaskSpace, by: Level = "plan") -> Fraction:
     """Return the exact mean Hamming distance of two independent random plans or skeletons, at any length.
 
-    It needs only how often each letter is at each place. For tasks, see `hamming_distribution`.
+    The mean only depends on the number of occurrences of each letter at each place. For tasks, see
+    `hamming_distribution`.
 
     Raises:
         QueryError: the level is task, or the space has several lengths or is empty.
@@ -193,7 +194,7 @@ class AgreementCount:
         return counts
 
     def _residues(self, layers: Sequence[Sequence[Agreements]], prime: int) -> list[int]:
-        """Return the same numbers modulo a prime, or themselves for 0."""
+        """Return the numbers of `_counted` modulo a prime, or unchanged if the prime is 0."""
         matrices = np.ones((1, 1, 1), dtype=np.int64)
         steps = self._words.edges or ()
         for place in range(len(steps) - 1, -1, -1):
@@ -233,7 +234,7 @@ class AgreementCount:
 
 
 def related_letters(renamings: NDArray[np.int64], base: int) -> list[tuple[int, int, Agreements]]:
-    """Return the pairs of letters of one orbit: the second becomes the first under the renamings with digit 1."""
+    """Return the pairs of letters of one orbit: the renamings with digit 1 map the second letter to the first."""
     related = []
     powers = [base**place for place in range(len(renamings))]
     for other, images in enumerate(renamings.T.tolist()):

@@ -44,9 +44,9 @@ class LayerEdges:
 
 @dataclass(frozen=True)
 class LayeredAutomaton:
-    """The words of one length: the paths from state 0 of the first layer to the only state of the last one.
+    """The words of one length: the paths from state 0 of the first layer to the only state of the last layer.
 
-    `letters` has the texts of the letters. `edges` has one item for each step; it is None if there is no word.
+    `letters` holds the texts of the letters. `edges` has one item for each step; it is None if there is no word.
     """
 
     length: int
@@ -146,7 +146,7 @@ def _merged(
 ) -> tuple[LayerEdges, NDArray[np.int64]]:
     """Return the layer of some edges, and the merged state of each state, or -1.
 
-    `blocks` are the merged states of the next layer. States with the same letters and targets are one.
+    `blocks` are the merged states of the next layer. States with the same letters and targets are merged.
     """
     letters, targets = automaton.letters[used].astype(np.int64), blocks[automaton.targets[used]]
     states, begins = np.unique(automaton.sources[used], return_index=True)

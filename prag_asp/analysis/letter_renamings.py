@@ -22,7 +22,7 @@ MOST = 1 << 13
 def letter_renamings(space: TaskSpace, by: Level, letters: tuple[str, ...]) -> NDArray[np.int64]:
     """Return the distinct renamings, shape (renamings, letters): the number of the image of each letter, or -1.
 
-    The first is the identity. Only tasks are taken up to renaming, so plans and skeletons have no other.
+    The first is the identity. Only tasks are considered up to renaming, so plans and skeletons have no other renaming.
 
     Raises:
         QueryError: there are more than `MOST` renamings.
@@ -53,7 +53,7 @@ def letter_renamings(space: TaskSpace, by: Level, letters: tuple[str, ...]) -> N
 
 
 def plan_images(space: TaskSpace, plan: Sequence[clingo.Symbol]) -> list[tuple[clingo.Symbol, ...]]:
-    """Return the distinct plans that the renamings of a space make of a plan, which is the first.
+    """Return the distinct images of a plan under the renamings of a space; the plan itself comes first.
 
     Raises:
         QueryError: there are more than `MOST`.

@@ -1,4 +1,4 @@
-"""Exact second moments of the features of a plan: how many words of a space have two given values at two places.
+"""Exact second moments of the features of a plan: the numbers of words with two given values at two places.
 
 The features of a plan are one value for each place: its actions, their names, their names with the classes of their
 arguments, or its pairs of consecutive names. The dynamic programme carries the paths through each value at one place on
@@ -39,7 +39,7 @@ SAFE = 2**62
 
 @dataclass(frozen=True)
 class Moments:
-    """How often two values occur at two places of the words of a set.
+    """The numbers of words of a set in which two values occur at two places.
 
     `columns` are the pairs of a place, from 0, and a value that occur, in order; ``joint[k, l]`` is the number of words
     with the values of the columns k and l. Each of `words` has one value at each of `places`.
@@ -110,10 +110,11 @@ def space_moments(space: TaskSpace, feature: Feature, by: Level = "task") -> Mom
 def task_moments(space: TaskSpace, tasks: Iterable[Task | Sequence[str]], feature: Feature) -> Moments:
     """Return the second moments of some tasks, which all have the length of a space.
 
-    Interchangeable entities get the names that the space gives them. A task that occurs twice counts twice.
+    Interchangeable entities get their canonical names in the space. A task that occurs twice counts twice.
 
     Raises:
-        QueryError: there is no task, or one has another length, or something that is not an action of the domain.
+        QueryError: there is no task, or a task has another length or contains something that is not an action of the
+        domain.
     """
     actions, rows = space.engines.actions, []
     values = dict(zip(actions, texts_of(space, _single(feature), "task", tuple(actions)), strict=True))
@@ -164,7 +165,7 @@ def texts_of(space: TaskSpace, feature: Feature, by: Level, letters: Sequence[st
 
 
 def _single(feature: Feature) -> Feature:
-    """Return the feature of single actions that a feature consists of."""
+    """Return the feature of single actions of which a feature consists."""
     return "names" if feature == "pairs" else feature
 
 
@@ -231,7 +232,7 @@ def _joint(steps: ValuedSteps) -> tuple[tuple[tuple[int, str], ...], Objects]:
 
 
 def _edges_of(values: NDArray[np.int64], present: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """Return the edges with each of some values, which are all values of the edges but -1."""
+    """Return the edges with each of some values, which are all values of the edges except -1."""
     order = np.argsort(values, kind="stable")
     bounds = np.searchsorted(values[order], np.append(present, values.max() + 1))
     return [order[begin:end] for begin, end in pairwise(bounds.tolist())]

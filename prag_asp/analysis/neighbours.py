@@ -1,9 +1,9 @@
-"""How many tasks of a space lie within an edit distance of a given task, and the nearest one, without a list.
+"""The number of tasks of a space within an edit distance of a given task, and the nearest task, without a list.
 
-A row of the table of Wagner and Fischer (1974) says how many edits turn a prefix of a word into each prefix of the
-given plan. Numbers above the radius are capped, so that few different rows remain: they are the states of a
+A row of the table of Wagner and Fischer (1974) holds the numbers of edits that turn a prefix of a word into each prefix
+of the given plan. Numbers above the radius are capped, so that few different rows remain: they are the states of a
 deterministic Levenshtein automaton (Schulz and Mihov 2002), which runs along with the automaton of the space. There is
-a row for each renaming of the given plan, and the smallest number at the end counts. Each task is one path.
+a row for each renaming of the given plan, and the smallest number at the end is the distance. Each task is one path.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ METRICS: tuple[Metric, ...] = ("levenshtein", "hamming")
 Plan = Task | Sequence[str | Atom]
 
 FAR = 1 << 14
-"""A number of edits that no two plans have; sums of two of them fit into 16 bits."""
+"""A number of edits that no two plans have; the sum of two such numbers fits into 16 bits."""
 
 FARTHEST = 100
 """The largest radius of a neighbourhood; capped rows fit into 8 bits."""
@@ -44,7 +44,7 @@ SAFE = 2**62
 
 @dataclass(frozen=True)
 class NearestTask:
-    """A task of a space with the smallest distance from a given one, as the texts of its actions."""
+    """A task of a space with the smallest distance from a given task, as the texts of its actions."""
 
     distance: int
     plan: tuple[str, ...]
@@ -52,7 +52,7 @@ class NearestTask:
 
 @dataclass(frozen=True)
 class Target:
-    """A given plan under each renaming, shape (images, actions), as numbers of letters; others are -1."""
+    """A given plan under each renaming, shape (images, actions), as numbers of letters; other actions are -1."""
 
     images: NDArray[np.int64]
     metric: Metric
@@ -65,7 +65,7 @@ class Target:
         return row
 
     def move(self, rows: NDArray[Any], letters: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the rows after one more letter each, shape (rows, images, actions + 1)."""
+        """Return the rows after one more letter for each, shape (rows, images, actions + 1)."""
         differs = self.images[None] != letters[:, None, None]
         moved = np.full(rows.shape, FAR, dtype=np.int64)
         moved[:, :, 1:] = rows[:, :, :-1] + differs
@@ -73,20 +73,22 @@ class Target:
 
 
 def _with_skips(rows: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the rows where each further action of the plan may be left out for one edit."""
+    """Return the rows if each further action of the plan may be left out at the cost of one edit."""
     places = np.arange(rows.shape[-1])
     skipped: NDArray[np.int64] = np.minimum.accumulate(rows - places, axis=-1) + places
     return skipped
 
 
 def count_neighbours(space: TaskSpace, task: Plan, up_to: int = 3, metric: Metric = "levenshtein") -> tuple[int, ...]:
-    """Return how many tasks of a space have the distance 0, 1, ..., `up_to` from a given task, which it need not have.
+    """Return the numbers of tasks of a space at the distances 0, 1, ..., `up_to` from a task, which may be outside it.
 
-    The Levenshtein distance is the least number of actions to insert, remove or replace, over all renamings of the
-    interchangeable entities of the space; the Hamming distance only replaces. A space of several lengths adds up.
+    The Levenshtein distance is the smallest number of actions to insert, remove or replace, over all renamings of the
+    interchangeable entities of the space; the Hamming distance only counts replaced actions. For several lengths, the
+    numbers are added up.
 
     Raises:
-        QueryError: the radius or the metric is wrong, or the task has something that is not an action of the domain.
+        QueryError: the radius or the metric is wrong, or the task contains something that is not an action of the
+        domain.
         LimitReached: a limit was reached, or too many rows of edits do not fit into the memory.
     """
     if metric not in METRICS or not 0 <= up_to <= FARTHEST:
@@ -101,7 +103,7 @@ def count_neighbours(space: TaskSpace, task: Plan, up_to: int = 3, metric: Metri
 
 
 def nearest_task(space: TaskSpace, task: Plan, metric: Metric = "levenshtein") -> NearestTask:
-    """Return a task of a space that no other one is nearer to a given task than; distances as in `count_neighbours`.
+    """Return a task of a space with the smallest distance from a given task; for distances, see `count_neighbours`.
 
     Its distance is certified: it is the length of a shortest path in the product of the automaton and the plan.
 
@@ -129,7 +131,7 @@ def _symbols(space: TaskSpace, task: Plan) -> tuple[clingo.Symbol, ...]:
 def _targets(
     space: TaskSpace, plan: Sequence[clingo.Symbol], metric: Metric, up_to: int | None
 ) -> Iterator[tuple[LayeredAutomaton, Target]]:
-    """Yield the words of each length that can be near enough, with the images of the plan in their letters."""
+    """Yield the words of each length that may be close enough, with the images of the plan in their letters."""
     for length in sorted(space.lengths, key=lambda each: abs(each - len(plan))):
         away = abs(length - len(plan))
         if (metric == "hamming" and away) or (up_to is not None and away > up_to):
@@ -168,7 +170,7 @@ def _within(words: LayeredAutomaton, target: Target, up_to: int, clock: LimitClo
 
 
 def _capped(rows: NDArray[np.int64], up_to: int, left: int, size: int) -> NDArray[np.int8]:
-    """Return rows with numbers above `up_to` as `up_to` + 1, also where the letters that are left need more edits."""
+    """Return rows with numbers above `up_to` as `up_to` + 1, also if the remaining letters need more edits."""
     needed = np.abs(size - np.arange(size + 1) - left)
     return np.where(rows + needed > up_to, up_to + 1, rows).astype(np.int8)
 
@@ -203,7 +205,7 @@ def _summed(rows: NDArray[np.int8], numbers: NDArray[Any]) -> tuple[NDArray[np.i
 
 
 def _shortest(words: LayeredAutomaton, target: Target) -> NearestTask:
-    """Return the nearest word: a shortest path, found backwards from the least number of edits at the end."""
+    """Return the nearest word: a shortest path, found backwards from the smallest number of edits at the end."""
     rows = [np.tile(target.start(), (1, len(target.images), 1))]
     for step, states in zip(words.edges or (), words.sizes[1:], strict=True):
         order = np.argsort(step.targets, kind="stable")

@@ -26,7 +26,7 @@ NEGLIGIBLE = 1e-15
 
 @dataclass(frozen=True)
 class VendiScore:
-    """The effective number of different ones among `words` tasks, between 1 and their number.
+    """The effective number of different tasks among `words` tasks, between 1 and `words`.
 
     `score` is rounded; `order_2` is the exact score of order 2, the reciprocal of the sum of the squared eigenvalues
     (Pasarkar and Dieng 2024), which gives rare tasks less weight. `largest` is the largest eigenvalue.
@@ -50,11 +50,11 @@ def vendi_score(
 ) -> VendiScore:
     """Return the Vendi score of all tasks of a space, or of some `tasks` of its length.
 
-    `feature` is what is compared at each place: ``actions``, ``names``, ``classes`` (the name of an action with the
-    classes of its arguments) or ``pairs`` (of consecutive names). Interchangeable entities have their canonical names;
-    only ``actions`` depend on them. With `bag`, the similarity is the scalar product of the numbers of occurrences. It
-    is not 1 for a task and itself, so K is divided by its trace instead of N: a task counts by its similarity to
-    itself, which is larger if it repeats itself.
+    `feature` is the value that is compared at each place: ``actions``, ``names``, ``classes`` (the name of an action
+    with the classes of its arguments) or ``pairs`` (of consecutive names). Interchangeable entities have their
+    canonical names; only ``actions`` depend on them. With `bag`, the similarity is the scalar product of the numbers of
+    occurrences. It is not 1 for a task and itself, so K is divided by its trace instead of N: a task counts in
+    proportion to its similarity to itself, which is larger if values repeat.
 
     Raises:
         QueryError: the space has several lengths, no tasks or no places, or a task has another length.

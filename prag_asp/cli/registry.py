@@ -20,6 +20,7 @@ PROGRAM, COMPLETION = "prag-asp", "_PRAG_ASP_COMPLETE"
 """The name of the program, and the environment variable by which a shell requests completions."""
 
 COMMANDS = {
+    "audit": "audit",
     "check": "check",
     "compare": "evaluate",
     "completion": "completion",

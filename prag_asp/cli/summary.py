@@ -96,7 +96,7 @@ def described(found: Task, space: TaskSpace, *, false_facts: bool = False) -> li
 
 
 def _state(state: State, false_facts: bool) -> str:
-    """Return the true facts of a state as text, or all that are known."""
+    """Return the true facts of a state as text, or all known facts."""
     return _facts_text({fluent: value for fluent, value in state.items() if value or false_facts}) or "no true fact"
 
 

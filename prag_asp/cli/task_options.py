@@ -176,7 +176,7 @@ class TaskFormat:
     def line(self, space: TaskSpace, seed: int = 0, staging: Staging | None = None) -> Callable[[Record], str]:
         """Return a function that formats a record of a task of a space as one line.
 
-        The seed selects the phrasing of instructions; `staging` is that of the demonstration of a record.
+        The seed selects the phrasing of instructions; `staging` is the staging of the demonstration of a record.
 
         Raises:
             QueryError: the domain has no such language, or the options contradict each other.

@@ -1,4 +1,4 @@
-"""Write a domain as a starting point: a small one, or a copy of a shipped one."""
+"""Write a domain as a starting point: a small domain, or a copy of a shipped domain."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 def write_new_domain(name: str, parent: Path = Path(), *, plain: bool = False, like: str | None = None) -> Path:
     """Write a domain as a starting point into a new folder `name` in `parent`, and return the folder.
 
-    It is a small commented domain of a robot, whose tasks are feasible; a `plain` one has no robot. `like` is the name
-    of a shipped domain to copy instead, without its known counts.
+    It is a small commented domain with a robot, whose tasks are feasible; a `plain` domain has no robot. `like` is the
+    name of a shipped domain to copy instead, without its known counts.
 
     Raises:
         DomainError: the name is invalid, the folder exists, there is no shipped domain `like`, or it is to be plain.

@@ -29,7 +29,7 @@ EPISODES = "episodes.parquet"
 class EvaluationRecord(msgspec.Struct, frozen=True):
     """The contents of evaluation.json: the policy, the scenarios and the options of an evaluation.
 
-    `options` are those of the environment as text; `rejected` counts sampled tasks that physics found infeasible.
+    `options` are the options of the environment as text; `rejected` counts sampled tasks that physics found infeasible.
     """
 
     identity: str

@@ -117,7 +117,7 @@ def open_atomic(file: str | Path, *, mode: int = EVERYBODY, follow: bool = True)
 def replace_file(file: str | Path, content: bytes, *, mode: int = EVERYBODY, follow: bool = True) -> None:
     """Write a file atomically: after an interruption, it has either its old or its new content.
 
-    A device or a pipe is written directly. `mode` and `follow` are those of `open_atomic`.
+    A device or a pipe is written directly. `mode` and `follow` have the same meaning as in `open_atomic`.
 
     Raises:
         OutputError: the file cannot be written.

@@ -34,8 +34,8 @@ class Body(NamedTuple):
 class Situation:
     """The poses of the objects, and the arms by robot name.
 
-    `openings` are those of furniture, in metres or radians; 0 by default. `tools` are the tool poses (of the point
-    between the fingertips) according to a simulator; missing poses are computed from the joint angles.
+    `openings` are the openings of furniture, in metres or radians; 0 by default. `tools` are the tool poses (of the
+    point between the fingertips) according to a simulator; missing poses are computed from the joint angles.
 
     `measured` caches the bounding boxes of poses; situations made from one another share it.
     """

@@ -38,9 +38,9 @@ TIERS = tuple(Tier)
 class Budget:
     """The effort of the search for a witness, and the checks that the witness has to pass.
 
-    `restarts` is the number of initial states to try for a task, `samples` that of attempts at each action. If objects
-    lack room, a few further restarts pack them tightly. `tier` is the most expensive tier of checks, as a `Tier` or its
-    name; the tiers before it in `TIERS` are included.
+    `restarts` is the number of initial states to try for a task, `samples` the number of attempts at each action. If
+    objects lack room, a few further restarts pack them tightly. `tier` is the most expensive tier of checks, as a
+    `Tier` or its name; the tiers before it in `TIERS` are included.
 
     Raises:
         QueryError: a number is not positive, or the tier is unknown.

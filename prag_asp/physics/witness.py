@@ -54,8 +54,8 @@ class Arm:
 class Moment:
     """One state of a witness.
 
-    `poses` are those of all objects, `arms` the arms by robot name, `openings` those of furniture, in metres or
-    radians.
+    `poses` are the poses of all objects, `arms` the arms by robot name, `openings` the openings of furniture, in metres
+    or radians.
     """
 
     poses: Mapping[str, Pose]
@@ -110,7 +110,7 @@ class Waypoint:
 class Witness:
     """An execution of a task: a moment for every state, and the waypoints from each moment to the next.
 
-    `sizes` are those of the objects whose size was sampled.
+    `sizes` are the sizes of the objects whose size was sampled.
     """
 
     moments: tuple[Moment, ...]

@@ -56,7 +56,8 @@ class AtomNode:
 class Statement:
     """One statement of a source, in its program part; statements are compared by identity.
 
-    `own` is true for the files of the domain, false for the encodings. `parameters` are those of the program part.
+    `own` is true for the files of the domain, false for the encodings. `parameters` are the parameters of the program
+    part.
     """
 
     node: AST

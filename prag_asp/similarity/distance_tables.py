@@ -86,7 +86,7 @@ def coded(features: Sequence[Feature]) -> tuple[tuple[Symbol, ...], CodedSequenc
 
 
 def steinhaus_block(block: Values, one: Values, other: Values) -> NDArray[np.float32]:
-    """Return distances between 0 and 1, given the distances of the features from the empty one."""
+    """Return distances between 0 and 1, given the distances of the features from the empty feature."""
     distances = block.astype(np.float32)
     total = one.astype(np.float32)[:, None] + other.astype(np.float32) + distances
     result: NDArray[np.float32] = np.divide(2 * distances, total, out=np.zeros_like(distances), where=distances > 0)
@@ -133,7 +133,7 @@ class EditTable:
 
 @dataclass(frozen=True)
 class PlaceTable:
-    """Distances place by place of sequences of one length, shape (features, length)."""
+    """Place-by-place distances of sequences of one length, shape (features, length)."""
 
     costs: CostTable
     codes: Numbers
@@ -173,9 +173,9 @@ class PlaceTable:
 
 @dataclass(frozen=True)
 class StateTable:
-    """Edit distances of sequences of states, whose costs are computed for the states of each block alone.
+    """Edit distances of sequences of states, whose costs are computed only for the states of each block.
 
-    `members` says which facts each state has, shape (states, facts).
+    `members` is true for the facts of each state, shape (states, facts).
     """
 
     members: NDArray[np.bool_]
@@ -254,7 +254,7 @@ class SetTable:
 
 @dataclass(frozen=True)
 class StringTable:
-    """Distances of texts; `bounded` says that they are floats between 0 and 1."""
+    """Distances of texts; if `bounded`, they are floats between 0 and 1."""
 
     texts: list[str]
     function: StringDistance

@@ -1,4 +1,4 @@
-"""The distance of two tasks, minimal over renamings, and what explains it."""
+"""The distance of two tasks, minimal over renamings, and its explanation."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from prag_asp.similarity.symbols import entities_in, renamer
 
 @dataclass(frozen=True)
 class TaskComparison:
-    """Two tasks compared by a metric, the second with its entities renamed so that the distance is least.
+    """Two tasks compared by a metric, with the entities of the second renamed so that the distance is minimal.
 
     `renaming` maps the entities of the second task that change their names to the new ones. `distance` is in the
     metric's own unit, `normalised` lies between 0 and 1.
@@ -36,7 +36,7 @@ class TaskComparison:
 
     @property
     def similarity(self) -> float:
-        """1 less the normalised distance."""
+        """1 minus the normalised distance."""
         return float(1 - self.normalised)
 
     @property
@@ -52,7 +52,7 @@ def compare(
     background: Background | None = None,
     up_to: UpTo = "names",
 ) -> TaskComparison:
-    """Return two tasks compared by a metric; `up_to` says which entities are interchangeable without a background.
+    """Return two tasks compared by a metric; `up_to` selects interchangeable entities if there is no background.
 
     Raises:
         QueryError: there is no such metric, the metric does not compare such tasks, or they have no common classes.

@@ -24,10 +24,10 @@ if TYPE_CHECKING:
 @domain_options(*DOMAIN, options.trust)
 @click.option("--symmetries", is_flag=True, help="Also print which entities are interchangeable, alone or in groups.")
 def check(*, request: DomainOptions, symmetries: bool) -> None:
-    """Check a domain, and summarize what it declares.
+    """Check a domain, and summarize its declarations.
 
-    Errors mean that the domain is invalid, or that a count could be wrong. Warnings, on stderr, mark what is valid but
-    suspicious; the comment `% lint: allow NAME` on its line silences one.
+    Errors mean that the domain is invalid, or that a count could be wrong. Warnings, on stderr, point out valid but
+    suspicious statements; the comment `% lint: allow NAME` on the line silences a warning.
     """
     from prag_asp.program.problem import first_of_each, raise_problems
     from prag_asp.reduction.reduction import is_large

@@ -35,7 +35,7 @@ def enumerate(
 ) -> None:
     """List all tasks of length N in rank order.
 
-    Each task is printed once; of several lengths, the shortest tasks come first.
+    Each task is printed once; for several lengths, the shortest tasks come first.
     """
     form = task_format.form
     task_format.check(by)

@@ -29,7 +29,7 @@ COUNT = 100
 @domain_options(*PROGRAM, WHERE, options.trust)
 @click.option(
     "-n", "--length", "lengths", type=parse_lengths, metavar="N|A..B|N,M",
-    help="With DOMAIN: sample feasible tasks with N actions, with A to B, or with N or M, without repetition.",
+    help="With DOMAIN: sample distinct feasible tasks with N actions, with A to B actions, or with N or M.",
 )  # fmt: skip
 @click.option(
     "--data", metavar="DIR", shell_complete=shell_completion.files,
@@ -42,7 +42,7 @@ COUNT = 100
 )  # fmt: skip
 @click.option(
     "--count", type=whole(1), metavar="K",
-    help="Number of fresh scenarios, or of tasks of each part of --data.  [default: 100 fresh ones, or all]",
+    help="Number of sampled scenarios, or of tasks of each part of --data.  [default: 100, or all of --data]",
 )  # fmt: skip
 @options.seed
 @click.option(
@@ -53,7 +53,7 @@ COUNT = 100
 @click.option("--steps", type=whole(1), metavar="K", help="Step limit for each subgoal.  [default: the environment's]")
 @click.option("--everything", is_flag=True, help="Observe all bodies, not only those of the current action.")
 @click.option("--cameras", metavar="A,B,...", shell_complete=shell_completion.cameras, help="Cameras to observe.")
-@click.option("--size", metavar="WxH", help="With --cameras: pixels of the images.")
+@click.option("--size", metavar="WxH", help="With --cameras: size of the images in pixels.")
 @click.option("--language", metavar="LANGUAGE", help="Language of the instructions.  [default: en]")
 @click.option(
     "--env", "others", metavar="NAME=VALUE", multiple=True,
@@ -94,8 +94,8 @@ def evaluate(
     POLICY is `oracle`, `random` or `zeros`; MODULE:CALLABLE, a Python function from an observation to an action, or a
     class of such objects; a zip file of Stable-Baselines3; a folder pretrained_model of LeRobot, which also determines
     the control and the cameras; or ws://HOST:PORT, a policy server with the protocol of openpi. Modules, zip files and
-    checkpoints run code. The output folder has a Parquet table with a row for each episode. If the
-    command is interrupted, run it again: it continues.
+    checkpoints run code. The output folder contains a Parquet table with a row for each episode. If the command is
+    interrupted, run it again: it continues.
     """
     from prag_asp.evaluation import evaluate as evaluated
     from prag_asp.physics import require_physics

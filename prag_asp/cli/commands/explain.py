@@ -36,11 +36,11 @@ if TYPE_CHECKING:
     metavar="ACTION",
     help="With --length: explain why no task of N actions has this action, or an action of this name.",
 )
-@click.option("--step", type=whole(1), metavar="K", help="With --why-not: as its action number K, from 1.")
+@click.option("--step", type=whole(1), metavar="K", help="With --why-not: only as action number K of the task, from 1.")
 @click.option("--smallest", is_flag=True, help="With --length: name as few lines as possible, which takes longer.")
 @click.option(
     "--fewest-changes", "changes", is_flag=True,
-    help="With --length: name lines of which removing any one leaves a task, or else a smallest set to remove.",
+    help="With --length: name the lines whose removal alone leaves a task, or else a smallest set to remove.",
 )  # fmt: skip
 def explain(
     *, request: DomainOptions, words: tuple[str, ...], number: int | None, action: str | None, step: int | None,
@@ -52,8 +52,8 @@ def explain(
 
     Actions are separate arguments, or one argument in which blanks or commas separate them. For a sequence that is not
     a plan, prints the first step that cannot occur, the reason, and which steps conflict. For a length without tasks,
-    prints a set of lines of the domain that together exclude every task, while any part of them does not. The exit code
-    is 1 if there is something to explain, otherwise 0.
+    prints a set of lines of the domain that together exclude every task, while no proper subset does. The exit code is
+    1 if the sequence is not a plan or there is no task, otherwise 0.
     """
     if number is None:
         given = {"--where": request.where, "--why-not": action, "--step": step, "--smallest": smallest}

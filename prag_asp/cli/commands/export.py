@@ -86,8 +86,8 @@ def dimacs(*, request: DomainOptions, by: Any, format: str, output: str | None) 
 )
 @click.option(
     "-o", "--output", metavar="DIR", required=True, shell_complete=shell_completion.files,
-    help="New folder, written whole or not at all: domain.pddl, problem.pddl, and plan.txt of a task; of several tasks "
-    "domain_1.pddl, ..., numbered by rank or by their order in the file.",
+    help="New folder, written completely or not at all: domain.pddl, problem.pddl, and plan.txt for a task; for "
+    "several tasks domain_1.pddl, ..., numbered by rank or by position in the file.",
 )  # fmt: skip
 def pddl(*, request: DomainOptions, selection: TaskSelection, positive: bool, unconditional: bool, output: str) -> None:
     """Write a domain, or tasks of it, as PDDL domains and problems.
@@ -156,7 +156,7 @@ def _add_dataset_form(form: str, text: str, place: str) -> None:
     )  # fmt: skip
     @click.option(
         "-o", "--output", metavar=place, required=True, shell_complete=shell_completion.files,
-        help="New folder, written whole or not at all." if place == "DIR" else "File, written whole or not at all.",
+        help=("New folder" if place == "DIR" else "File") + ", written completely or not at all.",
     )  # fmt: skip
     def command(*, folder: str, part: str | None, where: tuple[str, ...], output: str, **kinds: Any) -> None:
         from prag_asp import Dataset

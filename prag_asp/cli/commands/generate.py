@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 @domain_options(*SPACES, options.trust)
 @click.option(
     "--tasks", type=whole(1), required=True, metavar="K",
-    help="Number of tasks (feasible ones, with physics). A larger number extends an existing dataset.",
+    help="Number of tasks; with physics, of feasible tasks. A larger number extends an existing dataset.",
 )  # fmt: skip
 @options.seed
 @options.weight_options
@@ -50,10 +50,10 @@ if TYPE_CHECKING:
     "--split", metavar="NAME=SHARE,...",
     help="Disjoint parts, such as train=0.8,test=0.2.  [default: one part, train]",
 )  # fmt: skip
-@click.option("--skeletons", is_flag=True, help="With --split: parts share no skeleton either.")
+@click.option("--skeletons", is_flag=True, help="With --split: parts also share no skeleton.")
 @click.option(
     "--hold-out", "held", metavar="WHAT", shell_complete=shell_completion.names,
-    help="Entity, class, action or pair that occurs in the part test only; it gets a fifth, or its share of --split.",
+    help="Entity, class, action or pair that occurs only in the part test; it gets a fifth, or its share of --split.",
 )  # fmt: skip
 @click.option(
     "--starts", type=whole(1), default=1, show_default=True, metavar="K",
@@ -72,11 +72,11 @@ if TYPE_CHECKING:
 @camera_options
 @click.option(
     "--language", default="en", show_default=True, metavar="LANGUAGE", shell_complete=shell_completion.languages,
-    help="Language of instructions: en, or another one that the domain has words for, such as de.",
+    help="Language of instructions: en, or another language for which the domain has words, such as de.",
 )  # fmt: skip
 @click.option(
     "--phrasings", default="", metavar="'K of N'",
-    help="Use only every N-th phrasing, from the K-th; '1 of 2' and '2 of 2' share none.",
+    help="Use only every N-th phrasing, from the K-th; '1 of 2' and '2 of 2' share no phrasing.",
 )  # fmt: skip
 @click.option("--shard", type=whole(1), metavar="K", help="Maximum number of tasks in a file.  [default: 1000]")
 @max_draws

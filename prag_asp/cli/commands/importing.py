@@ -35,9 +35,9 @@ if TYPE_CHECKING:
 def import_(files: tuple[str, ...], cost_factor: str | None, output: str, untimed: bool) -> None:
     """Convert a PDDL domain and problem, or BDDL problems, into a domain in a new folder.
 
-    Its tasks are the plans of the problem, of every length. The other commands also take the two PDDL files directly.
+    Its tasks are the plans of the problem, of every length. The other commands also accept the two PDDL files directly.
 
-    A FOLDER of BDDL problems becomes one domain; `-c problem=NAME` selects a problem, by the name of its file.
+    A FOLDER of BDDL problems becomes one domain; `-c problem=NAME` selects a problem by the name of its file.
     """
     from prag_asp.output import new_folder, replace_file
 

@@ -32,10 +32,10 @@ from prag_asp.errors import NotFound
 def merge(
     *, parts: tuple[str, ...], trust: bool, workers: int, on: str | None, max_draws: int | None, output: str
 ) -> None:
-    """Merge the parts of a dataset that several machines have made.
+    """Merge the parts of a dataset that several machines have generated.
 
-    The parts are the results of `generate --part 1/N` to `N/N`, all of them. The dataset has the same bytes as one that
-    a single machine writes without --part. Parts end at different samples; the few samples that no part has validated
+    The parts are all results of `generate --part 1/N` to `N/N`. The dataset has the same bytes as a dataset that a
+    single machine writes without --part. Parts end at different samples; the few samples that no part has validated
     are validated now. If the command is interrupted, run it again: it continues.
     """
     from prag_asp.dataset.merging import merge as make

@@ -75,12 +75,12 @@ program_options = grouped(
         click.option("--weighted", is_flag=True, help="Weigh answer sets by facts such as weight(in(1),2)."),
         click.option(
             "--optimal", is_flag=True,
-            help="Only answer sets of best value, by #minimize, #maximize and weak constraints.",
+            help="Use only optimal answer sets, by #minimize, #maximize and weak constraints.",
         ),
         click.option(
             "--engine", type=click.Choice(ENGINES), default="auto", show_default=True,
             help="ganak or d4, model counters (count only); diagram, a compiled decision diagram; clingo, enumeration; "
-            "or auto, the best of them for the program, by limits of work.",
+            "or auto, which tries several of them with limited work.",
         ),
     ),
 )  # fmt: skip
@@ -143,8 +143,8 @@ def count(*, program: ProgramOptions, approximation: Approximation, form: str) -
 def sample(*, program: ProgramOptions, number: int, seed: int, form: str) -> None:
     """Sample answer sets uniformly.
 
-    With --weighted, samples them in proportion to their weights. Probabilities are exact. Each line has the shown atoms
-    of an answer set. The same seed gives the same lines.
+    With --weighted, samples them in proportion to their weights. Probabilities are exact. Each line lists the shown
+    atoms of an answer set. The same seed gives the same lines.
     """
     with program.answer_sets() as found:
         _say_all(found, islice(found.sample(number, seed), number), form)
@@ -184,9 +184,9 @@ def marginals(*, program: ProgramOptions, form: str) -> None:
 def facets(*, program: ProgramOptions, form: str) -> None:
     """Print which shown atoms are facets, and how much each narrows the answer sets.
 
-    A facet is an atom that some answer sets have and others lack. For each shown atom, prints the exact share of the
-    answer sets that have it; for a facet also by which share the number of answer sets and the number of facets shrink
-    if it is chosen (+) and if it is excluded (-).
+    A facet is an atom that some answer sets contain and others do not. For each shown atom, prints the exact share of
+    the answer sets that contain it; for a facet, also the shares by which the numbers of answer sets and of facets
+    shrink if it is chosen (+) or excluded (-).
     """
     with program.answer_sets() as found:
         atoms = found.facets().items()
@@ -206,9 +206,9 @@ def facets(*, program: ProgramOptions, form: str) -> None:
 def explain(*, files: tuple[str, ...], constants: tuple[str, ...], form: str) -> None:
     """Explain why a program has no answer set.
 
-    Prints a set of lines of the program that together exclude every answer set, while no part of them does: lifting any
-    one of them, so that a constraint is dropped and a rule only allows its head, leaves an answer set. The exit code is
-    1 if there is something to explain, otherwise 0. Rules of a ground program are printed in the language of clingo.
+    Prints a set of lines of the program that together exclude every answer set, while no proper subset does: lifting
+    any one of them, so that a constraint is dropped and a rule only allows its head, leaves an answer set. The exit
+    code is 1 if there is no answer set, otherwise 0. Rules of a ground program are printed in clingo's language.
     """
     from prag_asp.models.questions.conflict import explain_program
 

@@ -26,9 +26,9 @@ from prag_asp.errors import QueryError
     help="Both policies run in the same scenarios; correlation of their results.",
 )
 @click.option(
-    "--discordant", metavar="D", help="Both policies run in the same scenarios; share of those where only one succeeds."
+    "--discordant", metavar="D", help="Both policies run in the same scenarios; share where only one succeeds."
 )
-@click.option("--of", "tasks", type=whole(1), metavar="N", help="Scenarios are distinct tasks of a space of N.")
+@click.option("--of", "tasks", type=whole(1), metavar="N", help="Scenarios are distinct tasks from a space of N tasks.")
 @click.option(
     "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True, help="A table, or JSON."
 )
@@ -36,7 +36,7 @@ def power(
     *, effect: str | None, scenarios: int | None, power: str, rate: str, alpha: str, correlation: str | None,
     discordant: str | None, tasks: int | None, form: str,
 ) -> None:  # fmt: skip
-    """Compute how many scenarios a claim needs, or what a given number can show.
+    """Compute how many scenarios a claim needs, or the effect that a given number can show.
 
     The claim is that one policy succeeds more often than another. With --effect, prints the scenarios that each policy
     needs; with --scenarios, the smallest effect that they show, and the half-width of Wilson's interval; with both,

@@ -60,9 +60,12 @@ SMALLEST, LARGEST = 16, 4096
     metavar="K",
     help="With --as state: number of the state, from 0.  [default: the final state]",
 )
-@click.option("--size", metavar="WxH", help="Pixels of a frame.  [default: 360x320; state 960x800; animation 400x350]")
+@click.option(
+    "--size", metavar="WxH",
+    help="Size of a frame in pixels.  [default: 360x320; state 960x800; animation 400x350]",
+)  # fmt: skip
 @click.option("--speed", type=float, default=2.0, show_default=True, help="Playback speed of an animation.")
-@click.option("--columns", type=whole(1), default=6, show_default=True, help="Frames in a row of a strip.")
+@click.option("--columns", type=whole(1), default=6, show_default=True, help="Frames per row of a strip.")
 @click.option(
     "--recordings", metavar="DIR", shell_complete=shell_completion.files,
     help="Draw the episodes that --demonstrate DIR has written.",
@@ -89,8 +92,8 @@ def render(
     """Draw pictures of the tasks of a file.
 
     Draws all tasks, or those with the given NUMBERs, which count the lines of the file from 1. Prints the names of the
-    files written. A task without a witness is validated first. For an animation the robot executes the task, unless
-    --recordings has an episode of it.
+    files written. A task without a witness is validated first. For an animation, the robot executes the task, unless
+    --recordings contains an episode of it.
     """
     from prag_asp.dataset.jsonl import read_lines
     from prag_asp.dataset.language import instruction_writer_of

@@ -75,8 +75,8 @@ def sample(
 ) -> None:
     """Sample tasks of length N, with exact probabilities.
 
-    The probability of a task is proportional to its weight; by default, all tasks have the same. Of several lengths,
-    the tasks of all lengths are sampled together.
+    The probability of a task is proportional to its weight; by default, all tasks have the same weight. For several
+    lengths, the tasks of all lengths are sampled together.
     """
     from prag_asp.dataset.jsonl import Record
     from prag_asp.dataset.scenarios import exclude, read_scenarios

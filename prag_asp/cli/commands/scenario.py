@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 FORM = click.option(
     "--format", "form", type=click.Choice(["full", *FORMS]), default="full", show_default=True,
-    help="All states; or a format of sample. With jsonl, physics searches for the witness again.",
+    help="Format: all states, or a format of sample. With jsonl, physics searches for the witness again.",
 )  # fmt: skip
 
 

@@ -32,11 +32,11 @@ if TYPE_CHECKING:
 @click.option(
     "--skeletons",
     is_flag=True,
-    help="Parts share no skeleton either; a share that is off by more than 2 points gives a warning.",
+    help="Parts also share no skeleton; a share that is off by over 2 percentage points causes a warning.",
 )
 @click.option(
     "--hold-out", "held", metavar="WHAT", shell_complete=shell_completion.names,
-    help="Entity, class, action or pair that occurs in the part test only.",
+    help="Entity, class, action or pair that occurs only in the part test.",
 )  # fmt: skip
 @click.option("--count", "requested_count", type=whole(0), metavar="K", help="Write K distinct tasks per part.")
 @options.seed
@@ -52,8 +52,8 @@ def split(
 ) -> None:  # fmt: skip
     """Split the tasks of length N into disjoint parts.
 
-    Prints the size of each part, such as train=0.8 test=0.2. With --count, samples tasks of each part uniformly, and
-    writes them to DIR/NAME.txt or .jsonl; these files are replaced together at the end.
+    Prints the size of each part; parts are given by shares, such as train=0.8 test=0.2. With --count, samples tasks of
+    each part uniformly, and writes them to DIR/NAME.txt or .jsonl; these files are replaced together at the end.
     """
     from prag_asp.dataset.jsonl import Record
     from prag_asp.space.task_space import TaskSpace

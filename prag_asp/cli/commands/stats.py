@@ -39,7 +39,7 @@ WIDEST = 40
 )
 @click.option(
     "--plot", metavar="FILE", shell_complete=shell_completion.files,
-    help="Plot the counts of all lengths up to N into FILE, a .html, .png, .svg or .pdf.",
+    help="Plot the counts of all lengths up to N into FILE (.html, .png, .svg or .pdf).",
 )  # fmt: skip
 @options.output
 def stats(

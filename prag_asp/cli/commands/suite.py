@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     "--count",
     "counts",
     is_flag=True,
-    help="Print the sizes of the parts, of their overlaps and of what is held out; write nothing.",
+    help="Print the numbers of tasks, of shared tasks and of held-out tasks of the parts; write nothing.",
 )
 @click.option(
     "-o",
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 )
 @click.option(
     "--at-most", "most", type=whole(1), metavar="K",
-    help="At most K tasks per part, for a trial; without it, the same command continues from there.",
+    help="Write at most K tasks per part, for a trial; the same command without this option continues.",
 )  # fmt: skip
 @click.option("--workers", type=whole(1), default=1, show_default=True, help="Number of processes for physics.")
 @options.trust

@@ -15,7 +15,7 @@ from prag_asp.wording import plural
 
 FORM = click.option(
     "--format", "form", type=click.Choice(["full", *FORMS]), default="full", show_default=True,
-    help="All states; or a format of sample, with all levels of instructions.",
+    help="Format: all states, or a format of sample, with all levels of instructions.",
 )  # fmt: skip
 
 

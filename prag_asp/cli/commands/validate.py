@@ -42,8 +42,8 @@ def validate(
 ) -> None:
     """Validate the tasks of a file: plans and feasibility.
 
-    Prints a line for each task: its number, its verdict and the reason. Give the same --rule, --encodings, --flat and
-    --where as when the tasks were made.
+    Prints a line for each task: its number, its verdict and the reason. Use the same --rule, --encodings, --flat and
+    --where as when the tasks were generated.
     """
     from prag_asp.cli.summary import tallied, tally_line
     from prag_asp.dataset import Tally, read_lines, recheck

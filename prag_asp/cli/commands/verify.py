@@ -24,7 +24,7 @@ def verify(*, folder: str, trust: bool, physics: bool, workers: int) -> None:
 
     Checks files, counts, plans, instructions and witnesses: tasks are sampled again with the seed, plans are checked by
     clingo, witnesses in a new simulation. Prints a line for each error, with its file and row (from 0); the exit code
-    is 1 if there is one.
+    is 1 if there is an error.
     """
     from prag_asp.dataset.suites.suite_manifest import count_tasks
     from prag_asp.dataset.suites.verifying import verify as wrong

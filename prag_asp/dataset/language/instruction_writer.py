@@ -141,7 +141,7 @@ class InstructionWriter:
             before = self.lexicon.view(context_of(task, number - 1))
             try:
                 heading, topic = self._sentences.write(before, action, None, None)
-            except QueryError:  # all sentences are ambiguous: the plain one names the things
+            except QueryError:  # all sentences are ambiguous: the plain instruction names the objects
                 heading, topic = sentence(action, self.lexicon.domain.settings.language), None
             made = dict(list(notable_facts(subgoal, self.lexicon).items())[:CAPTION_FACTS])
             moved = topic is not None and before.describe(topic).relation is not None

@@ -62,7 +62,7 @@ class SuitePart:
 
 @dataclass(frozen=True)
 class Suite:
-    """Parts over the tasks of one domain; `path` and `text` are those of the file that defines the suite."""
+    """Parts over the tasks of one domain; `path` and `text` belong to the file that defines the suite."""
 
     name: str
     domain: Domain

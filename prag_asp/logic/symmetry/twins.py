@@ -62,7 +62,7 @@ class Twins:
     def _twins_before(
         self, entities: NDArray[np.int64], place: int, states: NDArray[np.intp] | slice
     ) -> NDArray[np.int64]:
-        """Return the number of entities that actions name before a place and that are twins of the one at this place.
+        """Return the number of twins of the entity at a place that actions name before this place.
 
         `entities` has shape (actions, most named), the result has shape (states, actions).
         """

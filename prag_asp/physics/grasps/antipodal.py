@@ -151,7 +151,7 @@ def dense_points(parts: Sequence[Floats]) -> Floats:
 def open_width(points: Floats, gripper: ParallelGripper, tool: Pose, width: float) -> float | None:
     """Return the widest opening in metres at which the hand at a tool pose is free of a body, None if there is none.
 
-    `points` are those of `dense_points`; `width` is that of the material between the pads.
+    `points` are the points of `dense_points`; `width` is the width of the material between the pads.
     """
     return _widest(in_frame(points[None], tool)[0], gripper, width)
 
@@ -159,7 +159,7 @@ def open_width(points: Floats, gripper: ParallelGripper, tool: Pose, width: floa
 def hand_is_free(points: Floats, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
     """Return whether the hand at a tool pose, with the pads `width` metres apart, penetrates a body by `SOFT` at most.
 
-    `points` are those of `dense_points`.
+    `points` are the points of `dense_points`.
     """
     return _free(in_frame(points[None], tool)[0], _soft_boxes(gripper, width))
 

@@ -79,7 +79,7 @@ def pad_contact(shape: Shape, gripper: ParallelGripper, tool: Pose) -> PadContac
 def free_opening(shape: Shape, gripper: ParallelGripper, tool: Pose, width: float) -> float | None:
     """Return the widest opening in metres at which the fingers around a held body are free of it.
 
-    The result is None if the fingers cannot release the body. `width` is that of the material between the pads.
+    The result is None if the fingers cannot release the body. `width` is the width of the material between the pads.
 
     Raises:
         SceneError: a mesh cannot be read.

@@ -40,7 +40,7 @@ View = tuple[Vector, Vector]
 def best_view(
     task: Task, moments: Sequence[Moment], scene: Scene, size: tuple[int, int], states: Iterable[int] | None = None
 ) -> View:
-    """Return the view that shows the actions of a task best; `size` is that of a picture in pixels.
+    """Return the view that shows the actions of a task best; `size` is the size of a picture in pixels.
 
     For each state, the entities of its action and subgoal and the acting hand get the ratio of their visible pixels to
     the most in any view; a view scores the mean and the minimum of the ratios. `moments` are all states; `states` are

@@ -36,7 +36,7 @@ class Core(NamedTuple):
     """A body as the Minkowski sum of a core, a convex outline or a point in the x-y plane, and a disc or a ball.
 
     The `corners` of the core are counter-clockwise, and it extends from `low` to `high`. `disc` is the radius of a
-    cylinder, `ball` that of a ball, 0 otherwise. All lengths are in metres.
+    cylinder, `ball` the radius of a ball, 0 otherwise. All lengths are in metres.
     """
 
     corners: Outline

@@ -58,8 +58,8 @@ class Volume(NamedTuple):
 
     The region is the intersection of an axis-aligned box from `low` to `high`, half-planes, rings, and the union of the
     volumes in each of the `unions`, without the `holes`, which are convex and counter-clockwise seen from above. By
-    default it is infinite; `yaws` are unrestricted if None. `width` is the range of a gripper's width, `opening` that
-    of the joint of furniture. Units are metres and radians.
+    default it is infinite; `yaws` are unrestricted if None. `width` is the range of a gripper's width, `opening` the
+    range of the joint of furniture. Units are metres and radians.
     """
 
     low: Vector = EVERYWHERE[0]

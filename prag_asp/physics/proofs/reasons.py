@@ -96,7 +96,7 @@ def _never_together(facts: Iterable[Fact]) -> str:
 
 
 def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:
-    """Return a cycle of positive length: nodes, each of which has to be above the one before; () if there is none.
+    """Return a cycle of positive length: nodes, each of which has to be above the previous one; () if there is none.
 
     The cycle begins at the origin if it contains the origin.
     """

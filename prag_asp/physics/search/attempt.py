@@ -125,8 +125,8 @@ class Search:
 class Snapshot:
     """One state of the search: the situation, the acting robot, and the grippers that are lowered to an object.
 
-    `lowered` maps each of these grippers to the joint configuration straight above the object. `waypoints` are those of
-    the current action.
+    `lowered` maps each of these grippers to the joint configuration straight above the object. `waypoints` are the
+    waypoints of the current action.
     """
 
     situation: Situation

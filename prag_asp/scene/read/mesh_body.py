@@ -30,7 +30,7 @@ UPWARD: Mapping[str, tuple[float, float, float]] = {
 """The rotation about x, y and z in degrees that turns an axis of the file upwards."""
 
 RESTS = ("upright", "lying", "any")
-"""The resting pose of a body: as in its file, on its side, or the one with the lowest centre of mass."""
+"""The resting pose of a body: as in its file, on its side, or the pose with the lowest centre of mass."""
 
 SIDEWAYS = math.cos(math.radians(45.0))
 """The cosine of the smallest angle between the upward axis of a body on its side and that of its file."""

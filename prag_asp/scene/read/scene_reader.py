@@ -203,7 +203,7 @@ def _rotations(section: TableEntry) -> dict[str, float]:
 
 
 def _ranges(section: TableEntry) -> Ranges:
-    """Return the ranges of domain randomization; a missing one is the default."""
+    """Return the ranges of domain randomization; a missing range has its default."""
     usual, (low, high) = Ranges(), FACTORS
     section.require_known(Ranges._fields)
     ranges: dict[str, Any] = {}
