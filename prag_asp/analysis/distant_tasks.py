@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from prag_asp.analysis.layered_automaton import LayeredAutomaton, layered_words
 from prag_asp.errors import LimitReached, QueryError
 from prag_asp.processes.progress_events import stage
-from prag_asp.space.automaton.automaton import Automaton, Completions, Ranking
+from prag_asp.space.automaton.automaton import NOTHING, Automaton, Completions, Ranking
 from prag_asp.space.limits import LimitClock
 from prag_asp.space.parts.ranked_tasks import RankedTasks, RankRange
 from prag_asp.space.task_space import TaskSpace
@@ -99,7 +99,7 @@ def words_apart(words: LayeredAutomaton, plans: LayeredAutomaton, distance: int,
         LimitReached: a limit was reached.
     """
     if words.edges is None:
-        return Automaton(*(np.zeros(size, dtype=kind) for size, kind in ((1, int), (0, int), (0, int), (0, bool))))
+        return NOTHING
     rows = EditRows(words, plans, distance)
     held, pairs = rows.start(), np.zeros((1, 2), dtype=np.int64)
     degrees, letters, targets, known = [], [], [], 1
@@ -198,7 +198,8 @@ class EditRows:
         return np.where(block + needed >= self._distance, self._distance, block).astype(np.int8)
 
     def _moved(self, held: Bytes, letters: NDArray[np.int64], place: int) -> Bytes:
-        before, after = self._blocks(held, place), {}
+        before = self._blocks(held, place)
+        after: dict[int, Bytes] = {}
         for layer in self._layers(place + 1):
             block = np.full((len(held), self._plans.sizes[layer]), self._distance, dtype=np.int8)
             if layer in before:
