@@ -42,7 +42,7 @@ class _GoalRules:
         return self.atoms[formula]
 
     def rules(self, head: str, formula: Threshold, number: int) -> list[str]:
-        """Return the rules for a number of parts; `true_parts(P,N,I,J,t)` says that J of the first I parts are true."""
+        """Return the rules for a number of parts; in `true_parts(P,N,I,J,t)`, J of the first I parts are true."""
         parts = [self.atom(each) for each in formula.parts]
         if formula.low == formula.high == len(parts):
             return [statement(head, parts)]

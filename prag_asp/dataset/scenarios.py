@@ -153,12 +153,19 @@ def start_of(record: Record, staging: Staging | None = None) -> SearchStart | No
 
 
 def read_scenarios(file: str | Path) -> Iterator[Scenario]:
-    """Yield the scenarios of a file with an id on each line; blank lines are skipped.
+    """Yield the scenarios of a file with an id on each line, or of a dataset; blank lines are skipped.
 
     Raises:
         OSError: the file cannot be read.
-        QueryError: a line is not a scenario id; the message names the line.
+        QueryError: a line is not a scenario id, and the message names the line; or the folder is not a dataset.
+        DatasetsMissingError: it is a folder, and pyarrow is not installed.
     """
+    if Path(file).is_dir():
+        from prag_asp.dataset.store.dataset import Dataset
+
+        dataset = Dataset.open(file)
+        yield from (dataset.task_scenario(number) for number in range(dataset.count()))
+        return
     with open_text(file) as stream:
         for number, line in enumerate(lines_of(stream), 1):
             if line.strip():
@@ -177,15 +184,28 @@ def exclude(space: TaskSpace, scenarios: Iterable[Scenario]) -> Callable[[Task],
     Raises:
         QueryError: a scenario and the space have different domains or conditions, or a scenario has no task.
     """
-    here, clauses, excluded = Scenarios(space.domain, space), _clauses(space.whole), set[tuple[str, ...]]()
+    here, clauses = Scenarios(space.domain, space), _clauses(space.whole)
+    excluded = {here.space(clauses, length).plan_at(rank) for length, rank in excluded_ranks(space, scenarios, here)}
+    return lambda task: tuple(map(str, task.actions)) not in excluded
+
+
+def excluded_ranks(
+    space: TaskSpace, scenarios: Iterable[Scenario], here: Scenarios | None = None
+) -> Iterator[tuple[int, int]]:
+    """Yield the lengths and ranks of the tasks of scenarios; `here` are the scenarios of the domain, if they exist.
+
+    Raises:
+        QueryError: a scenario has another domain than the space, or other conditions.
+    """
+    clauses = _clauses(space.whole)
     for scenario in scenarios:
         if scenario.where != clauses:
             what = " and ".join(clauses) or "no condition"
             raise QueryError(f"scenario {scenario}: tasks of {space.title} ({what}) cannot exclude it; "
                              "its conditions number other tasks")  # fmt: skip
+        here = here or Scenarios(space.domain, space)
         here.check(scenario)
-        excluded.add(here.space(clauses, scenario.length).plan_at(scenario.rank))
-    return lambda task: tuple(map(str, task.actions)) not in excluded
+        yield scenario.length, scenario.rank
 
 
 def _clauses(space: TaskSpace) -> tuple[str, ...]:

@@ -43,8 +43,8 @@ DRAWS_PER_TASK = 1000
 )
 @click.option("--distinct", is_flag=True, help="Sample without replacement: no task occurs twice.")
 @click.option(
-    "--except", "excluded", metavar="FILE", shell_complete=shell_completion.files,
-    help="With --distinct: leave out the tasks of a file of scenario ids, which --format scenario prints.",
+    "--except", "excluded", metavar="FILE|DIR", shell_complete=shell_completion.files,
+    help="With --distinct: leave out the tasks of a file of scenario ids (--format scenario), or of a dataset.",
 )  # fmt: skip
 @click.option(
     "--physics/--no-physics", default=None, help="Keep only feasible tasks.  [default: if the domain has a scene]"

@@ -119,7 +119,7 @@ def environment(text: str) -> dict[str, Any]:
     """Return the options of the environment that a checkpoint determines.
 
     Raises:
-        QueryError: the folder is no checkpoint.
+        QueryError: the folder is not a checkpoint.
     """
     return LeRobotCheckpoint.open(text).options()
 
@@ -128,7 +128,7 @@ def maker(text: str) -> PolicyMaker:
     """Return the maker of the policy of a checkpoint.
 
     Raises:
-        QueryError: the folder is no checkpoint.
+        QueryError: the folder is not a checkpoint.
     """
     return partial(LeRobotPolicy, LeRobotCheckpoint.open(text))
 
