@@ -81,9 +81,10 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
     "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
     "analysis": GROUND | {"program", "domain", "logic", "space", "similarity"},
+    "audit": GROUND | {"program", "bddl", "pddl", "domain", "space", "dataset", "similarity", "analysis"},
     "cli": GROUND
     | {"program", "scene", "grammar", "pddl", "bddl", "reduction", "domain", "logic", "space", "models", "planners"}
-    | {"physics", "dataset", "evaluation", "analysis", "similarity", "versions"},
+    | {"physics", "dataset", "evaluation", "analysis", "similarity", "audit", "versions"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""

@@ -1,4 +1,4 @@
-"""Write a domain for problems of BDDL: classes, objects, regions, and the logic that all such domains share."""
+"""Write a domain for BDDL problems: classes, objects, regions, and the logic that all such domains share."""
 
 from __future__ import annotations
 
@@ -7,9 +7,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from prag_asp.atom import Atom
-from prag_asp.bddl.bddl_reader import BDDL, read_bddl
+from prag_asp.bddl.bddl_reader import BDDL, bddl_files, read_bddl
 from prag_asp.bddl.goal_rules import goal_rules
 from prag_asp.bddl.ground_goals import FactValue, conjuncts, fact_values
 from prag_asp.bddl.ground_problems import GroundProblem, ground_problem
@@ -18,14 +19,19 @@ from prag_asp.pddl.clingo_names import TERMS, clingo_names
 from prag_asp.pddl.program_text import filled, heading, statement
 from prag_asp.wording import plural
 
+if TYPE_CHECKING:
+    import clingo
+
 LOGIC = "manipulation.lp"
 """The file of rules that each written domain includes."""
 
 LOCATIONS = {"on": False, "ontop": False, "in": True, "inside": True}
-"""The predicates that say where an object is, each with whether it is within its place, behind a door if it has one."""
+"""The predicates that state where an object is; true if it is within the place, behind the place's door, if any."""
 
 SWITCHES = ("turnon", "toggled_on")
 OPEN = "open"
+KIND = re.compile(r"is_a\(\w,(\w+)\)")
+"""A class that a rule reads."""
 
 
 def logic_text() -> str:
@@ -37,7 +43,7 @@ def logic_text() -> str:
 class SuiteDomain:
     """The domain of some problems, by their file names: one program, in which a constant selects the problem.
 
-    What takes objects, opens or is switched is what any of the problems shows of a kind of objects.
+    A kind of objects holds objects, opens or is switched if an object of this kind does so in any of the problems.
     """
 
     problems: Mapping[str, GroundProblem]
@@ -62,6 +68,20 @@ class SuiteDomain:
         ]
         lines = [*self._head(), *select, "", *self._union(), *heading("The problems"), "", *includes]
         return {**files, "domain.lp": "\n".join(lines) + "\n"}
+
+    def program(self, name: str) -> str:
+        """Return the whole program of one problem as one text."""
+        head = [line for line in self._head() if LOGIC not in line]
+        return "\n".join([*head, logic_text(), *self._union_of(name), "", *self._problem(name, "")]) + "\n"
+
+    def _union_of(self, name: str) -> list[str]:
+        """Return what the suite shows of the kinds of one problem."""
+        kinds = {self._kinds[each] for each in self.problems[name].kinds.values()}
+        return [line for line in self._rules if set(KIND.findall(line)) <= kinds]
+
+    @cached_property
+    def _rules(self) -> tuple[str, ...]:
+        return tuple(self._union())
 
     @cached_property
     def names(self) -> Mapping[str, str]:
@@ -94,6 +114,17 @@ class SuiteDomain:
         arguments = ",".join(self._objects[each] for each in atom.arguments)
         return f"{self._predicates[atom.name]}({arguments})" if arguments else self._predicates[atom.name]
 
+    @cached_property
+    def _given_names(self) -> tuple[Mapping[str, str], Mapping[str, str]]:
+        predicates, objects = self._predicates.items(), self._objects.items()
+        return {ours: given for given, ours in predicates}, {ours: given for given, ours in objects}
+
+    def own_fact(self, fluent: clingo.Symbol) -> Atom:
+        """Return a fluent of the program as a fact of BDDL; what BDDL does not know keeps its name."""
+        predicates, objects = self._given_names
+        names = (str(each) for each in fluent.arguments)
+        return Atom(predicates.get(fluent.name, fluent.name), tuple(objects.get(each, each) for each in names))
+
     def _head(self) -> list[str]:
         lines = [f"% {self.title}"]
         for kind, names in {"classes": self._kinds, "objects": self._objects, "predicates": self._predicates}.items():
@@ -102,7 +133,7 @@ class SuiteDomain:
         return [*lines, "", '#include "rules/closed_world.lp".', f'#include "{LOGIC}".', ""]
 
     def _union(self) -> list[str]:
-        """Return what any problem shows of the kinds."""
+        """Return the facts about kinds of objects that any problem shows."""
         opens = {kind for each in self._kind_facts() if each[0] == OPEN for kind in each[1][:1]}
         movable = {each.kinds[name] for each in self.problems.values() for name in each.movable}
         takes = dict.fromkeys((name, kinds[1]) for name, kinds in self._moves())
@@ -185,13 +216,14 @@ class SuiteDomain:
 
 
 def read_suite(path: str | Path) -> SuiteDomain:
-    """Return the domain of a file of BDDL, or of all files of BDDL in a folder and its folders.
+    """Return the domain of a BDDL file, or of all BDDL files in a folder and its subfolders.
 
     Raises:
-        DomainError: there is no such file, or some are not problems of BDDL; the message has one line for each problem.
+        DomainError: there is no such file, or some files are not BDDL problems; the message has one line for each
+        error.
     """
     path = Path(path)
-    files = sorted(path.rglob(f"*{BDDL}")) if path.is_dir() else [path]
+    files = bddl_files(path) if path.is_dir() else [path]
     if not files:
         raise DomainError(f"{path}: no file in this folder ends in {BDDL}; give a folder of BDDL problems")
     problems: dict[str, GroundProblem] = {}
@@ -216,7 +248,7 @@ def _facts(problem: GroundProblem) -> Iterator[FactValue]:
 
 
 def _is_fixed(problem: GroundProblem, fact: Atom) -> bool:
-    """Return whether a fact says where something is that does not move."""
+    """Return whether a fact states the place of an object that does not move."""
     return fact.name in (*LOCATIONS, "inroom", "insource")
 
 

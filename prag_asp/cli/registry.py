@@ -20,6 +20,7 @@ PROGRAM, COMPLETION = "prag-asp", "_PRAG_ASP_COMPLETE"
 """The name of the program, and the environment variable by which a shell requests completions."""
 
 COMMANDS = {
+    "audit": "audit",
     "check": "check",
     "compare": "evaluate",
     "completion": "completion",
@@ -40,6 +41,7 @@ COMMANDS = {
     "render": "render",
     "sample": "sample",
     "scenario": "scenario",
+    "similarity": "similarity",
     "split": "split",
     "stats": "stats",
     "suite": "suite",

@@ -113,7 +113,7 @@ def moves_of(action: object, control: Control) -> NDArray[np.float64]:
 
 
 def steps_left_of(info: object) -> NDArray[np.float64]:
-    """Return the `steps_left` in the info of a step or a batch of steps, or infinity where it is missing.
+    """Return the `steps_left` in the info of a step or a batch of steps, or infinity if it is missing.
 
     Gymnasium's vector environments return one info with arrays, replay buffers a sequence of infos.
     """

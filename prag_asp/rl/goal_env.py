@@ -35,7 +35,7 @@ class GoalMethod:
 class GoalEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """An environment whose rewards and episode ends follow from goal vectors, as hindsight replay needs.
 
-    A goal has the shape (2 * `PLACES`,): the vector of the moment, then the vector of one step before. `discount` is
+    A goal has the shape (2 * `PLACES`,): the vector of the moment, then the vector of the previous step. `discount` is
     the discount of the potentials, `share` the weight of the dense reward. The methods ``compute_...`` exist only if
     `has_goals` is true, that is, if observations have goals.
     """

@@ -1,0 +1,192 @@
+"""The report of an audit: tables of texts, from which a text, a web page and JSON are written."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from html import escape
+from typing import Any
+
+from prag_asp.audit.auditing import BenchmarkAudit
+from prag_asp.wording import plural
+
+SHOWN_GROUPS, SHOWN_MEMBERS = 5, 3
+"""The maximum numbers of groups of equal goals, and of problems in each group, that a text shows."""
+
+STYLE = (
+    "body{font:15px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:72rem;padding:0 1rem;color:#1a1a1a}"
+    "table{border-collapse:collapse;margin:.5rem 0 1.5rem}th,td{border:1px solid #ccc;padding:.2rem .6rem;"
+    "text-align:right}th:first-child,td:first-child{text-align:left}th{background:#f2f2f2}h2{margin-top:2rem}"
+)
+
+
+@dataclass(frozen=True)
+class ReportTable:
+    """A table with a title: a row of headings, rows of cells, and a sentence about the table."""
+
+    title: str
+    heads: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+    note: str = ""
+
+
+def audit_tables(audit: BenchmarkAudit, *, full: bool = False) -> Iterator[ReportTable]:
+    """Yield the tables of a report; with `full`, all groups, nearest problems and missing combinations."""
+    rows = [
+        (each.suite, *map(str, (each.files, each.problems, each.goals, each.tasks)))
+        for each in ([*audit.suites, audit.total] if len(audit.suites) > 1 else audit.suites)
+    ]
+    yield ReportTable(
+        "distinct tasks", ("suite", "files", "read", "goals", "goals with starts"), tuple(rows),
+        "Goals, and goals with initial states, are distinct up to renaming of the objects of a class.",
+    )  # fmt: skip
+    if len(audit.suites) > 1:
+        yield from _overlap_tables(audit)
+    yield from _nearest_tables(audit, full=full)
+    combinations = audit.combinations
+    if combinations.occurring:
+        share = 100 * len(combinations.occurring) / combinations.possible
+        rows = [
+            ("possible by classes and targets", str(combinations.possible)),
+            ("in an initial state of some problem", str(len(combinations.present))),
+            *(
+                []
+                if combinations.reachable is None
+                else [("of these, reachable by actions", str(len(combinations.reachable)))]
+            ),
+            ("in a goal", str(len(combinations.occurring))),
+        ]
+        size = (
+            f"{plural(len(combinations.classes), 'class', 'classes')} and {plural(len(combinations.targets), 'target')}"
+        )
+        yield ReportTable(
+            "pairs of a moved class and a target",
+            ("pairs", "number"),
+            tuple(rows),
+            f"{size}; {share:.1f} % of the pairs are in a goal.",
+        )
+    if audit.same:
+        yield _same_table(audit.same, full=full)
+    if full and combinations.occurring:
+        missing = [
+            (one, other)
+            for one in combinations.classes
+            for other in combinations.targets
+            if (one, other) not in combinations.occurring
+        ]
+        marks = [(one, other, "yes" if (one, other) in combinations.present else "no") for one, other in missing]
+        yield ReportTable("pairs in no goal", ("class", "target", "in an initial state"), tuple(marks))
+    yield _finding_table(audit)
+
+
+def _overlap_tables(audit: BenchmarkAudit) -> Iterator[ReportTable]:
+    names = [each.suite for each in audit.suites]
+    cells = {(each.test, each.train): each for each in audit.overlaps}
+    for title, kind in (
+        ("goals that another suite has", "goals"),
+        ("goals with starts that another suite has", "tasks"),
+    ):
+        rows = tuple(
+            (test, *(str(getattr(cells[test, train], kind)) if test != train else "-" for train in names))
+            for test in names
+        )
+        note = "Rows: problems of this suite with a goal that occurs in the suite of the column."
+        yield ReportTable(title, ("suite", *names), rows, note if kind == "goals" else "")
+
+
+def _nearest_tables(audit: BenchmarkAudit, *, full: bool) -> Iterator[ReportTable]:
+    if not audit.nearest:
+        return
+    suites = list(dict.fromkeys(each.suite for each in audit.nearest))
+    distances = sorted({each.distance for each in audit.nearest})
+    counts = Counter((each.suite, each.distance) for each in audit.nearest)
+    rows = tuple((suite, *(str(counts[suite, distance]) for distance in distances)) for suite in suites)
+    note = "Facts that the goals of a problem and of its nearest problem in another suite do not share."
+    yield ReportTable("distance to the nearest goal", ("suite", *map(str, distances)), rows, note)
+    if full:
+        listed = (
+            (each.problem, each.nearest, str(each.distance), "yes" if each.same_start else "no")
+            for each in audit.nearest
+        )
+        yield ReportTable("nearest problems", ("problem", "nearest", "distance", "same start"), tuple(listed))
+
+
+def _same_table(same: Sequence[Sequence[str]], *, full: bool) -> ReportTable:
+    shown = same if full else same[:SHOWN_GROUPS]
+    rows = []
+    for group in shown:
+        members = group if full else group[:SHOWN_MEMBERS]
+        more = "" if len(members) == len(group) else " ..."
+        rows.append((str(len(group)), ", ".join(members) + more))
+    total = plural(len(same), "goal")
+    return ReportTable(
+        "problems with the same goal", ("problems", "names"), tuple(rows), f"{total} of several problems."
+    )
+
+
+def _finding_table(audit: BenchmarkAudit) -> ReportTable:
+    rows = tuple((each.kind, each.place, each.text) for each in audit.findings)
+    note = "" if rows else "None found."
+    return ReportTable("mistakes", ("kind", "place", "mistake"), rows, note)
+
+
+def audit_text(audit: BenchmarkAudit, *, full: bool = False) -> Iterator[str]:
+    """Yield the lines of the report."""
+    for number, table in enumerate(audit_tables(audit, full=full)):
+        if number:
+            yield ""
+        yield table.title
+        if table.rows:
+            yield from _lines([table.heads, *table.rows], last_left=table.heads[-1] in ("names", "mistake"))
+        if table.note:
+            yield table.note
+
+
+def _lines(rows: Sequence[Sequence[str]], *, last_left: bool) -> Iterator[str]:
+    """Yield the lines of a table; columns of numbers are right-aligned."""
+    columns = [*zip(*rows, strict=True)]
+    widths = [max(map(len, column)) for column in columns]
+    right = [all(cell.isdigit() or cell == "-" for cell in column[1:]) for column in columns]
+    for row in rows:
+        cells = [
+            cell.rjust(width) if is_right and not (last_left and place == len(row) - 1) else cell.ljust(width)
+            for place, (cell, width, is_right) in enumerate(zip(row, widths, right, strict=True))
+        ]
+        yield "  " + "  ".join(cells).rstrip()
+
+
+def audit_page(audit: BenchmarkAudit) -> str:
+    """Return the report as a self-contained HTML page."""
+    parts = []
+    for table in audit_tables(audit, full=True):
+        head = "".join(f"<th>{escape(each)}</th>" for each in table.heads)
+        body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in table.rows)
+        rows = f"<table><tr>{head}</tr>{body}</table>" if table.rows else ""
+        parts.append(f"<h2>{escape(table.title.capitalize())}</h2>{rows}<p>{escape(table.note)}</p>")
+    title = f"Audit of {', '.join(each.suite for each in audit.suites)}"
+    return (
+        f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{escape(title)}</title><style>{STYLE}</style>'
+        f"<h1>{escape(title)}</h1>{''.join(parts)}</html>\n"
+    )
+
+
+def audit_json(audit: BenchmarkAudit) -> dict[str, Any]:
+    """Return the report as JSON values."""
+    combinations = audit.combinations
+    return {
+        "suites": [asdict(each) for each in audit.suites],
+        "total": asdict(audit.total),
+        "overlaps": [asdict(each) for each in audit.overlaps],
+        "nearest": [asdict(each) for each in audit.nearest],
+        "same_goals": [list(each) for each in audit.same],
+        "combinations": {
+            "classes": list(combinations.classes),
+            "targets": list(combinations.targets),
+            "possible": combinations.possible,
+            "occurring": sorted(map(list, combinations.occurring)),
+            "present": sorted(map(list, combinations.present)),
+            "reachable": None if combinations.reachable is None else sorted(map(list, combinations.reachable)),
+        },
+        "findings": [asdict(each) for each in audit.findings],
+    }

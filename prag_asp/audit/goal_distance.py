@@ -1,0 +1,62 @@
+"""The distance of two goals: the number of facts that only one of them has, under the best renaming."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Hashable, Mapping, Sequence
+
+from prag_asp.audit.canonical_facts import Relation
+
+Kinds = Mapping[str, str]
+
+
+def goal_distance(first: Sequence[Relation], second: Sequence[Relation], kinds: tuple[Kinds, Kinds]) -> int:
+    """Return the size of the symmetric difference of two sets of facts, minimal over renamings within classes.
+
+    A renaming maps objects of the first goal one to one to objects of the same class of the second. `kinds` are the
+    classes of the objects of each goal.
+    """
+    ordered = sorted(set(first), key=repr)
+    others = sorted(set(second), key=repr)
+    return len(ordered) + len(others) - 2 * _most_common(ordered, others, kinds)
+
+
+def _most_common(first: Sequence[Relation], second: Sequence[Relation], kinds: tuple[Kinds, Kinds]) -> int:
+    """Return the largest number of facts that a renaming maps to facts, by branch and bound over the facts."""
+    ours = [_description(fact, kinds[0]) for fact in first]
+    theirs = {fact: _description(fact, kinds[1]) for fact in second}
+    left = [Counter(ours[place:]) for place in range(len(first) + 1)]
+    bound = sum((left[0] & Counter(theirs.values())).values())
+    best = 0
+
+    def search(place: int, common: int, free: tuple[Relation, ...], forth: dict[Hashable, Hashable]) -> None:
+        nonlocal best
+        best = max(best, common)
+        rest = Counter(theirs[fact] for fact in free)
+        if place == len(first) or best == bound or common + sum((left[place] & rest).values()) <= best:
+            return
+        for fact in free:
+            if theirs[fact] == ours[place]:
+                extended = _extended(forth, first[place][1], fact[1])
+                if extended is not None:
+                    search(place + 1, common + 1, tuple(each for each in free if each != fact), extended)
+        search(place + 1, common, free, forth)
+
+    search(0, 0, tuple(second), {})
+    return best
+
+
+def _description(fact: Relation, kinds: Kinds) -> tuple[object, ...]:
+    label, objects = fact
+    return (label, *(kinds.get(str(each), str(each)) for each in objects))
+
+
+def _extended(
+    forth: dict[Hashable, Hashable], objects: Sequence[Hashable], others: Sequence[Hashable]
+) -> dict[Hashable, Hashable] | None:
+    """Return a renaming with more pairs, or None if it would no longer be one to one."""
+    result = dict(forth)
+    for one, other in zip(objects, others, strict=True):
+        if result.setdefault(one, other) != other:
+            return None
+    return result if len(set(result.values())) == len(result) else None

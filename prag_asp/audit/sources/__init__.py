@@ -1,0 +1,1 @@
+"""Formats of problems that an audit reads, each in one file with a function `read`."""
