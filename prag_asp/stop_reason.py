@@ -26,7 +26,7 @@ class StopReason:
     limit: float | None = None
 
     def prose(self) -> str:
-        """Return the reason in the words of messages."""
+        """Return the reason as text for messages."""
         if self.limit is None:
             return self.kind.value
         size = f"{self.limit:g} s" if self.kind == StopKind.TIME else f"{self.limit / 10**6:,.0f} MB"

@@ -26,6 +26,25 @@ ROOT = Path(__file__).parent
 LONGEST = 900.0
 """Seconds that a test may take, on whatever machine; ten times as many with ten times the examples."""
 
+LONGEST_FILES = (
+    "docs/test_examples.py",
+    "space/test_known_counts.py",
+    "test_wheel.py",
+    "dataset/making/test_on_ray.py",
+    "rl/test_learning.py",
+    "output/test_kills.py",
+    "fuzz/test_campaign.py",
+    "space/test_orbits.py",
+    "cli/test_validate.py",
+    "physics/test_scenes.py",
+    "space/test_reduced_count.py",
+    "cli/test_supervision.py",
+    "evaluation/test_evaluate.py",
+    "rl/test_environment.py",
+    "space/test_five_engines.py",
+)
+"""The files that take longest, longest first, as measured: several processes begin with them."""
+
 COMPLAINTS = pytest.StashKey[int]()
 """Where what goes wrong with a test as a whole is told, past what is captured of it."""
 
@@ -113,11 +132,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         random = [item for item in items if _has_examples(item) or "chance" in getattr(item, "fixturenames", ())]
         config.hook.pytest_deselected(items=[item for item in items if item not in random])
         items[:] = random
-    # What takes long comes first, so that no process is left with it at the end while the other one has nothing to do:
-    # files with something slow, then those with most tests.
+    # What takes long comes first, so that no process is left with it at the end while the others have nothing to do.
     slow = {item.path for item in items if item.get_closest_marker("slow")}
     tests = Counter(item.path for item in items)
-    items.sort(key=lambda item: (item.path not in slow, -tests[item.path]))
+    place = {ROOT / name: number for number, name in enumerate(LONGEST_FILES)}
+    items.sort(key=lambda item: (place.get(item.path, len(place)), item.path not in slow, -tests[item.path]))
 
 
 def pytest_collection_finish() -> None:

@@ -1,9 +1,9 @@
-"""Frequencies in a dataset beside the exact expected ones of its space, with a chi-square test.
+"""Frequencies in a dataset compared with the exact expected frequencies of its space, with a chi-square test.
 
-Occurrences within a task depend on each other, so that Pearson's statistic would not have its distribution. The test
-uses the exact covariance matrix C of the occurrences in a random task instead: for the differences d from the expected
-numbers in n tasks, d' C^+ d / n has a chi-square distribution for many tasks, with as many degrees of freedom as C has
-rank (Moore 1977).
+Occurrences within a task depend on each other, so Pearson's statistic would not have a chi-square distribution. The
+test uses the exact covariance matrix C of the occurrences in a random task instead: for the differences d from the
+expected numbers in n tasks, d' C^+ d / n has a chi-square distribution for many tasks, with as many degrees of freedom
+as C has rank (Moore 1977).
 """
 
 from __future__ import annotations
@@ -21,15 +21,15 @@ from prag_asp.space.task_space import TaskSpace
 from prag_asp.task import Task
 
 FEW = 5
-"""Below this expected number the distribution of the statistic is not yet near a chi-square distribution."""
+"""Below this expected number, the distribution of the statistic is not close to a chi-square distribution."""
 
 PRIME = 2**31 - 1
-"""The rank of an integer matrix is that modulo this prime, except for determinants that it happens to divide."""
+"""The rank of an integer matrix equals its rank modulo this prime, unless the prime divides certain determinants."""
 
 
 @dataclass(frozen=True)
 class Frequency:
-    """How often a value occurs in a dataset, and how often it is expected to."""
+    """The number of occurrences of a value in a dataset, and the expected number."""
 
     value: str
     observed: int
@@ -41,9 +41,9 @@ class FrequencyTest:
     """The frequencies of the values of a feature in some tasks, and the test that they are a uniform sample.
 
     `statistic` has a chi-square distribution with `degrees` degrees of freedom if the tasks are independent uniform
-    samples of the space; it is infinite if some frequencies are impossible there. `p_value` is the probability of at
-    least this statistic. `few` is the number of values that are expected fewer than five times: with many of them, the
-    p-value is rough.
+    samples of the space; it is infinite if some frequencies are impossible in the space. `p_value` is the probability
+    of at least this statistic. `few` is the number of values that are expected fewer than five times: if there are
+    many, the p-value is rough.
     """
 
     feature: Feature
@@ -62,13 +62,13 @@ class FrequencyTest:
 def compare_frequencies(
     space: TaskSpace, tasks: Iterable[Task | Sequence[str]], feature: Feature = "names"
 ) -> FrequencyTest:
-    """Compare the frequencies of a feature in some tasks with the exact expected ones of uniform samples of a space.
+    """Compare the frequencies of a feature in tasks with the exact expected frequencies in uniform samples of a space.
 
     `feature` is ``actions``, ``names``, ``classes`` (the name of an action with the classes of its arguments) or
     ``pairs`` (of consecutive names).
 
     Raises:
-        QueryError: there is no task, one has another length, or the space is empty or has several lengths.
+        QueryError: there is no task, a task has another length, or the space is empty or has several lengths.
         LimitReached: a limit ended the exploration.
     """
     found, whole = task_moments(space, tasks, feature), space_moments(space, feature)

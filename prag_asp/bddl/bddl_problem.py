@@ -21,7 +21,7 @@ class BddlFact:
 
 @dataclass(frozen=True)
 class Connective:
-    """A formula made of others by ``and``, ``or``, ``not`` (one part) or ``imply`` (two parts)."""
+    """A formula composed of others by ``and``, ``or``, ``not`` (one part) or ``imply`` (two parts)."""
 
     kind: str
     parts: tuple[BddlFormula, ...]
@@ -51,7 +51,7 @@ TRUE = Connective("and", ())
 class Region:
     """A named part of a fixture or an object, or an area on it if there are `ranges`; facts name it ``TARGET_NAME``.
 
-    `yaw` are the smallest and the largest yaw of what is placed there, in radians.
+    `yaw` holds the smallest and the largest yaw of objects placed there, in radians.
     """
 
     name: str
@@ -70,7 +70,7 @@ class Region:
 class BddlProblem:
     """A problem of BDDL, with the classes of its objects and fixtures by name; all names are in lower case.
 
-    `initial` are facts with their values. `remarks` are the lines of what was ignored, with a reason.
+    `initial` are facts with their values. `remarks` are the lines of ignored parts, with a reason.
     """
 
     name: str

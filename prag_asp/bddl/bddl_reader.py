@@ -1,4 +1,4 @@
-"""Read BDDL as LIBERO, LIBERO-PRO and BEHAVIOR-1K write it.
+"""Read the BDDL of LIBERO, LIBERO-PRO and BEHAVIOR-1K.
 
 The grammars are those of https://github.com/Lifelong-Robot-Learning/LIBERO, ``libero/envs/bddl_utils.py``, and of
 https://github.com/StanfordVL/bddl, ``bddl/parsing.py``: nested lists in any case, sections in any order, classes after
@@ -35,7 +35,7 @@ PARTS = {"and": (0, None), "or": (0, None), "not": (1, 1), "imply": (2, 2)}
 """The connectives, each with its smallest and largest number of parts."""
 
 QUANTIFIERS = {"forall": False, "exists": False, "forn": True, "forpairs": False, "fornpairs": True}
-"""The quantifiers, each with whether a number comes first."""
+"""The quantifiers, each with a flag that is true if a number comes first."""
 
 PAIRS = ("forpairs", "fornpairs")
 """The quantifiers of two lists of variables."""
@@ -48,7 +48,7 @@ IGNORED = (":requirements", ":scene_properties")
 REGION_KEYS = (":target", ":ranges", ":yaw_rotation", ":rgba")
 
 PI = re.compile(r"(?P<sign>[-+]?)(?:(?P<times>[0-9.]+)\*)?(?:np\.|math\.)?pi(?:(?P<by>[*/])(?P<number>[0-9.]+))?")
-"""A multiple of pi, because LIBERO evaluates a yaw as Python."""
+"""A multiple of pi, because LIBERO evaluates a yaw as a Python expression."""
 
 DOMAIN_FILE = re.compile(rb"(?:\s|;[^\n]*\n)*\(\s*define\s*\(\s*domain\b", re.IGNORECASE)
 """The beginning of a file that is no problem, but declares the predicates of a dialect."""
@@ -69,7 +69,7 @@ def read_bddl(path: str | Path) -> BddlProblem:
     """Read a problem from a file of BDDL.
 
     Raises:
-        DomainError: the file cannot be read or is not a problem of BDDL; the message has the line.
+        DomainError: the file cannot be read or is not a BDDL problem; the message names the line.
     """
     path = Path(path)
     return parse_bddl(read_text(path), path)
@@ -79,14 +79,14 @@ def parse_bddl(text: str, path: str | Path = "<bddl>") -> BddlProblem:
     """Return the problem that a text of BDDL describes; `path` is named in messages.
 
     Raises:
-        DomainError: the text is not a problem of BDDL; the message has the line.
+        DomainError: the text is not a BDDL problem; the message names the line.
     """
     return _Reading(Path(path)).problem(text)
 
 
 @dataclass
 class _Reading:
-    """Reads one text, and collects remarks on what it ignores."""
+    """Reads one text, and collects remarks on the parts that it ignores."""
 
     path: Path
     remarks: list[tuple[int, str]] = field(default_factory=list)
@@ -143,7 +143,7 @@ class _Reading:
         return name, sections
 
     def typed(self, section: Expression, kind: str) -> dict[str, str]:
-        """Return the classes of names; names without a class are of the class `kind`."""
+        """Return the classes of names; names without a class belong to the class `kind`."""
         classes, open_names, seen = dict[str, str](), list[Word](), dict[str, int]()
         words = [self.word(each) for each in section.rest]
         position = 0
@@ -253,7 +253,7 @@ class _Reading:
         return tuple(literals)
 
     def goal(self, section: Expression) -> BddlFormula:
-        """Return the goal; several lists are a conjunction, and so is a list of lists."""
+        """Return the goal; several lists form a conjunction, and so does a list of lists."""
         parts = [self.formula(self.list(each), {}) for each in section.rest]
         return TRUE if not parts else parts[0] if len(parts) == 1 else Connective("and", tuple(parts))
 

@@ -1,4 +1,4 @@
-"""Write a domain for problems of BDDL: classes, objects, regions, and the logic that all such domains share."""
+"""Write a domain for BDDL problems: classes, objects, regions, and the logic that all such domains share."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ LOGIC = "manipulation.lp"
 """The file of rules that each written domain includes."""
 
 LOCATIONS = {"on": False, "ontop": False, "in": True, "inside": True}
-"""The predicates that say where an object is, each with whether it is within its place, behind a door if it has one."""
+"""The predicates that state where an object is; true if it is within the place, behind the place's door, if any."""
 
 SWITCHES = ("turnon", "toggled_on")
 OPEN = "open"
@@ -43,7 +43,7 @@ def logic_text() -> str:
 class SuiteDomain:
     """The domain of some problems, by their file names: one program, in which a constant selects the problem.
 
-    What takes objects, opens or is switched is what any of the problems shows of a kind of objects.
+    A kind of objects holds objects, opens or is switched if an object of this kind does so in any of the problems.
     """
 
     problems: Mapping[str, GroundProblem]
@@ -133,7 +133,7 @@ class SuiteDomain:
         return [*lines, "", '#include "rules/closed_world.lp".', f'#include "{LOGIC}".', ""]
 
     def _union(self) -> list[str]:
-        """Return what any problem shows of the kinds."""
+        """Return the facts about kinds of objects that any problem shows."""
         opens = {kind for each in self._kind_facts() if each[0] == OPEN for kind in each[1][:1]}
         movable = {each.kinds[name] for each in self.problems.values() for name in each.movable}
         takes = dict.fromkeys((name, kinds[1]) for name, kinds in self._moves())
@@ -216,10 +216,11 @@ class SuiteDomain:
 
 
 def read_suite(path: str | Path) -> SuiteDomain:
-    """Return the domain of a file of BDDL, or of all files of BDDL in a folder and its folders.
+    """Return the domain of a BDDL file, or of all BDDL files in a folder and its subfolders.
 
     Raises:
-        DomainError: there is no such file, or some are not problems of BDDL; the message has one line for each problem.
+        DomainError: there is no such file, or some files are not BDDL problems; the message has one line for each
+        error.
     """
     path = Path(path)
     files = bddl_files(path) if path.is_dir() else [path]
@@ -247,7 +248,7 @@ def _facts(problem: GroundProblem) -> Iterator[FactValue]:
 
 
 def _is_fixed(problem: GroundProblem, fact: Atom) -> bool:
-    """Return whether a fact says where something is that does not move."""
+    """Return whether a fact states the place of an object that does not move."""
     return fact.name in (*LOCATIONS, "inroom", "insource")
 
 

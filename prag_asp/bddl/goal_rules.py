@@ -1,4 +1,4 @@
-"""Rules for goals that are no conjunctions of facts: which numbers of their parts are true in the final state."""
+"""Rules for goals that are not conjunctions of facts, by the number of their parts that are true in the final state."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from prag_asp.pddl.program_text import statement
 
 
 def goal_rules(formulas: Sequence[GroundFormula], fluent: Callable[[Atom], str], body: str, problem: str) -> list[str]:
-    """Return rules under ``#program check(t).`` that require formulas in the end, under the condition `body`."""
+    """Return rules under ``#program check(t).`` that require formulas in the end if the condition `body` holds."""
     if not formulas:
         return []
     writer = _GoalRules(fluent, problem)
@@ -23,7 +23,7 @@ def goal_rules(formulas: Sequence[GroundFormula], fluent: Callable[[Atom], str],
 
 @dataclass
 class _GoalRules:
-    """Collects rules for `satisfied(P,N,t)`, which says that formula N of problem P is true in the final state."""
+    """Collects rules for `satisfied(P,N,t)`, which states that formula N of problem P is true in the final state."""
 
     fluent: Callable[[Atom], str]
     problem: str
@@ -42,7 +42,7 @@ class _GoalRules:
         return self.atoms[formula]
 
     def rules(self, head: str, formula: Threshold, number: int) -> list[str]:
-        """Return the rules for a number of parts; `true_parts(P,N,I,J,t)` says that J of the first I parts are true."""
+        """Return the rules for a number of parts; in `true_parts(P,N,I,J,t)`, J of the first I parts are true."""
         parts = [self.atom(each) for each in formula.parts]
         if formula.low == formula.high == len(parts):
             return [statement(head, parts)]

@@ -15,12 +15,12 @@ from prag_asp.atom import Atom
 from prag_asp.bddl.bddl_problem import BddlFact, BddlFormula, BddlProblem, Connective, Quantifier
 
 OPPOSITES = {"close": "open", "closed": "open", "turnoff": "turnon"}
-"""Predicates of LIBERO, each with the one that is false where it is true."""
+"""Predicates of LIBERO, each with its opposite, which is false if and only if it is true."""
 
 
 @dataclass(frozen=True)
 class FactValue:
-    """A ground fact that is true, or false where `value` is false."""
+    """A ground fact that is true, or false if `value` is false."""
 
     fact: Atom
     value: bool = True
@@ -66,7 +66,7 @@ def negation(formula: GroundFormula) -> GroundFormula:
 
 
 def at_least(number: int, parts: tuple[GroundFormula, ...]) -> GroundFormula:
-    """Return that at least a number of the parts are true."""
+    """Return the formula that at least a number of the parts are true."""
     if number >= len(parts) > 0:
         return every(*parts) if number == len(parts) else some()
     return some(*parts) if number == 1 else Threshold(number, len(parts), parts)
@@ -96,14 +96,14 @@ def fact_values(formula: GroundFormula) -> Iterator[FactValue]:
 
 
 def is_true(formula: GroundFormula, facts: Set[Atom]) -> bool:
-    """Return whether a formula is true where just these facts are true."""
+    """Return whether a formula is true if exactly these facts are true."""
     if isinstance(formula, FactValue):
         return (formula.fact in facts) == formula.value
     return formula.low <= sum(is_true(part, facts) for part in formula.parts) <= formula.high
 
 
 def literal_of(fact: BddlFact, value: bool = True) -> FactValue:
-    """Return a ground fact with its value; what closes or turns off is stated as not open or not on."""
+    """Return a ground fact with its value; closed and turned-off are stated as not open and not turned on."""
     opposite = OPPOSITES.get(fact.predicate)
     return FactValue(Atom(opposite or fact.predicate, fact.terms), value if opposite is None else not value)
 
@@ -147,7 +147,7 @@ def _exactly(number: int, parts: tuple[GroundFormula, ...]) -> GroundFormula:
 def _pairs(
     formula: Quantifier, objects: list[list[str]], part_with: Callable[[str, str], GroundFormula]
 ) -> GroundFormula:
-    """Return that enough objects of each class are in a pair; an object is no pair with itself."""
+    """Return the formula that enough objects of each class are in a pair; an object does not pair with itself."""
     first, second = objects
     number = min(len(first), len(second)) if formula.number is None else formula.number
     rows = tuple(some(*(part_with(one, other) for other in second if one != other)) for one in first)

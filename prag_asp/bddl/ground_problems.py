@@ -18,8 +18,8 @@ ROOM, AGENT = "inroom", "agent"
 class GroundProblem:
     """A problem of a benchmark, whatever its format.
 
-    `kinds` are the classes of all objects; the kind of a region is that of its target with its own name. `parts` are
-    the regions, each with its target and its own name. `movable` are the objects that can be carried.
+    `kinds` are the classes of all objects; the kind of a region consists of the kind of its target and its own name.
+    `parts` are the regions, each with its target and its own name. `movable` are the objects that can be carried.
     """
 
     name: str
@@ -37,10 +37,10 @@ class GroundProblem:
 
 
 def ground_problem(problem: BddlProblem, path: object = "<bddl>") -> GroundProblem:
-    """Return a problem of BDDL without variables; `path` is named in messages.
+    """Return a BDDL problem without variables; `path` is named in messages.
 
     Raises:
-        DomainError: a fact of the initial state or the goal names something that is not declared.
+        DomainError: a fact of the initial state or the goal names an undeclared object.
     """
     classes = problem.classes
     regions = problem.region_by_name

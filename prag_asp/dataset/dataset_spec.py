@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from math import ceil
 from pathlib import Path
@@ -12,6 +12,7 @@ import msgspec
 
 from prag_asp.errors import QueryError
 from prag_asp.grammar.phrasings import Phrasings
+from prag_asp.integers import digits_of, number_of
 from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.verdict import Budget, Tier
 from prag_asp.space.sampling.sharding import ALL, Deal
@@ -32,6 +33,9 @@ LARGEST_SHARD, MOST_STARTS = 20_000, 1000
 DRAWS_FOR_EACH = 1000
 """The default number of draws per requested task after which sampling for a part stops."""
 
+ExcludedTask = Annotated[str, msgspec.Meta(pattern="^(0|[1-9][0-9]{0,8}):(0|[1-9][0-9]*)$")]
+"""The length and the rank of a task, such as ``2:181``."""
+
 LARGEST_SEED = 2**63 - 1
 """The largest seed that a column of 64-bit integers holds."""
 
@@ -42,6 +46,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     `split` has the exact share of each part. `weights` and `temperature` are exact numbers as text. Without a `budget`,
     physics is not run. Unless `trivial`, tasks whose final state is the initial state are left out. `part`, such as
     ``3/64``, selects every 64th draw from the third on; other machines generate the rest.
+    The tasks `excluded`, if any, are left out, by their length and rank.
 
     Raises:
         QueryError: a number is out of range.
@@ -64,6 +69,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     phrasings: str = ""
     staging: Staging | None = None
     part: Annotated[str, msgspec.Meta(pattern="^[1-9][0-9]{0,6}/[1-9][0-9]{0,6}$")] | None = None
+    excluded: list[ExcludedTask] | msgspec.UnsetType = msgspec.UNSET
 
     def __post_init__(self) -> None:
         if self.tasks < 1:
@@ -87,6 +93,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         physics: bool | None = None,
         phrasings: str = "",
         part: str | None = None,
+        excluded: Iterable[tuple[int, int]] = (),
         **fields: Any,
     ) -> DatasetSpec:
         """Return the request for a dataset of `tasks` different feasible tasks of a domain, given its `fields`.
@@ -100,6 +107,8 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         accepted. Instructions are in a `language` of the domain, and use some of its `phrasings`, such as ``1 of 2``. A
         shard has at most `shard` tasks. With ``part="3/64"``, only every 64th draw from the third on is validated, for
         a 64th of the tasks.
+
+        The tasks `excluded`, pairs of a length and a rank, are left out.
 
         Raises:
             QueryError: a value is out of range, or two of them contradict each other.
@@ -118,6 +127,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
             temperature=str(temperature),
             phrasings=str(Phrasings.parse(phrasings)),
             part=None if part is None or Deal.parse(part) == ALL else str(Deal.parse(part)),
+            excluded=[f"{length}:{digits_of(rank)}" for length, rank in sorted(set(excluded))] or msgspec.UNSET,
             **fields,
         )
         budget = spec._budget_in(domain, bool(domain.settings.scene) if physics is None else physics)
@@ -154,6 +164,12 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         from prag_asp.space.without_replacement import Division
 
         return Division.parse(self.split, skeletons=self.skeletons, hold_out=self.hold_out)
+
+    @property
+    def excluded_ranks(self) -> list[tuple[int, int]]:
+        """The lengths and ranks of the excluded tasks."""
+        pairs = (text.split(":") for text in self.excluded or ())
+        return [(int(length), number_of(rank)) for length, rank in pairs]
 
     @property
     def deal(self) -> Deal:

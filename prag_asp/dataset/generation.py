@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from prag_asp.dataset.dataset_spec import DatasetSpec
 from prag_asp.dataset.making.executors import executor_of
 from prag_asp.dataset.making.run import DatasetRun, Progress
+from prag_asp.dataset.scenarios import excluded_ranks
 from prag_asp.dataset.store.domain_snapshot import snapshot_of
 from prag_asp.missing import require_pyarrow
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.scenario import Scenario
     from prag_asp.dataset.store.dataset import Dataset
     from prag_asp.space.task_space import TaskSpace
 
@@ -24,6 +27,7 @@ def generate(
     workers: int = 1,
     on: str | None = None,
     max_draws: int | None = None,
+    excluded: Iterable[Scenario] = (),
     progress: Progress = lambda words, done, total: None,
     **request: Any,
 ) -> Dataset:
@@ -31,7 +35,8 @@ def generate(
 
     The request is a `spec`, or keywords such as ``tasks=100, seed=7, split={"train": 0.8, "test": 0.2}``, which
     `DatasetSpec.of` documents. Sampling for a part of the split stops after `max_draws` draws, by default 1000 per
-    task.
+    task. The tasks of `excluded` scenarios of the same domain and conditions are left out, so the dataset is disjoint
+    from earlier ones.
 
     The same call resumes an interrupted run; a larger number of tasks extends the dataset. Its bytes depend on the
     request alone, neither on the number of `workers` nor on the machines on which they run: with ``on="ray"``, the
@@ -51,7 +56,7 @@ def generate(
     require_pyarrow()
     executor = executor_of(workers, on)
     if spec is None:
-        spec = DatasetSpec.of(space.domain, **request)
+        spec = DatasetSpec.of(space.domain, excluded=excluded_ranks(space, excluded), **request)
     elif request:
         raise TypeError(f"a spec is given, so {', '.join(request)} cannot be; change the spec")
     return DatasetRun(space, Path(folder), spec, snapshot_of(space.domain), executor, progress, max_draws).done()

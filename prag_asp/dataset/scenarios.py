@@ -177,15 +177,28 @@ def exclude(space: TaskSpace, scenarios: Iterable[Scenario]) -> Callable[[Task],
     Raises:
         QueryError: a scenario and the space have different domains or conditions, or a scenario has no task.
     """
-    here, clauses, excluded = Scenarios(space.domain, space), _clauses(space.whole), set[tuple[str, ...]]()
+    here, clauses = Scenarios(space.domain, space), _clauses(space.whole)
+    excluded = {here.space(clauses, length).plan_at(rank) for length, rank in excluded_ranks(space, scenarios, here)}
+    return lambda task: tuple(map(str, task.actions)) not in excluded
+
+
+def excluded_ranks(
+    space: TaskSpace, scenarios: Iterable[Scenario], here: Scenarios | None = None
+) -> Iterator[tuple[int, int]]:
+    """Yield the lengths and ranks of the tasks of scenarios; `here` are the scenarios of the domain, if they exist.
+
+    Raises:
+        QueryError: a scenario has another domain than the space, or other conditions.
+    """
+    clauses = _clauses(space.whole)
     for scenario in scenarios:
         if scenario.where != clauses:
             what = " and ".join(clauses) or "no condition"
             raise QueryError(f"scenario {scenario}: tasks of {space.title} ({what}) cannot exclude it; "
                              "its conditions number other tasks")  # fmt: skip
+        here = here or Scenarios(space.domain, space)
         here.check(scenario)
-        excluded.add(here.space(clauses, scenario.length).plan_at(scenario.rank))
-    return lambda task: tuple(map(str, task.actions)) not in excluded
+        yield scenario.length, scenario.rank
 
 
 def _clauses(space: TaskSpace) -> tuple[str, ...]:

@@ -42,7 +42,7 @@ class ScenarioSource(Protocol):
 
     @property
     def title(self) -> str:
-        """A line that says where the scenarios come from."""
+        """A line that names the source of the scenarios."""
         ...
 
     @property
@@ -87,7 +87,7 @@ class FreshScenarios:
 
     @property
     def title(self) -> str:
-        """A line that says where the scenarios come from."""
+        """A line that names the source of the scenarios."""
         return f"{self.space.title}, sampled with seed {self.seed}"
 
     @property
@@ -129,7 +129,7 @@ class NamedScenarios:
 
     @property
     def title(self) -> str:
-        """A line that says where the scenarios come from."""
+        """A line that names the source of the scenarios."""
         return f"{len(self.scenarios)} scenarios of {self.domain.label}"
 
     @property
@@ -191,7 +191,7 @@ class StoredScenarios:
 
     @property
     def title(self) -> str:
-        """A line that says where the scenarios come from."""
+        """A line that names the source of the scenarios."""
         return f"{self.parts[0][1].folder}: {', '.join(name for name, _ in self.parts)}"
 
     @property

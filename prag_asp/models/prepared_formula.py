@@ -60,10 +60,10 @@ class PreparedFormula:
     """A formula before compilation: units are propagated, and variables numbered in decision order.
 
     The clauses `nodes` define the `sums`; their further variables have the last numbers, and are not decided. `names`
-    has the variable of each number, from 1; `projection` has the numbers of decision variables, and `kept` the names of
-    the variables whose values the diagram has. `copies` holds the atom of each copy, 0 for a fixed one, and None for a
-    gate. All models have the literals `fixed`; no clause or sum restricts the variables `free`. If the formula is
-    `contradictory`, the other fields are meaningless.
+    holds the variable of each number, from 1; `projection` holds the numbers of decision variables, and `kept` the
+    names of the variables whose values the diagram contains. `copies` holds the atom of each copy, 0 for a fixed one,
+    and None for a gate. All models have the literals `fixed`; no clause or sum restricts the variables `free`. If the
+    formula is `contradictory`, the other fields are meaningless.
     """
 
     clauses: tuple[tuple[Literal, ...], ...]

@@ -1,4 +1,4 @@
-"""What a comparison of tasks may use beyond the tasks: classes, interchangeable entities, preconditions."""
+"""The data that a comparison of tasks may use besides the tasks: classes, interchangeable entities, preconditions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ FactValues = Mapping[Atom, bool]
 """Known facts with their values."""
 
 UpTo = Literal["names", "classes"]
-"""Which entities of tasks without a domain are interchangeable: none, or those of one class."""
+"""The interchangeable entities of tasks without a domain: none, or the entities of each class."""
 
 
 class Trace(Protocol):
@@ -45,9 +45,9 @@ class Trace(Protocol):
 
 @dataclass(frozen=True)
 class Background:
-    """What is known of a domain: `classes` of entities, `parents` of classes, interchangeable entities.
+    """The known data of a domain: `classes` of entities, `parents` of classes, interchangeable entities.
 
-    `preconditions` maps each action to the facts that it needs; None means that they are unknown.
+    `preconditions` maps each action to the facts that it requires; None means that they are unknown.
     """
 
     classes: Mapping[str, str] = field(default_factory=dict)
@@ -62,12 +62,12 @@ class Background:
 
     @classmethod
     def of_tasks(cls, tasks: Iterable[Trace], up_to: UpTo = "names") -> Background:
-        """Return what is known from tasks alone: no class is above another.
+        """Return the background that follows from tasks alone: no class is above another.
 
         No two entities are interchangeable, or, with ``classes``, all entities of a class are.
 
         Raises:
-            QueryError: two tasks have an entity of the same name in different classes, or `up_to` is neither.
+            QueryError: two tasks have an entity of the same name in different classes, or `up_to` has another value.
         """
         classes: dict[str, str] = {}
         for task in tasks:

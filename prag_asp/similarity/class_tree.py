@@ -1,4 +1,4 @@
-"""The tree of classes, and how far two entities and two actions are apart in it."""
+"""The tree of classes, and the distances of entities and of actions in it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from functools import cached_property
 from prag_asp.atom import Atom, parse_atom
 
 ROOT = ""
-"""The class above all classes that have no other above them."""
+"""The class above all classes that have no declared parent."""
 
 LEAST_DIAMETER = 4
 """Edges between entities of two classes right below the root: entity, class, root, class, entity."""
@@ -18,11 +18,12 @@ LEAST_DIAMETER = 4
 
 @dataclass(frozen=True)
 class ClassTree:
-    """Entities with their classes, and classes with those right above them.
+    """Entities with their classes, and classes with their direct parents.
 
-    The distance of two entities is the number of edges on the shortest path between them, divided by that of the
-    longest one between entities of any two classes (Rada et al. 1989): 0 for the same entity, 1 for the farthest
-    classes. Without `parents`, that is 1/2 within a class and 1 otherwise. Shortest paths in a graph are a metric.
+    The distance of two entities is the number of edges on the shortest path between them, divided by the number of
+    edges on the longest such path between entities of any two classes (Rada et al. 1989): 0 for the same entity, 1 for
+    the farthest classes. Without `parents`, the distance is 1/2 within a class and 1 otherwise. The lengths of shortest
+    paths in a graph are a metric.
     """
 
     classes: Mapping[str, str]
@@ -54,10 +55,25 @@ class ClassTree:
         return max(2 + longest, LEAST_DIAMETER)
 
     def entity_distance(self, one: str, other: str) -> Fraction:
-        """Return how far two entities are apart, from 0 to 1."""
+        """Return the distance of two entities, from 0 to 1."""
         if one == other:
             return Fraction(0)
         return Fraction(2 + self._paths[self.classes[one]][self.classes[other]], self.diameter)
+
+    def common_class(self, one: str, other: str) -> str:
+        """Return the lowest class that has both entities, or "" if only the root has; they must have classes."""
+        above, others = self._above(self.classes[one]), self._above(self.classes[other])
+        return min({*above} & {*others}, key=lambda name: (above[name] + others[name], name))
+
+    def _above(self, name: str) -> dict[str, int]:
+        """Return a class and all above it, with the numbers of edges."""
+        above = {name: 0}
+        for place in (queue := [name]):
+            for parent in self.parents.get(place, ()) or (() if place == ROOT else (ROOT,)):
+                if parent not in above:
+                    above[parent] = above[place] + 1
+                    queue.append(parent)
+        return above
 
     def atom_distance(self, one: Atom, other: Atom) -> Fraction:
         """Return the mean distance of the arguments of two actions or facts, or 1 if their names or arities differ."""

@@ -24,6 +24,13 @@ Values = NDArray[Any]
 """Distances, as integers in some unit or as floats."""
 
 
+CACHED = (128, 256)
+"""The shape of blocks whose arrays of two bytes for each pair stay in the cache of a core."""
+
+MULTIPLIED = (1024, 2048)
+"""The shape of blocks that are products of matrices: large ones convert their rows and columns seldom."""
+
+
 class DistanceTable(Protocol):
     """Distances of all pairs of a list of features; `denominator` is 0 if they are floats and not exact."""
 
@@ -35,6 +42,11 @@ class DistanceTable(Protocol):
     @property
     def largest(self) -> int:
         """A bound of all distances, in units."""
+        ...
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """The number of rows and columns of a block that is computed fast."""
         ...
 
     def block(self, rows: Numbers, columns: Numbers) -> Values:
@@ -86,7 +98,7 @@ def coded(features: Sequence[Feature]) -> tuple[tuple[Symbol, ...], CodedSequenc
 
 
 def steinhaus_block(block: Values, one: Values, other: Values) -> NDArray[np.float32]:
-    """Return distances between 0 and 1, given the distances of the features from the empty one."""
+    """Return distances between 0 and 1, given the distances of the features from the empty feature."""
     distances = block.astype(np.float32)
     total = one.astype(np.float32)[:, None] + other.astype(np.float32) + distances
     result: NDArray[np.float32] = np.divide(2 * distances, total, out=np.zeros_like(distances), where=distances > 0)
@@ -100,6 +112,7 @@ class EditTable:
     costs: CostTable
     codes: CodedSequences
     sizes: NDArray[np.int64]
+    shape: tuple[int, int] = CACHED
 
     @classmethod
     def of(cls, features: Sequence[Feature], cost: Cost) -> EditTable:
@@ -133,10 +146,11 @@ class EditTable:
 
 @dataclass(frozen=True)
 class PlaceTable:
-    """Distances place by place of sequences of one length, shape (features, length)."""
+    """Place-by-place distances of sequences of one length, shape (features, length)."""
 
     costs: CostTable
     codes: Numbers
+    shape: tuple[int, int] = CACHED
 
     @classmethod
     def of(cls, features: Sequence[Feature], cost: Cost) -> PlaceTable:
@@ -173,14 +187,15 @@ class PlaceTable:
 
 @dataclass(frozen=True)
 class StateTable:
-    """Edit distances of sequences of states, whose costs are computed for the states of each block alone.
+    """Edit distances of sequences of states, whose costs are computed only for the states of each block.
 
-    `members` says which facts each state has, shape (states, facts).
+    `members` is true for the facts of each state, shape (states, facts).
     """
 
     members: NDArray[np.bool_]
     codes: CodedSequences
     denominator: int = 1
+    shape: tuple[int, int] = CACHED
 
     @classmethod
     def of(cls, features: Sequence[Feature]) -> StateTable:
@@ -224,6 +239,7 @@ class SetTable:
 
     members: NDArray[np.bool_]
     denominator: int = 1
+    shape: tuple[int, int] = MULTIPLIED
 
     @classmethod
     def of(cls, features: Sequence[Feature]) -> SetTable:
@@ -254,11 +270,12 @@ class SetTable:
 
 @dataclass(frozen=True)
 class StringTable:
-    """Distances of texts; `bounded` says that they are floats between 0 and 1."""
+    """Distances of texts; if `bounded`, they are floats between 0 and 1."""
 
     texts: list[str]
     function: StringDistance
     bounded: bool
+    shape: tuple[int, int] = CACHED
 
     @classmethod
     def of(cls, features: Sequence[Feature], function: StringDistance, *, bounded: bool) -> StringTable:
@@ -298,6 +315,7 @@ class MixedTable:
     parts: tuple[tuple[float, DistanceTable], ...]
     denominator: int = 0
     largest: int = 1
+    shape: tuple[int, int] = CACHED
 
     def block(self, rows: Numbers, columns: Numbers) -> Values:
         """Return the weighted means."""

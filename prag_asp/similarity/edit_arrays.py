@@ -21,10 +21,10 @@ def small_type(largest: int) -> type[np.unsignedinteger]:
 
 
 def weighted_edit_distances(rows: Codes, columns: Codes, costs: NDArray[np.int64]) -> Distances:
-    """Return edit distances with costs (Wagner and Fischer 1974), one cell of the table for all pairs at a time.
+    """Return edit distances with costs (Wagner and Fischer 1974), for all pairs at once, cell by cell of the table.
 
-    `costs` has the shape (symbols of rows + 1, symbols of columns + 1); its last row and column are those of insertions
-    and deletions.
+    `costs` has the shape (symbols of rows + 1, symbols of columns + 1); the last row and column hold the costs of
+    insertions and deletions.
     """
     length, width = rows.shape[1], columns.shape[1]
     kind = small_type(int((length + width + 1) * max(int(costs.max()), 1)))
@@ -52,8 +52,9 @@ def weighted_edit_distances(rows: Codes, columns: Codes, costs: NDArray[np.int64
 def unit_edit_distances(rows: Codes, columns: Codes, symbols: int) -> Distances:
     """Return Levenshtein distances with unit costs, by bit vectors (Myers 1999, as in Hyyrö 2003).
 
-    A bit of `up` or `down` says that the table grows or shrinks by 1 from one row to the next; the distance is the
-    width plus the numbers of bits of the last column. Longer sequences than the bits of a word take the slower way.
+    A bit of `up` or `down` is set if the table grows or shrinks by 1 from one row to the next; the distance is the
+    width plus the difference of the numbers of bits in the last column. Sequences longer than the number of bits of a
+    word are compared by the slower method.
     """
     length, width = rows.shape[1], columns.shape[1]
     if not 0 < length <= 64:

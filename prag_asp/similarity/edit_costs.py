@@ -1,4 +1,4 @@
-"""Costs of edits: what it costs to replace, insert or delete an action or a state."""
+"""Costs of edits: of replacing, inserting or deleting an action or a state."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from prag_asp.similarity.background import Background
 from prag_asp.similarity.symbols import Symbol
 
 Cost = Callable[[Symbol, Symbol], Fraction]
-"""The cost of replacing one symbol by another; None in place of a symbol means to insert or to delete."""
+"""The cost of replacing one symbol by another; None in place of a symbol stands for an insertion or a deletion."""
 
 LARGEST = 2**62
 """Bound of costs in integer units, so that sums of two distances fit in 64 bits."""
@@ -30,7 +30,7 @@ def unit_cost(background: Background) -> Cost:
 def class_cost(background: Background) -> Cost:
     """Return the cost of replacing an action: the distance of its arguments in the tree of classes.
 
-    Inserting, deleting, and replacing by an action of another name cost 1.
+    Inserting, deleting, and replacing by an action with another name cost 1.
     """
 
     def cost(one: Symbol, other: Symbol) -> Fraction:
@@ -42,7 +42,7 @@ def class_cost(background: Background) -> Cost:
 
 
 def effect_cost(background: Background) -> Cost:
-    """Return the cost of replacing an action by what it changes: (1 + the Jaccard distance of the effects) / 2.
+    """Return the cost of replacing an action by its effects: (1 + the Jaccard distance of the effects) / 2.
 
     The 1 distinguishes different actions with the same effects. Symbols are actions with their effects.
     """
@@ -98,7 +98,7 @@ class CostTable:
         return self.denominator == 1 and bool((self.costs == 1 - np.eye(len(self.costs), dtype=np.int64)).all())
 
     def violation(self) -> str:
-        """Return why the costs are no metric, or "" if they are one."""
+        """Return the reason why the costs are not a metric, or "" if they are."""
         costs = self.costs
         spell = [str(symbol) for symbol in self.symbols] + ["nothing"]
         for text, wrong in (

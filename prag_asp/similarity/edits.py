@@ -24,7 +24,7 @@ class Edit:
 
 
 def edit_table(one: Sequence[Symbol], other: Sequence[Symbol], cost: Cost) -> list[Row]:
-    """Return the least costs from each beginning of one sequence to each of the other (Wagner and Fischer 1974)."""
+    """Return the smallest costs from each prefix of one sequence to each of the other (Wagner and Fischer 1974)."""
     inserted = [cost(None, new) for new in other]
     table: list[Row] = [[Fraction(0)]]
     for gap in inserted:
@@ -40,12 +40,12 @@ def edit_table(one: Sequence[Symbol], other: Sequence[Symbol], cost: Cost) -> li
 
 
 def edit_distance(one: Sequence[Symbol], other: Sequence[Symbol], cost: Cost) -> Fraction:
-    """Return the least cost of edits that turn one sequence into the other."""
+    """Return the smallest cost of edits that turn one sequence into the other."""
     return edit_table(one, other, cost)[-1][-1]
 
 
 def least_edits(one: Sequence[Symbol], other: Sequence[Symbol], cost: Cost) -> tuple[Edit, ...]:
-    """Return edits of least total cost, in order; among several, those that replace late."""
+    """Return edits of smallest total cost, in order; among several, those with the latest replacements."""
     return tuple(reversed([*_edits_from_the_end(one, other, cost)]))
 
 
@@ -76,7 +76,7 @@ def check_lengths(lengths: set[int]) -> None:
     """Check that tasks have one length.
 
     Raises:
-        QueryError: they have several lengths.
+        QueryError: the tasks have different lengths.
     """
     if len(lengths) > 1:
         several = " and ".join(map(str, sorted(lengths)[:2]))

@@ -1,4 +1,4 @@
-"""What metrics compare of a task: its actions, effects, changes, states and causal links."""
+"""The features of a task that metrics compare: its actions, effects, changes, states and causal links."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def effects(task: Trace, background: Background) -> Feature:
 def changes(task: Trace, background: Background) -> Feature:
     """Return the facts whose value differs between the initial and the final state, with the final value.
 
-    Unknown is a value too: None stands for a fact that is known at first and unknown at the end.
+    Unknown is also a value: None stands for a fact that is known initially and unknown at the end.
     """
     final = task.states[-1] if task.states else task.initial
     return changed(task.initial, final)
@@ -43,11 +43,11 @@ def states(task: Trace, background: Background) -> Feature:
 
 
 def links(task: Trace, background: Background) -> Feature:
-    """Return the causal links: producer, fact, value, consumer, and how many equal links come before.
+    """Return the causal links: producer, fact, value, consumer, and the number of equal links before.
 
-    A link says that an action (the consumer) needs a fact, and which action made it so last; without one, None stands
-    for the initial state (McAllester and Rosenblitt 1991). Where the preconditions of an action are unknown, it is
-    taken to need the opposite of each fact that it changes.
+    A link states that an action (the consumer) needs a fact, and names the last action that established it, or None for
+    the initial state (McAllester and Rosenblitt 1991). If the preconditions of an action are unknown, it is assumed to
+    need the opposite of each fact that it changes.
     """
     producers: dict[tuple[Atom, bool], Atom] = {}
     found: Counter[Symbol] = Counter()

@@ -1,10 +1,10 @@
 """Interchangeable entities as plain values, and the renamings that matter when two tasks are compared.
 
 Swaps of two entities of a group, and swaps of two aligned units of a joint group, generate all renamings, as in
-`prag_asp.logic.symmetry.symmetries`. The distance of two tasks is the least over the renamings of one of them, but two
-renamings give the same distance if a renaming that fixes all entities of the other task leads from one to the other.
-One representative of each such class (a double coset) is enough: for k and l entities of a group of any size, these are
-the partial matchings of k with l.
+`prag_asp.logic.symmetry.symmetries`. The distance of two tasks is the smallest over the renamings of one of them, but
+two renamings give the same distance if a renaming that fixes all entities of the other task leads from one to the
+other. One representative of each such class (a double coset) is enough: for k and l entities of a group of any size,
+these are the partial matchings of k with l.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Entity = TypeVar("Entity", bound=Hashable)
 
 @dataclass(frozen=True)
 class Interchange(Generic[Entity]):
-    """Groups of interchangeable entities, and joint groups of units that are interchanged as a whole."""
+    """Groups of interchangeable entities, and joint groups of units that are interchangeable as a whole."""
 
     groups: tuple[tuple[Entity, ...], ...] = ()
     joint: tuple[tuple[tuple[Entity, ...], ...], ...] = ()
@@ -52,7 +52,7 @@ class Interchange(Generic[Entity]):
     def orbit(self, entity: Entity) -> Mapping[Entity, Mapping[Entity, Entity]]:
         """Return the images of an entity, itself first, each with a renaming that moves the entity there."""
         renamings: dict[Entity, dict[Entity, Entity]] = {entity: {}}
-        reached: set[tuple[int, int]] = set()  # places of units all of whose entities are in the orbit
+        reached: set[tuple[int, int]] = set()  # positions in units whose entities are all in the orbit
         for image in (queue := [entity]):
             for alike, number, place in self._places.get(image, ()):
                 if (id(alike), place) in reached:
@@ -72,7 +72,8 @@ class Interchange(Generic[Entity]):
         changes nothing; entities that keep their names are not in the mappings.
         """
         movable = tuple(dict.fromkeys(entity for entity in mentioned if entity in self.entities))
-        yield from self._images(movable, self.fixing(fixed), {})
+        for renaming in self._images(movable, self.fixing(fixed), {}):
+            yield {old: renaming[old] for old in movable if renaming.get(old, old) != old}
 
     def _images(
         self, rest: tuple[Entity, ...], free: Interchange[Entity], renaming: dict[Entity, Entity]
@@ -82,7 +83,7 @@ class Interchange(Generic[Entity]):
         The stabilizers of the entities chosen so far form a chain on both sides (Sims 1970).
         """
         if not rest:
-            yield {old: new for old, new in renaming.items() if old != new}
+            yield renaming
             return
         entity, seen = rest[0], set[Entity]()
         for place, way in self.orbit(entity).items():
@@ -94,5 +95,5 @@ class Interchange(Generic[Entity]):
 
 
 def _then(first: Mapping[Entity, Entity], second: Mapping[Entity, Entity]) -> dict[Entity, Entity]:
-    """Return the renaming that does one after the other."""
+    """Return the composition of two renamings."""
     return {**second, **{old: second.get(new, new) for old, new in first.items()}}

@@ -1,8 +1,8 @@
-"""Kinds of measures of two features: by edits, place by place, by common elements, by strings, and mixtures.
+"""Kinds of distances between two features: by edits, place by place, by common elements, by strings, and mixtures.
 
-Every measure has a value between 0 and 1 too. For a metric d, that is the Steinhaus transform towards the empty
-feature, 2 d(x, y) / (d(x, 0) + d(y, 0) + d(x, y)), which is a metric again (Deza and Deza 2009). For sets, it is the
-Jaccard distance; for Levenshtein, the normalised metric of Yujian and Bo (2007).
+Every measure also has a normalised value between 0 and 1. For a metric d, it is the Steinhaus transform with respect to
+the empty feature, 2 d(x, y) / (d(x, 0) + d(y, 0) + d(x, y)), which is also a metric (Deza and Deza 2009). For sets, it
+is the Jaccard distance; for Levenshtein, the normalised metric of Yujian and Bo (2007).
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from prag_asp.similarity.distance_tables import DistanceTable
 
 Distance = Fraction | float
-"""Exact where it is a fraction."""
+"""A distance, which is exact if it is a fraction."""
 
 
 class Measure(Protocol):
@@ -51,7 +51,7 @@ def steinhaus(distance: Distance, one: Distance, other: Distance) -> Distance:
 
 @dataclass(frozen=True)
 class EditMeasure:
-    """The least cost of insertions, deletions and replacements."""
+    """The smallest cost of insertions, deletions and replacements."""
 
     cost: Cost
 
@@ -65,7 +65,7 @@ class EditMeasure:
         return steinhaus(self.distance(one, other), *sizes)
 
     def edits(self, one: Feature, other: Feature) -> tuple[Edit, ...]:
-        """Return edits of least total cost."""
+        """Return edits of smallest total cost."""
         return least_edits(one, other, self.cost)
 
     def table(self, features: Sequence[Feature]) -> DistanceTable:
@@ -77,7 +77,7 @@ class EditMeasure:
 
 @dataclass(frozen=True)
 class StateMeasure(EditMeasure):
-    """The least cost of edits of sequences of states, which are too many for a table of the costs of all pairs."""
+    """The smallest cost of edits of sequences of states; there are too many states for a table of all costs."""
 
     cost: Cost = state_cost
 
@@ -132,7 +132,7 @@ class SetMeasure:
         return self.distance(one, other) / union if union else Fraction(0)
 
     def edits(self, one: Feature, other: Feature) -> tuple[Edit, ...]:
-        """Return the elements that one set alone has, first those of the first set."""
+        """Return the elements that are in one set only, those of the first set first."""
         lost, gained = ({*one} - {*other}, {*other} - {*one})
         return (
             *(Edit(0, each, None, Fraction(1)) for each in sorted(lost, key=str)),
@@ -148,7 +148,7 @@ class SetMeasure:
 
 @dataclass(frozen=True)
 class StringMeasure:
-    """A distance of texts; `bounded` says that it lies between 0 and 1, otherwise it is a number of edits."""
+    """A distance of texts: between 0 and 1 if `bounded`, otherwise a number of edits."""
 
     function: StringDistance
     bounded: bool
@@ -164,7 +164,7 @@ class StringMeasure:
         return distance if self.bounded else steinhaus(distance, len(one), len(other))
 
     def edits(self, one: Feature, other: Feature) -> tuple[Edit, ...]:
-        """Return nothing: these distances are explained by no unique edits."""
+        """Return nothing, because no unique edits explain these distances."""
         return ()
 
     def table(self, features: Sequence[Feature]) -> DistanceTable:

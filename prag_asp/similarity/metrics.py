@@ -1,4 +1,4 @@
-"""The metrics between tasks: a new one is one row of `METRICS`."""
+"""The metrics between tasks: a new metric is one row of `METRICS`."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ from prag_asp.wording import unknown
 class Metric:
     """A way to compare two tasks: `features` of a task, and a measure of two features.
 
-    `axioms` says whether it is a metric: zero for equal features alone, symmetric, with the triangle inequality.
-    Otherwise it is a dissimilarity. `source` is its publication.
+    `axioms` is true if it is a metric: zero only for equal features, symmetric, with the triangle inequality. Otherwise
+    it is a dissimilarity. `source` is its publication.
     """
 
     name: str
@@ -53,7 +53,7 @@ COMBINED = {
     "links": Fraction(1, 5),
     "states": Fraction(1, 10),
 }
-"""The weights of the combined similarity: what is done, what comes out, why, and what it passes through."""
+"""The weights of the parts of the combined similarity: actions, changes, causal links, and states."""
 
 
 def edits_by(cost: Callable[[Background], Cost]) -> Callable[[Background], Measure]:
@@ -153,7 +153,7 @@ METRICS = {
 
 
 def metric_of(name: str) -> Metric:
-    """Return the metric of a name.
+    """Return the metric with a name.
 
     Raises:
         QueryError: there is none.

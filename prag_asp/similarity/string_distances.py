@@ -1,4 +1,4 @@
-"""String metrics of the paper's code and others of its kind, on sequences of symbols; rapidfuzz computes all but one.
+"""String metrics of the paper's code and similar ones, on sequences of symbols; rapidfuzz computes all except one.
 
 The code of the paper compares sequences by Levenshtein, Hamming, Jaro-Winkler, the longest common subsequence and the
 longest common substring.
@@ -17,7 +17,7 @@ from prag_asp.similarity.symbols import Symbol
 StringDistance = Callable[[str, str], float]
 
 FIRST_CODE = 0x20000
-"""The first character that stands for a symbol; it and all that follow are valid characters."""
+"""The first character that stands for a symbol; this and all following characters are valid."""
 
 PREFIX_WEIGHT = 0.1
 """Weight of each of up to four equal symbols at the beginning (Winkler 1990)."""
@@ -38,7 +38,7 @@ def rapidfuzz_distance() -> ModuleType:
 
 
 def spelled(*sequences: Sequence[Symbol]) -> list[str]:
-    """Return sequences as texts of the same equalities: one character for each symbol."""
+    """Return sequences as texts with one character per symbol, the same for equal symbols."""
     characters: dict[Any, str] = {}
     return [
         "".join(characters.setdefault(symbol, chr(FIRST_CODE + len(characters))) for symbol in sequence)
@@ -47,10 +47,10 @@ def spelled(*sequences: Sequence[Symbol]) -> list[str]:
 
 
 def substring_distance(one: str, other: str) -> int:
-    """Return how many characters to remove from the ends of one text and to add to reach the other.
+    """Return the number of characters to remove from the ends of one text and to add to obtain the other.
 
-    This is the sum of the lengths less twice the longest common substring. It is a metric: two substrings of a text
-    overlap in at least the sum of their lengths less that of the text.
+    This is the sum of the lengths minus twice the length of the longest common substring. It is a metric: two
+    substrings of a text overlap in at least the sum of their lengths minus the length of the text.
     """
     longest, ending = 0, [0] * (len(other) + 1)
     for character in one:
@@ -66,18 +66,18 @@ def damerau_distance() -> StringDistance:
 
 
 def jaro_distance() -> StringDistance:
-    """Return 1 less the similarity of Jaro (1989)."""
+    """Return 1 minus the similarity of Jaro (1989)."""
     distance: StringDistance = rapidfuzz_distance().Jaro.distance
     return distance
 
 
 def jaro_winkler_distance() -> StringDistance:
-    """Return 1 less the similarity of Winkler (1990), which favours equal beginnings."""
+    """Return 1 minus the similarity of Winkler (1990), which favours common prefixes."""
     function = rapidfuzz_distance().JaroWinkler.distance
     return lambda one, other: float(function(one, other, prefix_weight=PREFIX_WEIGHT))
 
 
 def subsequence_distance() -> StringDistance:
-    """Return the length of the longer text less that of the longest common subsequence (Bakkelund 2009)."""
+    """Return the length of the longer text minus that of the longest common subsequence (Bakkelund 2009)."""
     distance: StringDistance = rapidfuzz_distance().LCSseq.distance
     return distance

@@ -1,29 +1,30 @@
-"""The distance of two tasks, minimal over renamings, and what explains it."""
+"""The distance of two tasks, minimal over renamings, and its explanation."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from prag_asp.similarity.background import Background, Trace, UpTo
 from prag_asp.similarity.edits import Edit
 from prag_asp.similarity.features import Feature
-from prag_asp.similarity.measures import Distance, Measure
-from prag_asp.similarity.metrics import Metric, metric_of
+from prag_asp.similarity.measures import Distance, Measure, MixedMeasure
+from prag_asp.similarity.metrics import COMBINED, METRICS, Metric, metric_of
 from prag_asp.similarity.symbols import entities_in, renamer
 
 
 @dataclass(frozen=True)
 class TaskComparison:
-    """Two tasks compared by a metric, the second with its entities renamed so that the distance is least.
+    """Two tasks compared by a metric, with the entities of the second renamed so that the distance is minimal.
 
     `renaming` maps the entities of the second task that change their names to the new ones. `distance` is in the
     metric's own unit, `normalised` lies between 0 and 1.
     """
 
     metric: Metric
-    measure: Measure
+    background: Background = field(repr=False)
+    measure: Measure = field(repr=False)
     one: Feature
     other: Feature
     renaming: Mapping[str, str]
@@ -36,8 +37,21 @@ class TaskComparison:
 
     @property
     def similarity(self) -> float:
-        """1 less the normalised distance."""
+        """1 minus the normalised distance."""
         return float(1 - self.normalised)
+
+    @property
+    def parts(self) -> Mapping[str, TaskComparison]:
+        """The parts of a mixture by their names, under the same renaming; nothing for any other metric."""
+        if not isinstance(self.measure, MixedMeasure):
+            return {}
+        parts = zip(COMBINED, self.measure.parts, self.one, self.other, strict=True)
+        return {
+            name: TaskComparison(
+                METRICS[name], self.background, measure, one, other, self.renaming, measure.distance(one, other)
+            )
+            for name, (_, measure), one, other in parts
+        }
 
     @property
     def edits(self) -> tuple[Edit, ...]:
@@ -52,7 +66,7 @@ def compare(
     background: Background | None = None,
     up_to: UpTo = "names",
 ) -> TaskComparison:
-    """Return two tasks compared by a metric; `up_to` says which entities are interchangeable without a background.
+    """Return two tasks compared by a metric; `up_to` selects interchangeable entities if there is no background.
 
     Raises:
         QueryError: there is no such metric, the metric does not compare such tasks, or they have no common classes.
@@ -68,7 +82,7 @@ def compare(
         renamed = renamer(names)(second)
         distance = measure.distance(first, renamed)
         if best is None or distance < best.distance:
-            best = TaskComparison(found, measure, first, renamed, names, distance)
+            best = TaskComparison(found, known, measure, first, renamed, names, distance)
         if not distance:
             break
     assert best is not None, "there is always the renaming that changes nothing"

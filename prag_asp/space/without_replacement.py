@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -20,7 +20,7 @@ from prag_asp.space.distinct_sampling import (
 from prag_asp.space.parts.ranked_tasks import RankRange, ShuffledRanks
 from prag_asp.space.parts.shares import divided, parse_shares
 from prag_asp.space.parts.shuffle import Shuffle
-from prag_asp.space.sampling.rank_order import EvenOrder, RankOrder, ShareOrder
+from prag_asp.space.sampling.rank_order import EvenOrder, RankOrder, RemainingOrder, ShareOrder
 from prag_asp.space.sampling.sharding import ALL, Deal
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.weights.weights import Weights
@@ -129,14 +129,16 @@ def ordered_parts(
     weights: Weights,
     evenly: bool = False,
     deal: Deal = ALL,
+    excluded: Collection[tuple[int, int]] = (),
 ) -> dict[str, TaskOrder]:
     """Return the tasks of each part of a space, in the order of sampling without replacement.
 
     Without weights, lengths have their exact shares, or alternate with `evenly`. A `deal` selects the tasks of one of
-    several workers.
+    several workers. The `excluded` tasks, pairs of a length and a rank, are left out; parts keep their other tasks.
 
     Raises:
-        QueryError: a part is empty, there is nothing to sample, or weights are combined with `evenly`.
+        QueryError: a part is empty, there is nothing to sample, there is no excluded task of a rank, or weights are
+            combined with `evenly`.
     """
     sampling = space.sampling(weights=weights)
     whole = nonempty_sets(sampling)
@@ -147,13 +149,16 @@ def ordered_parts(
         name: order_of([words.count() for words in sets[name]], division, name, seed, evenly=evenly)
         for name in division.shares
     }
+    if excluded:
+        words = _excluded_words(whole, excluded)
+        orders = {name: _without(order, sets[name], words) for name, order in orders.items()}
     for name, order in orders.items():
         if not order.size:
             raise QueryError(f"there are no tasks to sample for the part {name}")
     parts: dict[str, TaskOrder] = {}
     for name, order in orders.items():
         if weights:
-            accepts = _acceptance(division, sets[name], order)
+            accepts = _acceptance(division, sets[name], order, with_exclusions=bool(excluded))
             parts[name] = WeightedOrder(sampling, whole, sets[name], seed, order.size, accepts)
         else:
             sizes = [words.count() for words in whole]
@@ -198,11 +203,44 @@ def order_of(sizes: Sequence[int], division: Division, name: str, seed: int, *, 
 
 
 def _acceptance(
-    division: Division, sets: Sequence[WordSet], order: RankOrder
+    division: Division, sets: Sequence[WordSet], order: RankOrder, *, with_exclusions: bool
 ) -> Callable[[int, tuple[str, ...]], bool] | None:
     """Return the membership test of a part, or None if it contains all words."""
+    if with_exclusions:
+        return lambda place, word: _is_in(order, place, sets[place].rank(word))
     if len(division.shares) == 1:
         return None
     if division.by_tasks:
         return lambda place, word: order.number(place, sets[place].require_rank(word)) is not None
     return lambda place, word: sets[place].rank(word) is not None
+
+
+def _is_in(order: RankOrder, place: int, rank: int | None) -> bool:
+    """Return whether the order has the word of a rank, if any, in the set at a place."""
+    return rank is not None and order.number(place, rank) is not None
+
+
+def _excluded_words(
+    whole: Sequence[WordSet], excluded: Collection[tuple[int, int]]
+) -> list[tuple[int, tuple[str, ...]]]:
+    """Return the place and the word of each excluded task of the lengths of `whole`.
+
+    Raises:
+        QueryError: there is no task of a rank.
+    """
+    places = {words.length: place for place, words in enumerate(whole)}
+    found = []
+    for length, rank in excluded:
+        if length in places:
+            words = whole[places[length]]
+            if rank >= words.count():
+                raise QueryError(f"there are only {words.count()} tasks of length {length}, so none of rank {rank}")
+            found.append((places[length], words.word(rank)))
+    return found
+
+
+def _without(order: RankOrder, sets: Sequence[WordSet], words: Iterable[tuple[int, tuple[str, ...]]]) -> RankOrder:
+    """Return the order of a part without some words, which may belong to other parts."""
+    ranks = ((place, sets[place].rank(word)) for place, word in words)
+    numbers = {order.number(place, rank) for place, rank in ranks if rank is not None}
+    return RemainingOrder(order, tuple(sorted(number for number in numbers if number is not None)))

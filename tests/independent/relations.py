@@ -16,8 +16,8 @@ from tests.independent.world import Layout, World
 ROUND = ("cylinder", "sphere")
 HOLLOW = ("container", "drawer", "cupboard")
 LEANING = np.radians(2)
-PAD = 0.0176
-"""How wide the pads of the fingers are in metres."""
+ASIDE = 0.03
+"""Twice the metres by which a tool may be off the middle of what it holds."""
 
 OPEN, CLOSED = 0.9, 0.05
 """From which share of the way on furniture is open, and up to which it is closed."""
@@ -39,11 +39,6 @@ class Seen:
         """Return a point in the axes of a body, a zone or the table."""
         pose = self.layout.pose(name)
         return np.asarray(pose.turn.T @ (at - pose.at))
-
-    def wide(self, name: str, direction: Array) -> float:
-        """Return half the width of a body along a direction of length one, of furniture that of the box around it."""
-        low, high = self.ends(name, direction)
-        return (high - low) / 2
 
     def ends(self, name: str, direction: Array) -> tuple[float, float]:
         """Return where a body begins and ends along a direction of length one, furniture as the box around it."""
@@ -318,25 +313,26 @@ def _at(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
 
 
 def _holding(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:
-    """At the body, a box anywhere but 1 cm from its ends; open as wide as the body is between the pads, +- 2 mm."""
+    """At the body, a box anywhere but 1 cm from its ends; open as wide as what is between the pads, +- 2 mm.
+
+    That is no less than the least side of the body, +- 2 mm.
+    """
     robot, name = arguments
     if name in seen.world.models:
         yield from _gripped(seen, robot, name)
         return
     if seen.world.kinds[name] == "box":
-        yield from _height(seen, arguments)
         local = np.abs(seen.local(name, seen.tools[robot].at)[:2])
-        yield from local - np.maximum(0.015, seen.world.halves[name][:2] - 0.01)
+        beyond = [*_height(seen, arguments), *(local - np.maximum(0.015, seen.world.halves[name][:2] - 0.01))]
     else:
-        yield from _at(seen, arguments)
-    across = seen.tools[robot].turn[:, 1]
-    wide = 2 * seen.wide(name, across)
-    if seen.world.kinds[name] == "box":
-        # Between two sides of a long box that is turned the pads meet less than all of it.
-        along = np.abs(across @ seen.layout.poses[name].turn)
-        strips = 2 * seen.world.halves[name] + PAD * np.sqrt(1 - np.minimum(along, 1.0) ** 2)
-        wide = min(wide, float((strips / np.maximum(along, 1e-9)).min()))
-    yield abs(seen.widths[robot] - wide) - 0.002
+        beyond = list(_at(seen, arguments))
+    yield from beyond
+    if max(beyond) <= SLACK:
+        # The pads sweep as far as any body is long.
+        met = grip_of(seen, robot, name, 2 * float(np.linalg.norm(seen.world.halves[name])) + ASIDE)
+        wide = 0.0 if met is None else met.width
+        yield abs(seen.widths[robot] - wide) - 0.002
+        yield 2 * float(seen.world.halves[name].min()) - wide - 0.002
 
 
 def _gripped(seen: Seen, robot: str, name: str) -> Iterator[float]:
@@ -350,10 +346,13 @@ def _gripped(seen: Seen, robot: str, name: str) -> Iterator[float]:
     yield from (angle - np.arctan(RUBBER * seen.world.frictions[name]) for angle in grip.angles)
 
 
-def grip_of(seen: Seen, robot: str, name: str) -> Grip | None:
-    """Return what the pads of a gripper meet of a body, None where nothing is between them."""
-    body, opening = seen.layout.body(name), seen.world.robots[robot].robot.opening
-    return grip([(solid.part, solid.place) for solid in body.solids], seen.tools[robot], opening)
+def grip_of(seen: Seen, robot: str, name: str, opening: float | None = None) -> Grip | None:
+    """Return what the pads of a gripper meet of a body, None where nothing is between them.
+
+    They are as far apart before as the gripper opens, or as is given.
+    """
+    body, widest = seen.layout.body(name), opening or seen.world.robots[robot].robot.opening
+    return grip([(solid.part, solid.place) for solid in body.solids], seen.tools[robot], widest)
 
 
 def _gripper_open(seen: Seen, arguments: Sequence[str]) -> Iterator[float]:

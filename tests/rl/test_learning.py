@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import importlib
+import io
 import os
 import re
 import subprocess
 import sys
+from contextlib import redirect_stdout
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pyarrow.parquet as pq
+import pybullet
 import pytest
 from click.testing import CliRunner
 
@@ -95,21 +99,43 @@ def test_two_processes_are_judged_beside_what_the_machine_lets_two_do(monkeypatc
     assert {most for (_, most), (_, message) in verdicts.items() if "no speed-up" in message} == {1.6}
 
 
+def connected() -> set[int]:
+    """Return the clients of PyBullet in this process."""
+    return {client for client in range(64) if pybullet.isConnected(client)}
+
+
 def test_what_environments_do_alone_and_by_twos_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     """Both commands report on two processes, which are measured once for both."""
     monkeypatch.syspath_prepend(str(ROOT / "benchmarks" / "learning"))
     monkeypatch.setenv("COLUMNS", "160")
     beside, rates = map(importlib.import_module, ("beside", "rates"))
     monkeypatch.setattr(beside, "measured", cache(beside.measured))
+    apart = beside.together
+
+    def together(kind: str, count: int, seconds: float) -> Any:
+        """Measure environments in processes, as the command does, and the rest in this one, which has begun."""
+        if kind == beside.ENVIRONMENT:
+            return apart(kind, count, seconds)
+        printed, before = io.StringIO(), connected()
+        monkeypatch.setattr(sys, "stdin", io.StringIO("go\n"))
+        with redirect_stdout(printed):
+            beside.work(kind, count, seconds)
+        for client in connected() - before:
+            pybullet.disconnect(client)
+        assert printed.getvalue().startswith("there\n")
+        return beside.Done(*map(float, printed.getvalue().split()[1:]))
+
+    monkeypatch.setattr(beside, "together", together)
     for module, cells, ours in ((beside, 4 * 7, 1), (rates, 4 * 6 + 4 * 7, 2)):
         name = f"{module.__name__}.py"
-        command = [sys.executable, of(name)[0], "--help"]
-        assert "--rounds" in subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+        assert "--rounds" in CliRunner().invoke(module.main, ["--help"]).stdout
         ended = CliRunner().invoke(module.main, [*of(name)[1:], *SHORTENED[name].split()])
         summary = re.search(r"speed-up of two processes: [\d.]+; of PyBullet alone: [\d.]+", ended.stdout)
         assert summary and ended.stdout.count("│") == cells and ended.exit_code in (0, 1), ended.output
         rows = re.findall(r"^│ (?:prag_asp|environment,) tabletop.*?│ +([\d,]+) ", ended.stdout, re.MULTILINE)
         assert len(rows) == ours and all(int(rate.replace(",", "")) > 0 for rate in rows)
+    command = [sys.executable, of("rates.py")[0], "--help"]
+    assert "--rounds" in subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
 
 
 def test_what_curricula_cost_is_measured(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

@@ -36,7 +36,7 @@ FEATURES = ("actions", "classes", "names", "pairs")
 )  # fmt: skip
 @click.option(
     "--feature", "features", multiple=True, type=click.Choice(FEATURES), default=FEATURES,
-    help="What is compared at each place of a plan; may be repeated.  [default: all]",
+    help="Value to compare at each place of a plan; may be repeated.  [default: all]",
 )  # fmt: skip
 @click.option(
     "--distances/--no-distances", "distances", default=True,
@@ -44,7 +44,7 @@ FEATURES = ("actions", "classes", "names", "pairs")
 )  # fmt: skip
 @click.option(
     "--near", "plan", metavar="'A B ...'", shell_complete=shell_completion.plan,
-    help="Count the tasks near the task with these actions, instead of all else.",
+    help="Only count the tasks near the task with these actions.",
 )  # fmt: skip
 @click.option(
     "--radius", type=whole(0, 100), metavar="R", default=3, show_default=True, help="With --near: number of edits."
@@ -62,8 +62,8 @@ def diversity(
 
     Prints the exact distribution of the Hamming distance of two random tasks, and Vendi scores (effective numbers of
     different tasks). With --tasks, also the scores of the given tasks, and a chi-square test of their frequencies
-    against the exact expected ones. With --near, prints how many tasks are within 0, 1, ... edits of a task, which the
-    space need not have, and a nearest one. Nothing is sampled or listed.
+    against the exact expected frequencies. With --near, prints the numbers of tasks within 0, 1, ... edits of a task,
+    which need not be in the space, and a nearest task. Nothing is sampled or listed.
     """
     require_writable(output)
     with progress() as tell:
@@ -106,7 +106,7 @@ def _given(file: str, space: TaskSpace) -> Iterator[Task]:
     """Yield the tasks of a file or dataset that have the length of a space.
 
     Raises:
-        QueryError: a task is of another domain, or none has this length.
+        QueryError: a task belongs to another domain, or no task has this length.
     """
     from prag_asp.dataset.jsonl import Record, read_tasks
     from prag_asp.dataset.store.dataset import Dataset

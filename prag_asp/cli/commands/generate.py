@@ -6,6 +6,7 @@ import warnings
 from collections import Counter
 from collections.abc import Iterator
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -49,6 +50,10 @@ if TYPE_CHECKING:
 @click.option(
     "--split", metavar="NAME=SHARE,...",
     help="Disjoint parts, such as train=0.8,test=0.2.  [default: one part, train]",
+)  # fmt: skip
+@click.option(
+    "--except", "excluded", metavar="FILE|DIR", multiple=True, shell_complete=shell_completion.files,
+    help="Leave out the tasks of a file of scenario ids, or of another dataset; may be repeated.",
 )  # fmt: skip
 @click.option("--skeletons", is_flag=True, help="With --split: parts also share no skeleton.")
 @click.option(
@@ -102,6 +107,7 @@ def generate(
     evenly: bool,
     trivial: bool,
     split: str | None,
+    excluded: tuple[str, ...],
     skeletons: bool,
     held: str | None,
     starts: int,
@@ -126,6 +132,7 @@ def generate(
     from prag_asp.dataset.dataset_spec import SHARD
     from prag_asp.dataset.generation import generate as make
     from prag_asp.dataset.scenes import scene_of
+    from prag_asp.dataset.stored_scenarios import read_earlier
     from prag_asp.missing import require_pyarrow
 
     require_pyarrow()
@@ -146,7 +153,7 @@ def generate(
                 physics=with_physics, budget=validation.parse_budget() if with_physics else None,
                 workers=validation.workers,
                 shard=shard or SHARD, language=language, phrasings=phrasings, staging=staging, max_draws=max_draws,
-                part=part, on=on, progress=tell,
+                part=part, on=on, excluded=chain.from_iterable(map(read_earlier, excluded)), progress=tell,
             )  # fmt: skip
         except NotFound:
             tell_line(f"{output}: holds the tasks that were found")

@@ -30,9 +30,9 @@ def body_names(scene: Scene) -> list[str]:
 
 
 def body_values(situation: Situation) -> NDArray[np.float32]:
-    """Return the numbers of a moment, shape (numbers,): for each object 1 and its pose, or zeros if it is not there.
+    """Return the numbers of a moment, shape (numbers,): for each object 1 and its pose, or zeros if it is absent.
 
-    Then follow the openings of furniture, in metres or radians.
+    The openings of furniture follow, in metres or radians.
     """
     values: list[Any] = []
     for entity in objects_in(situation.scene):

@@ -157,6 +157,15 @@ class Dataset:
         for entry, row in self._starts("witnesses"):
             yield entry, row["start"], _witness(row["witness"])
 
+    def task_scenario(self, number: int) -> Scenario:
+        """Return the scenario of a task, without an initial state.
+
+        Raises:
+            IndexError: there is no such task.
+        """
+        _, row = self._row(number)
+        return self._scenarios.ranked(self.manifest.where, row["length"], number_of(row["rank"]))
+
     def scenario(self, number: int, start: int = 0) -> Scenario:
         """Return the scenario of a task and an initial state; without physics, the scenario of the task alone.
 

@@ -164,10 +164,10 @@ class Manifest(msgspec.Struct):
         """
         if self.domain.name != other.domain.name:
             return f"of {self.domain.name}, not of {other.domain.name}"
-        request = self.request
-        for name, value in other.request.items():
-            if name != ignored and request[name] != value:
-                return f"made with other {name.replace('_', ' ')} ({shown(request[name])})"
+        request, its = self.request, other.request
+        for name in dict.fromkeys((*its, *request)):
+            if name != ignored and request.get(name) != its.get(name):
+                return f"made with other {name.replace('_', ' ')} ({shown(request.get(name, 'none'))})"
         return "" if self.domain == other.domain else "of another state of the domain or of the encodings"
 
     def rows(self, table: str) -> int:

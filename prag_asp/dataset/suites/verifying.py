@@ -38,7 +38,7 @@ def verify(
     workers: int = 1,
     progress: Progress = lambda words, done, total: None,
 ) -> Iterator[Finding]:
-    """Yield findings about a dataset or a suite; none if it is as it was written.
+    """Yield findings about a dataset or a suite; none if it is correct and unchanged.
 
     Each file must match its record in dataset.json, and there must be no other files. Each exact size is counted again.
     Each draw is sampled again with its seed and must be in exactly one row, with a task that no other row has; clingo,

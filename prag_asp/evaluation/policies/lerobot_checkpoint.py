@@ -1,9 +1,9 @@
 """Read a checkpoint of LeRobot 0.4 or later: the folder ``pretrained_model``, with its processors.
 
-A checkpoint has the shapes of its inputs and actions, but not their meaning. That is in the dataset of its training, an
-export of `prag_asp.dataset.export`, whose folder the checkpoint names. It determines the control convention, the rate
-and the cameras of the environment. Without the dataset, these are options of the evaluation, and the convention of the
-state follows from its shape.
+A checkpoint contains the shapes of its inputs and actions, but not their meaning. The meaning is in the dataset of its
+training, an export of `prag_asp.dataset.export`, whose folder the checkpoint names. The dataset determines the control
+convention, the rate and the cameras of the environment. Without the dataset, these are options of the evaluation, and
+the convention of the state follows from its shape.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ class ExportLevel(msgspec.Struct):
 
 @dataclass(frozen=True)
 class LeRobotCheckpoint:
-    """A checkpoint: its configuration, the names of its inputs in the dataset, and that dataset, if it is found."""
+    """A checkpoint: its configuration, the names of its inputs in the dataset, and this dataset, if it is found."""
 
     path: Path
     config: PolicyConfig
@@ -104,7 +104,7 @@ class LeRobotCheckpoint:
         """Read the configuration in a folder.
 
         Raises:
-            QueryError: the folder is no checkpoint of LeRobot 0.4 or later.
+            QueryError: the folder is not a checkpoint of LeRobot 0.4 or later.
         """
         path = Path(folder)
         config = _read(path / "config.json", PolicyConfig)
@@ -124,7 +124,7 @@ class LeRobotCheckpoint:
 
     @property
     def inputs(self) -> dict[str, ExportedFeature]:
-        """The inputs by their names in the dataset, with their shapes there: those of images are (H, W, 3)."""
+        """The inputs by their names in the dataset, with their shapes in the dataset: (H, W, 3) for images."""
         renamed = {
             old: new
             for step in self.steps

@@ -1,4 +1,4 @@
-"""A policy as a checkpoint of LeRobot: its inputs are computed from the environment by their names and shapes."""
+"""A policy from a LeRobot checkpoint: its inputs are computed from the environment by their names and shapes."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def input_functions(checkpoint: LeRobotCheckpoint, env: Environment) -> dict[str
     """Return a function of an observation of the environment for each input of a policy.
 
     Raises:
-        QueryError: the environment has no such input, or one of another shape.
+        QueryError: the environment has no such input, or an input of another shape.
     """
     task_env, path = env.unwrapped, checkpoint.path
     assert isinstance(task_env, TaskEnv)
@@ -99,7 +99,7 @@ def check_actions(checkpoint: LeRobotCheckpoint, env: TaskEnv) -> None:
     """Check that the actions of a policy are those of the control of an environment.
 
     Raises:
-        QueryError: they have another convention, rate or size.
+        QueryError: the actions have another convention, rate or size.
     """
     determined, path = checkpoint.options(), checkpoint.path
     for name, value, here in (("control", str, env.control.name), ("rate", int, env.control.rate)):
@@ -119,7 +119,7 @@ def environment(text: str) -> dict[str, Any]:
     """Return the options of the environment that a checkpoint determines.
 
     Raises:
-        QueryError: the folder is no checkpoint.
+        QueryError: the folder is not a checkpoint.
     """
     return LeRobotCheckpoint.open(text).options()
 
@@ -128,7 +128,7 @@ def maker(text: str) -> PolicyMaker:
     """Return the maker of the policy of a checkpoint.
 
     Raises:
-        QueryError: the folder is no checkpoint.
+        QueryError: the folder is not a checkpoint.
     """
     return partial(LeRobotPolicy, LeRobotCheckpoint.open(text))
 

@@ -75,7 +75,8 @@ def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]
         yield f"{held} is not held from above"
     if situation.shape(held).traits.flat and tilt(situation.pose(held).quaternion, UP) > TURN_TOLERANCE:
         yield f"{held} does not stand upright in the gripper"
-    if grip_width(situation, held, robot) > situation.robot(robot).opening + POSITION_TOLERANCE:
+    narrowest = situation.shape(held).breadth(widest=False)
+    if max(narrowest, grip_width(situation, held, robot)) > situation.robot(robot).opening + POSITION_TOLERANCE:
         yield f"{held} is wider than the gripper opens"
     lowest = situation.bottom(held) + lowest_grip(situation.robot(robot), situation.shape(held).size[2])
     if situation.tool(robot).position[2] < lowest - POSITION_TOLERANCE:

@@ -60,8 +60,8 @@ ENOUGH_SLACK, WIDE_CONTACT = 0.01, 0.005
 APART, TURNED = (0.008, 0.008, 0.03), (0.25, 0.25, 0.4)
 """The minimum distance in metres, or angle in radians, between the tools of distinct grasps of each of these kinds.
 
-A hand has the least room from the side, where grasps from all directions are worth more than many grasps from one
-direction.
+A hand has the smallest amount of room from the side, where grasps from all directions are worth more than many grasps
+from one direction.
 """
 
 

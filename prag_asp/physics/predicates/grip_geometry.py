@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 
+from prag_asp.physics.grasps.between_pads import PadWindow, width_between
 from prag_asp.physics.grasps.body_grasps import pad_contact
 from prag_asp.physics.grasps.pads import PadContact, ParallelGripper
 from prag_asp.physics.predicates.gaps import ROUNDING
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import compose, invert, rotate, width_along
+from prag_asp.scene.geometry import Pose, compose, invert
 from prag_asp.scene.robots import Robot
 
 GRIP_TOLERANCE = 0.002
@@ -26,29 +27,18 @@ FLAT_TIP_ROOM = 0.0005
 PAD_OVERLAP = 0.002
 """The minimum height of the part of an object between the pads, in metres."""
 
-SLANT = 1e-9
-"""The cosine below which a side counts as parallel to the opening direction of the gripper."""
 
+def grip_width(situation: Situation, entity: str, robot: str, tool: Pose | None = None) -> float:
+    """Return the width in metres of what is between the pads of a gripper when they close on an object.
 
-def grip_width(situation: Situation, entity: str, robot: str) -> float:
-    """Return the opening with which a gripper holds an object in the current orientation of the tool, in metres.
-
-    For a rotated box, only the part between the pads counts; for a body with a model, only the material between them at
-    the tool's pose. The opening is 0 if there is none.
+    The width is 0 if there is nothing between them. `tool` replaces the pose of the tool, for a body without a model.
     """
-    if situation.shape(entity).model is not None:
+    shape = situation.shape(entity)
+    if shape.model is not None:
         contact = contact_at(situation, entity, robot)
         return 0.0 if contact is None else contact.width
-    opening = rotate(situation.tool(robot).quaternion, (0.0, 1.0, 0.0))
-    shape, quaternion = situation.shape(entity), situation.pose(entity).quaternion
-    width = width_along(shape, quaternion, opening)
-    if shape.kind != "box":
-        return width
-    x, y, z, w = quaternion
-    along = [max(abs(part), SLANT) for part in rotate((-x, -y, -z, w), opening)]
-    half, cosine = min(zip(shape.half, along, strict=True), key=lambda side: side[0] / side[1])
-    pad = situation.robot(robot).finger_boxes[0].size[0]
-    return min(width, (2 * half + pad * math.sqrt(max(0.0, 1.0 - cosine**2))) / cosine)
+    window = PadWindow.of(situation.robot(robot))
+    return width_between(shape, situation.pose(entity), window, tool or situation.tool(robot))
 
 
 def contact_at(situation: Situation, entity: str, robot: str) -> PadContact | None:

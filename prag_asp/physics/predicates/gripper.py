@@ -24,7 +24,7 @@ from prag_asp.physics.predicates.grip_geometry import (
 from prag_asp.physics.predicates.predicate import Arguments, Gripper, Predicate, states, words
 from prag_asp.physics.predicates.volume import Ring, Volume, over_polygon, over_rectangle
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import Quaternion, compose, heading, inside_by, invert, to_local, turn_between
+from prag_asp.scene.geometry import Pose, Quaternion, compose, heading, inside_by, invert, to_local, turn_between
 from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight
@@ -113,12 +113,13 @@ def _at_volume(situation: Situation, arguments: Arguments, quaternion: Quaternio
 
 
 def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield the distances in metres of the tool from the object, and of the opening from the object's width.
+    """Yield the distances in metres of the tool from the object, and of the fingers from what is between the pads.
 
     The width is not compared if the tool is so far away that the error of the width cannot be the largest.
     """
     robot, entity = arguments
-    if situation.shape(entity).model is not None:
+    shape, width = situation.shape(entity), situation.arm(robot).width
+    if shape.model is not None:
         beyond = list(_tool_violations(situation, arguments, even=False))
         yield from beyond
         if max(beyond) > 0.0:
@@ -129,9 +130,32 @@ def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[
     for missed in _grip_violations(situation, arguments):
         places.append(missed)
         yield missed
-    width = situation.arm(robot).width
-    if max(places) < max(width, 2 * math.hypot(*situation.shape(entity).half)):
-        yield abs(width - grip_width(situation, entity, robot)) - GRIP_TOLERANCE
+    if max(places) < max(width, 2 * math.hypot(*shape.half)):
+        tool = situation.tool(robot) if max(places) <= 0.0 else _nearest_tool(situation, arguments)
+        between = grip_width(situation, entity, robot, tool)
+        yield abs(width - between) - GRIP_TOLERANCE
+        # Pads at a corner, or at the upper half of a ball, do not hold opposite sides.
+        yield min(shape.size) - between - GRIP_TOLERANCE
+
+
+def _nearest_tool(situation: Situation, arguments: Arguments) -> Pose:
+    """Return the tool of a gripper moved to the nearest place where it can grip an object without a model."""
+    robot, entity = arguments
+    tool, body = situation.tool(robot), situation.body(entity)
+    (x, y, z), (centre_x, centre_y, _) = tool.position, body.pose.position
+    rise = rise_over_flat(situation.robot(robot), body.high[2] - body.low[2])
+    z = min(max(z, body.low[2] - BELOW), body.high[2] + rise)
+    if situation.shape(entity).traits.even:
+        far_x, far_y = (max(CENTRE_TOLERANCE, half - EDGE) for half in situation.shape(entity).half[:2])
+        dx, dy = to_local(body.pose, x, y)
+        dx, dy = min(max(dx, -far_x), far_x), min(max(dy, -far_y), far_y)
+        cosine, sine = heading(body.pose.quaternion)
+        dx, dy = cosine * dx - sine * dy, sine * dx + cosine * dy
+    else:
+        dx, dy = x - centre_x, y - centre_y
+        share = CENTRE_TOLERANCE / max(CENTRE_TOLERANCE, math.hypot(dx, dy))
+        dx, dy = share * dx, share * dy
+    return tool._replace(position=(centre_x + dx, centre_y + dy, z))
 
 
 def _holding_way(situation: Situation, arguments: Arguments) -> float:
@@ -148,7 +172,9 @@ def _holding_way(situation: Situation, arguments: Arguments) -> float:
     least = min(RISE, AJAR * aside + height)
     tool = aside + max(0.0, least - over) + max(0.0, over, least)
     room = min(ROOM, AJAR * max(0.0, over, under, beside))
-    fingers = abs(situation.arm(robot).width - grip_width(situation, entity, robot) - room) + room - GRIP_TOLERANCE
+    middle = situation.tool(robot)._replace(position=situation.pose(entity).position)
+    between = grip_width(situation, entity, robot, middle)
+    fingers = abs(situation.arm(robot).width - between - room) + room - GRIP_TOLERANCE
     return tool + max(0.0, fingers)
 
 
@@ -166,15 +192,16 @@ def _way_to_grasp(situation: Situation, robot: str, entity: str) -> float:
 
 
 def _holding_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return a disc for the tool around the vertical axis of the object, and the opening that grips it."""
+    """Return a place for the tool, the centre of the object or its best grasp, and the opening that grips it there."""
     tight, (robot, entity) = GRIP_TOLERANCE - MARGIN, arguments
     if situation.shape(entity).model is not None:
         for grasp in grasps_in_body(situation, entity, robot):
             at = compose(situation.pose(entity), grasp.tool).position
             return Volume(at, at, width=(grasp.width - tight, grasp.width + tight))
         return Volume(width=(1.0, 0.0))
-    width = grip_width(situation, entity, robot)
-    return _at_volume(situation, arguments, quaternion).meet(Volume(width=(width - tight, width + tight)))
+    at = situation.pose(entity).position
+    width = grip_width(situation, entity, robot, situation.tool(robot)._replace(position=at))
+    return Volume(at, at, width=(width - tight, width + tight))
 
 
 def _over_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:

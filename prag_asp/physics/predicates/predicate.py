@@ -145,7 +145,8 @@ class Predicate:
     def signed_distance(self, situation: Situation, arguments: Arguments) -> float:
         """Return the largest violation, in metres or radians; it is at most 0 if and only if the predicate holds.
 
-        In that case, its absolute value is the margin. It changes by at most the distance that the subject moves.
+        In that case, its absolute value is the margin. It changes by at most the distance that the subject moves;
+        that of `holding` may change faster where an edge or a curved side is between the pads.
         """
         return max(self.violations(situation, arguments))
 

@@ -18,7 +18,7 @@ from prag_asp.scene.read.decomposition import can_decompose
 from prag_asp.scene.read.mesh import file_parts, mesh_points, thickness
 from prag_asp.scene.read.scene_values import SMALLEST
 from prag_asp.scene.read.stability import base_of, crown_of, falls, own_points, rotation, settle, surface_points
-from prag_asp.scene.scene import BodyModel, Look, Shape, Size, Solid
+from prag_asp.scene.scene import BodyModel, Cavity, Look, Shape, Size, Solid
 
 Floats = NDArray[np.float64]
 
@@ -49,10 +49,17 @@ def body_shape(
         base_of(points),
         crown_of(points),
         settled,
-        find_cavity(np.concatenate([part for solid in centred for part in _triangles(solid)])),
+        _cavity(centred),
         tuple(look._replace(solid=look.solid._replace(at=_minus(look.solid.at, middle))) for look in looks),
     )
     return Shape(kind, _minus(high, low), model=model)
+
+
+def _cavity(solids: Sequence[Solid]) -> Cavity | None:
+    """Return the largest cavity of a body made of solids; one without a mesh is convex."""
+    if len(solids) == 1 and not solids[0].mesh:
+        return None
+    return find_cavity(np.concatenate([part for solid in solids for part in _triangles(solid)]))
 
 
 def resting(shape: Shape) -> Shape | None:

@@ -108,7 +108,7 @@ def _joints(elbow: Floats, forearm: Floats, flange: Floats, signs: Floats, near:
 
 
 def _direction(y: Floats, x: Floats, otherwise: float) -> Floats:
-    """Return the angles of directions in a plane; `otherwise` where the angle is undefined, as for a straight joint."""
+    """Return the angles of directions in a plane; `otherwise` if the angle is undefined, as for a straight joint."""
     return np.where(np.hypot(x, y) > TINY, np.arctan2(y, x), otherwise)
 
 

@@ -1,7 +1,7 @@
 """Weights of the occurrences in the words of one length: of letters, and of consecutive letters.
 
 An occurrence in a word is a word of a larger automaton: copies of the automaton, one above the other, and marked edges
-that lead one copy up. So occurrences in long words are counted by a recurrence, as words are.
+that lead up to the next copy. Occurrences in long words are therefore counted by a recurrence, like words.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ def occurrences_by_recurrence(automaton: Automaton, kinds: Iterable[Marks], leng
 def with_occurrence(automaton: Automaton, marks: Marks) -> Automaton:
     """Return the automaton of the words of which one occurrence of consecutive letters is chosen.
 
-    It has a path for each word and each occurrence. Its states are those of copy 0, before the occurrence, of a copy
-    after each of its letters, and so on up to the last copy, which accepts.
+    It has a path for each word and each occurrence. Its states are those of copy 0, before the occurrence, and of a
+    further copy after each letter of it; the last copy accepts.
     """
     edges, states = np.arange(len(automaton.letters)), automaton.states
     inside = [_edges(copy, copy, edges) for copy in (0, len(marks))]

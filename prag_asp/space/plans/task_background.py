@@ -1,4 +1,4 @@
-"""What comparisons of the tasks of a domain use: classes, preconditions, interchangeable entities, as plain values."""
+"""The data for comparing tasks of a domain, as plain values: classes, preconditions, interchangeable entities."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from prag_asp.task import FrozenDict
 
 
 def background_of(facts: Facts, symmetries: Symmetries) -> Background:
-    """Return what comparisons use of a domain."""
+    """Return the data of a domain that comparisons use."""
     fluents = {fluent: atom_of(fluent) for fluent in facts.fluents}
     preconditions = {
         atom_of(action): FrozenDict(
@@ -23,7 +23,7 @@ def background_of(facts: Facts, symmetries: Symmetries) -> Background:
 
 
 def interchange_of(symmetries: Symmetries) -> Interchange[str]:
-    """Return symmetries with entities as texts."""
+    """Return the symmetries, with entities as texts."""
     return Interchange(
         tuple(tuple(map(str, group)) for group in symmetries.groups),
         tuple(tuple(tuple(map(str, unit)) for unit in units) for units in symmetries.joint),

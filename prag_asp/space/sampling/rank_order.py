@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -86,3 +86,33 @@ class EvenOrder:
             return None
         before = sum(min(ranks.size, place) for ranks in self.shuffled)
         return before + sum(1 for ranks in self.shuffled[:stretch] if ranks.size > place)
+
+
+@dataclass(frozen=True)
+class RemainingOrder:
+    """The tasks of an order without those of some numbers, renumbered; `excluded` has these numbers, ascending."""
+
+    order: RankOrder
+    excluded: tuple[int, ...]
+
+    @property
+    def size(self) -> int:
+        """The number of tasks."""
+        return self.order.size - len(self.excluded)
+
+    def __getitem__(self, number: int) -> tuple[int, int]:
+        """Return the stretch, and the rank in it, of the task with a given number."""
+        return self.order[number + bisect_right(self._remaining_before, number)]
+
+    def number(self, stretch: int, rank: int) -> int | None:
+        """Return the number of a task, or None if it is not in the order."""
+        number = self.order.number(stretch, rank)
+        if number is None:
+            return None
+        before = bisect_left(self.excluded, number)
+        return None if self.excluded[before : before + 1] == (number,) else number - before
+
+    @cached_property
+    def _remaining_before(self) -> Sequence[int]:
+        """The number of remaining tasks before each excluded one."""
+        return [number - place for place, number in enumerate(self.excluded)]

@@ -3,7 +3,7 @@
     tasks -> features, each once -> renamed features (one for each renaming that matters) -> table of codes
           -> block of rows x renamed columns -> least of each column's renamings -> matrix, neighbours, ...
 
-Which renamings matter depends on the entities of the row alone, so rows are grouped by them.
+The relevant renamings depend on the entities of the row alone, so rows are grouped by their entities.
 """
 
 from __future__ import annotations
@@ -26,22 +26,19 @@ from prag_asp.similarity.symbols import entities_in, renamer
 if TYPE_CHECKING:
     from prag_asp.task import KnownDomain
 
-ROWS, COLUMNS = 128, 256
-"""Features and renamed features of a block: its arrays of two bytes for each pair stay in the cache of a core."""
-
 STRIPE = 1 << 22
-"""Pairs of tasks in the rows that are expanded together: 32 MB of floats."""
+"""The number of pairs of tasks in the rows that are expanded together: 32 MB of floats."""
 
 
 @dataclass(frozen=True)
 class Images:
-    """The renamed features of all features against one group of rows: `starts[k]` is where those of feature k begin."""
+    """The renamed features of all features against one group of rows: `starts[k]` is the first one of feature k."""
 
     numbers: Numbers
     starts: Numbers
 
     def of(self, first: int, last: int) -> tuple[Numbers, Numbers]:
-        """Return the images of the features from `first` to `last`, and where those of each begin."""
+        """Return the images of the features from `first` to `last`, and the index of the first image of each."""
         starts = self.starts[first : last + 1]
         return self.numbers[starts[0] : starts[-1]], starts[:-1] - starts[0]
 
@@ -50,8 +47,8 @@ class Images:
 class PairDistances:
     """The distances of all pairs of some tasks.
 
-    `place` maps each task to its feature; several tasks can have one. `groups` are the images of all features for each
-    group of rows, with the features of the group, which follow each other.
+    `place` maps each task to its feature; several tasks can have the same feature. `groups` are the images of all
+    features for each group of rows, with the features of the group, which are consecutive.
     """
 
     metric: Metric
@@ -80,7 +77,7 @@ class PairDistances:
         return np.array([images.numbers[images.starts[at]] for own, images in self.groups for at in own], dtype=np.intp)
 
     def block(self, rows: range, columns: range) -> Values:
-        """Return the distances of two ranges of features; the rows are in one group."""
+        """Return the distances between two ranges of features; the rows are in one group."""
         images = next(images for own, images in self.groups if rows.start in own)
         numbers, starts = images.of(columns.start, columns.stop)
         found = self.table.block(self.plain[rows.start : rows.stop], numbers)
@@ -96,13 +93,14 @@ class PairDistances:
             so_far(f"{done / whole:.0%} of {self.count:,} x {self.count:,} tasks")
 
     def _row_ranges(self) -> Iterator[range]:
+        step, _ = self.table.shape
         for own, _ in self.groups:
-            yield from (range(at, min(at + ROWS, own.stop)) for at in range(own.start, own.stop, ROWS))
+            yield from (range(at, min(at + step, own.stop)) for at in range(own.start, own.stop, step))
 
     def _column_ranges(self, rows: range, first: int) -> Iterator[range]:
         starts = next(images.starts for own, images in self.groups if rows.start in own)
         while first < self.features:
-            last = max(int(np.searchsorted(starts, starts[first] + COLUMNS, side="right")) - 1, first + 1)
+            last = max(int(np.searchsorted(starts, starts[first] + self.table.shape[1], side="right")) - 1, first + 1)
             yield range(first, min(last, self.features))
             first = last
 

@@ -1,0 +1,192 @@
+"""The material of a primitive between two pads, in closed form.
+
+The pads sweep a prism along y of the tool: a rectangle of x and z. A primitive is convex, so the part of it in the
+prism begins and ends at points where no other point of it is farther along y: corners, stationary points of its edges
+and sides, and their intersections with the sides and edges of the prism. All of these are enumerated.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from itertools import chain, product
+from typing import NamedTuple
+
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.geometry import Pose, compose, invert, rotate, width_along
+from prag_asp.scene.robots import Robot
+from prag_asp.scene.scene import Shape
+
+PARALLEL = 1e-12
+"""The sine of an angle below which two directions are parallel."""
+
+ON_SIDE = 1e-12
+"""The distance in metres from the prism below which a point counts as in it: rounding."""
+
+AGREEMENT = 1e-9
+"""The difference in metres between a lower and an upper bound of the width below which the latter is returned."""
+
+AXES: tuple[Vector, Vector, Vector] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+Interval = tuple[float, float]
+
+NOTHING: Interval = (math.inf, -math.inf)
+
+
+class PadWindow(NamedTuple):
+    """The rectangle that a pad covers, in the frame of the tool: the intervals of x and z, in metres."""
+
+    x: Interval
+    z: Interval
+
+    @staticmethod
+    def of(robot: Robot) -> PadWindow:
+        """Return the window of the pads of a robot."""
+        width, _, height = robot.finger_boxes[0].size
+        return PadWindow((-width / 2, width / 2), (robot.fingertip - height, robot.fingertip))
+
+    def covers(self, x: float, z: float) -> bool:
+        """Return whether a point is between the pads, at any y."""
+        (low_x, high_x), (low_z, high_z) = self
+        return low_x - ON_SIDE <= x <= high_x + ON_SIDE and low_z - ON_SIDE <= z <= high_z + ON_SIDE
+
+
+def width_between(shape: Shape, pose: Pose, window: PadWindow, tool: Pose) -> float:
+    """Return the width along y of the tool of a primitive's part between the pads, in metres; 0 if there is nothing.
+
+    A shape that is neither a cylinder nor a ball counts as the box around it.
+    """
+    opening = rotate(tool.quaternion, AXES[1])
+    whole = width_along(shape, pose.quaternion, opening)
+    place = compose(invert(tool), pose)
+    x, _, z = place.position
+    nearest = (min(max(x, window.x[0]), window.x[1]), min(max(z, window.z[0]), window.z[1]))
+    if shape.kind == "sphere":
+        aside = math.dist(nearest, (x, z))
+        return whole if aside <= ON_SIDE else 2 * math.sqrt(max(0.0, shape.half[0] ** 2 - aside * aside))
+    most = whole if shape.kind == "cylinder" else min(whole, _between_faces(shape, pose, window, opening))
+    low, high = _on_line(shape, place, nearest)
+    if high - low >= most - AGREEMENT:
+        return most
+    ends = list(
+        _ends_of_cylinder(shape, place, window) if shape.kind == "cylinder" else _ends_of_box(shape, place, window)
+    )
+    for line in product(window.x, window.z):
+        low, high = _on_line(shape, place, line)
+        if low <= high:
+            ends += (place.position[1] + low, place.position[1] + high)
+    return max(ends) - min(ends) if ends else 0.0
+
+
+def _between_faces(shape: Shape, pose: Pose, window: PadWindow, opening: Vector) -> float:
+    """Return the width along an axis of the strip between the two faces of a box that are nearest to the pads.
+
+    The box may turn about the fingers, or about the pads' other axis, along which they are about as long.
+    """
+    x, y, z, w = pose.quaternion
+    slopes = [max(abs(slope), PARALLEL) for slope in rotate((-x, -y, -z, w), opening)]
+    half, cosine = min(zip(shape.half, slopes, strict=True), key=lambda side: side[0] / side[1])
+    return (2 * half + (window.x[1] - window.x[0]) * math.sqrt(max(0.0, 1.0 - cosine**2))) / cosine
+
+
+def _on_line(shape: Shape, place: Pose, line: tuple[float, float]) -> Interval:
+    """Return the interval of a body on a line along y with an x and z, relative to its centre; empty if low > high."""
+    x, y, z, w = place.quaternion
+    inverse = (-x, -y, -z, w)
+    start = rotate(inverse, (line[0] - place.position[0], 0.0, line[1] - place.position[2]))
+    way = rotate(inverse, AXES[1])
+    low, high = -math.inf, math.inf
+    straight = (2,) if shape.kind == "cylinder" else (0, 1, 2)
+    for k in straight:
+        low, high = _within(start[k], way[k], (-shape.half[k], shape.half[k]), low, high)
+    if shape.kind == "cylinder":
+        # |start + t way| = radius across the axis: a t² + 2 b t + c = 0.
+        a, b = way[0] ** 2 + way[1] ** 2, way[0] * start[0] + way[1] * start[1]
+        c = start[0] ** 2 + start[1] ** 2 - shape.half[0] ** 2
+        if a <= PARALLEL**2:
+            return (low, high) if c <= 0.0 else NOTHING
+        if b * b < a * c:
+            return NOTHING
+        root = math.sqrt(b * b - a * c)
+        low, high = max(low, (-b - root) / a), min(high, (root - b) / a)
+    return low, high
+
+
+def _ends_of_box(shape: Shape, place: Pose, window: PadWindow) -> Iterator[float]:
+    """Yield y at the ends of the parts of a box's edges between the pads."""
+    half = shape.half
+    sides = [rotate(place.quaternion, axis) for axis in AXES]
+    x, y, z = place.position
+    for axis, (one, two) in enumerate(((1, 2), (0, 2), (0, 1))):
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = sides[axis], sides[one], sides[two]
+        for i, k in product((half[one], -half[one]), (half[two], -half[two])):
+            begin_x, begin_z = x + i * bx + k * cx, z + i * bz + k * cz
+            low, high = _within(begin_x, ax, window.x, -half[axis], half[axis])
+            low, high = _within(begin_z, az, window.z, low, high)
+            if low <= high:
+                begin = y + i * by + k * cy
+                yield begin + low * ay
+                yield begin + high * ay
+
+
+def _within(begin: float, slope: float, ends: Interval, low: float, high: float) -> Interval:
+    """Return the part of an interval of t in which ``begin + slope * t`` is between two ends; empty if low > high."""
+    if abs(slope) <= PARALLEL:
+        return (low, high) if ends[0] - ON_SIDE <= begin <= ends[1] + ON_SIDE else NOTHING
+    first, last = (ends[0] - begin) / slope, (ends[1] - begin) / slope
+    return (max(low, first), min(high, last)) if slope > 0.0 else (max(low, last), min(high, first))
+
+
+def _ends_of_cylinder(shape: Shape, place: Pose, window: PadWindow) -> Iterator[float]:
+    """Yield y at stationary points of a cylinder's rims and side, and at those in the sides of the prism."""
+    radius, _, long = shape.half
+    axis = rotate(place.quaternion, AXES[2])
+    points = chain(
+        _extremes(radius, long, axis, place.position), _on_planes(radius, long, axis, place.position, window)
+    )
+    yield from (y for x, y, z in points if window.covers(x, z))
+
+
+def _extremes(radius: float, long: float, axis: Vector, centre: Vector) -> Iterator[Vector]:
+    """Yield the first and the last point of each rim along y; the centres of the ends if the axis is parallel to y."""
+    outward = _unit_across(axis, AXES[1])
+    for end in (_point(centre, -long, axis), _point(centre, long, axis)):
+        yield from (end,) if outward is None else (_point(end, -radius, outward), _point(end, radius, outward))
+
+
+def _unit_across(axis: Vector, direction: Vector) -> Vector | None:
+    """Return the unit vector of the part of a direction across an axis; None if they are parallel."""
+    along = sum(a * b for a, b in zip(axis, direction, strict=True))
+    x, y, z = (b - along * a for a, b in zip(axis, direction, strict=True))
+    length = math.hypot(x, y, z)
+    return (x / length, y / length, z / length) if length > PARALLEL else None
+
+
+def _point(start: Vector, far: float, way: Vector) -> Vector:
+    """Return the point at a distance from another one along a vector."""
+    return start[0] + far * way[0], start[1] + far * way[1], start[2] + far * way[2]
+
+
+def _on_planes(radius: float, long: float, axis: Vector, centre: Vector, window: PadWindow) -> Iterator[Vector]:
+    """Yield the points of both rims, and the first and the last one of the side along y, in the prism's sides."""
+    for k, plane in ((0, window.x[0]), (0, window.x[1]), (2, window.z[0]), (2, window.z[1])):
+        left = plane - centre[k]
+        to = _unit_across(axis, AXES[k])
+        if to is not None:
+            (a, b, c), (d, e, f) = axis, to
+            side = (b * f - c * e, c * d - a * f, a * e - b * d)
+            for along in (-long, long):
+                cosine = (left - along * axis[k]) / (radius * to[k])
+                if abs(cosine) <= 1.0:
+                    out = _point(_point(centre, along, axis), radius * cosine, to)
+                    sine = math.sqrt(1.0 - cosine * cosine)
+                    yield _point(out, -radius * sine, side)
+                    yield _point(out, radius * sine, side)
+        if abs(axis[k]) > PARALLEL:
+            # The normal of the side is there a combination of y and the normal of the plane.
+            length, normal = math.hypot(axis[k], axis[1]), [0.0, axis[k], 0.0]
+            normal[k] = -axis[1]
+            for share in (-radius / length, radius / length):
+                along = (left - share * normal[k]) / axis[k]
+                if abs(along) <= long:
+                    yield _point(_point(centre, along, axis), share, (normal[0], normal[1], normal[2]))
