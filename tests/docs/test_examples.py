@@ -93,6 +93,7 @@ def test_sessions_and_examples_import_public_names_alone() -> None:
     assert imported == {
         "prag_asp",
         "prag_asp.analysis",
+        "prag_asp.audit",
         "prag_asp.dataset",
         "prag_asp.evaluation",
         "prag_asp.pddl",
