@@ -10,9 +10,8 @@ from itertools import islice
 
 from prag_asp.atom import Atom
 from prag_asp.audit.audited_problem import AuditedProblem
-from prag_asp.bddl.domain_writer import LOCATIONS
 from prag_asp.bddl.ground_goals import fact_values, is_true
-from prag_asp.bddl.ground_problems import GroundProblem
+from prag_asp.bddl.ground_problems import LOCATIONS, GroundProblem
 
 MISTAKES = {
     "unreadable": "a file that cannot be read, or names what it does not declare",

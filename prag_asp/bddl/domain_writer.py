@@ -13,7 +13,7 @@ from prag_asp.atom import Atom
 from prag_asp.bddl.bddl_reader import BDDL, bddl_files, read_bddl
 from prag_asp.bddl.goal_rules import goal_rules
 from prag_asp.bddl.ground_goals import FactValue, conjuncts, fact_values
-from prag_asp.bddl.ground_problems import GroundProblem, ground_problem
+from prag_asp.bddl.ground_problems import LOCATIONS, GroundProblem, ground_problem
 from prag_asp.errors import DomainError
 from prag_asp.pddl.clingo_names import TERMS, clingo_names
 from prag_asp.pddl.program_text import filled, heading, statement
@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 
 LOGIC = "manipulation.lp"
 """The file of rules that each written domain includes."""
-
-LOCATIONS = {"on": False, "ontop": False, "in": True, "inside": True}
-"""The predicates that state where an object is; true if it is within the place, behind the place's door, if any."""
 
 SWITCHES = ("turnon", "toggled_on")
 OPEN = "open"
@@ -140,9 +137,9 @@ class SuiteDomain:
         switched = dict.fromkeys((name, kinds[0]) for name, kinds in self._kind_facts() if name in SWITCHES and kinds)
         member = {kind: f"is_a(X,{self._kinds[kind]})" for kind in self._kinds}
         lines = [f"movable(X) :- {member[kind]}." for kind in sorted(movable)]
-        lines += [f"takes({name},X) :- {member[kind]}." for name, kind in sorted(takes)]
+        lines += [f"takes_{name}(X) :- {member[kind]}." for name, kind in sorted(takes)]
         lines += [f"openable(X) :- {member[kind]}." for kind in sorted(opens)]
-        lines += [f"switchable({name},X) :- {member[kind]}." for name, kind in sorted(switched)]
+        lines += [f"has_{name}(X) :- {member[kind]}." for name, kind in sorted(switched)]
         places = {kind for name, kind in takes if LOCATIONS[name]}
         lines += [f"door(X,X) :- {member[kind]}." for kind in sorted(opens & places)]
         pairs = {
@@ -153,9 +150,10 @@ class SuiteDomain:
         }
         behind = sorted((part, whole) for part, whole in pairs if part in places - opens and whole in opens)
         lines += [f"door(X,Y) :- part_of(X,Y), {member[part]}, is_a(Y,{self._kinds[whole]})." for part, whole in behind]
+        takers, switches = (f"takes_{name}/1" for name in LOCATIONS), (f"has_{name}/1" for name in SWITCHES)
         undefined = [
             f"#defined {name}."
-            for name in ("movable/1", "takes/2", "openable/1", "switchable/2", "door/2", "changeable/1", "part_of/2")
+            for name in ("movable/1", *takers, *switches, "openable/1", "door/2", "changeable/1", "part_of/2")
         ]
         return [*undefined, "", *lines]
 

@@ -7,11 +7,14 @@ from dataclasses import dataclass, field
 
 from prag_asp.atom import Atom
 from prag_asp.bddl.bddl_problem import BddlProblem, facts_of
-from prag_asp.bddl.ground_goals import FactValue, GroundFormula, ground_goal, literal_of
+from prag_asp.bddl.ground_goals import FactValue, GroundFormula, fact_values, ground_goal, literal_of
 from prag_asp.errors import DomainError
 
 ROOM, AGENT = "inroom", "agent"
 """The predicate by which BEHAVIOR places fixtures, and the class of its robot up to the first dot."""
+
+LOCATIONS = {"on": False, "ontop": False, "in": True, "inside": True}
+"""The predicates that state where an object is; true if it is within the place, behind the place's door, if any."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +62,11 @@ def ground_problem(problem: BddlProblem, path: object = "<bddl>") -> GroundProbl
     for name, line in undeclared.items():
         raise DomainError(f"{path}:{line}: {name} is no object, fixture or region of the problem; declare it")
     in_rooms = {classes.get(fact.terms[0]) for fact, _ in problem.initial if fact.predicate == ROOM and fact.terms}
+    in_rooms -= {
+        kinds[each.fact.arguments[0]]
+        for each in fact_values(goal)
+        if each.fact.name in LOCATIONS and each.fact.arguments
+    }
     fixed = {*problem.fixtures.values(), *in_rooms, *(each for each in classes.values() if each.split(".")[0] == AGENT)}
     return GroundProblem(
         problem.name,

@@ -160,6 +160,28 @@ def test_names_of_behavior_become_names_of_the_program(tmp_path: Path) -> None:
     assert task.entities["bottle_n_01_1"] == "bottle_n_01"
 
 
+def test_furniture_moves_only_where_the_goal_places_it(tmp_path: Path) -> None:
+    path = tmp_path / "camp.bddl"
+    path.write_text(CAMP)
+    (camp,) = read_suite(path).problems.values()
+    assert camp.movable == {"bottle.n.01_1", "bottle.n.01_2", "crate.n.02_1", "crate.n.02_2"}
+    path.write_text(CAMP.replace("(inroom floor.n.01_1", "(inroom crate.n.02_1 garage) (inroom bottle.n.01_1"))
+    (camp,) = read_suite(path).problems.values()
+    assert "crate.n.02_1" in camp.movable
+
+
+@pytest.mark.parametrize("fact", ["(toggled_on crate.n.02_1)", "(cooked bottle.n.01_1)", "(open crate.n.02_1)"])
+def test_a_problem_with_few_predicates_has_no_warnings(fact: str, tmp_path: Path) -> None:
+    objects = "(:objects bottle.n.01_1 - bottle.n.01 crate.n.02_1 - crate.n.02)"
+    text = (
+        f"(define (problem p) (:domain omnigibson) {objects} (:init (ontop bottle.n.01_1 crate.n.02_1)) (:goal {fact}))"
+    )
+    (tmp_path / "p.bddl").write_text(text)
+    assert run("import", "p.bddl", "-o", "new", cwd=tmp_path).returncode == 0
+    domain = load_domain(tmp_path / "new")
+    assert (domain.warnings, TaskSpace(domain, 1).count()) == ((), 1)
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
