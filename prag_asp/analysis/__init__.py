@@ -27,6 +27,7 @@ if TYPE_CHECKING:
         similarity_matrix,
         without_duplicates,
     )
+    from prag_asp.analysis.distant_tasks import tasks_apart
     from prag_asp.analysis.frequencies import Frequency, FrequencyTest, compare_frequencies
     from prag_asp.analysis.hamming import DistanceDistribution, hamming_distribution, mean_hamming
     from prag_asp.analysis.neighbours import NearestTask, count_neighbours, nearest_task
@@ -59,6 +60,7 @@ __all__ = [
     "pair_distances",
     "similarity_matrix",
     "task_map",
+    "tasks_apart",
     "vendi_score",
     "without_duplicates",
 ]
@@ -68,6 +70,7 @@ _HOMES = {
     "prag_asp.analysis.frequencies": ("Frequency", "FrequencyTest", "compare_frequencies"),
     "prag_asp.analysis.hamming": ("DistanceDistribution", "hamming_distribution", "mean_hamming"),
     "prag_asp.analysis.neighbours": ("NearestTask", "count_neighbours", "nearest_task"),
+    "prag_asp.analysis.distant_tasks": ("tasks_apart",),
     "prag_asp.analysis.dendrogram": ("Dendrogram", "dendrogram_of"),
     "prag_asp.analysis.all_pairs": ("PairDistances", "pair_distances"),
     "prag_asp.analysis.distance_matrix": (

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from prag_asp.errors import QueryError
-from prag_asp.integers import with_short_numbers
 from prag_asp.program.paths import is_file_name
 from prag_asp.space.lengths import parse_length_list
 
@@ -27,7 +26,7 @@ def parse_lengths(text: str) -> int | Sequence[int]:
     Raises:
         QueryError: the text is none of these.
     """
-    return parse_length_list(text, f"--length {with_short_numbers(text)}")
+    return parse_length_list(text, f"--length {text}")
 
 
 def parse_length(text: str) -> int:
@@ -36,7 +35,7 @@ def parse_length(text: str) -> int:
     Raises:
         QueryError: the text is not a number.
     """
-    length = parse_length_list(text, f"--length {with_short_numbers(text)}", remedy="write a whole number, such as 4")
+    length = parse_length_list(text, f"--length {text}", remedy="write a whole number, such as 4")
     if not isinstance(length, int):
         raise QueryError(f"--length {text}: several lengths, but one is needed; give a number, such as 4")
     return length

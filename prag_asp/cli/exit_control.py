@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 from prag_asp.cli.exits import Exit, exit_of
 from prag_asp.cli.terminal import tell_line
 from prag_asp.errors import LimitReached, PragError
+from prag_asp.integers import with_short_numbers
 from prag_asp.processes.progress_events import Note, hear
 
 if TYPE_CHECKING:
@@ -155,7 +156,9 @@ def report_end(error: BaseException) -> int:
     elif _out_of_memory(error) and not isinstance(error, LimitReached):
         lines, code = (f"out of memory{while_(_state.stage)}; use a smaller problem, or free some memory",), Exit.LIMIT
     elif isinstance(error, PragError):
-        lines, code = error.lines, exit_of(error)
+        is_answer = isinstance(error, LimitReached)  # it has a count, which is printed in full
+        lines = error.lines if is_answer else tuple(map(with_short_numbers, error.lines))
+        code = exit_of(error)
     elif isinstance(error, RecursionError):
         lines, code = (f"the input is nested too deeply{while_(_state.stage)}; make it flatter",), Exit.BAD_INPUT
     elif isinstance(error, OSError):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from math import isinf
 from time import monotonic
 from typing import TypeVar
 
@@ -120,7 +121,7 @@ def parse_memory(text: str) -> int:
     """
     number, unit = _quantity(text)
     factor = {**UNITS, **BINARY}.get(unit.removesuffix("b"))
-    if number is None or factor is None:
+    if number is None or factor is None or isinf(number * factor):
         raise QueryError(f"--memory {text}: write a number of bytes above 0, such as 500MB, 4GB or 2GiB")
     return int(number * factor)
 
@@ -133,7 +134,7 @@ def parse_time(text: str) -> float:
     """
     number, unit = _quantity(text)
     factor = DURATIONS.get(unit)
-    if number is None or factor is None:
+    if number is None or factor is None or isinf(number * factor):
         raise QueryError(f"--time {text}: write a time above 0, such as 60s, 5m or 2h")
     return number * factor
 

@@ -27,7 +27,8 @@ def count_by_counter(text: str, monkeypatch: pytest.MonkeyPatch, **how: object) 
     with monkeypatch.context() as patch:
         patch.setattr("prag_asp.models.counting_race.first_effort", lambda _: NOTHING)
         patch.setattr(BoundedEnumeration, "count_within", lambda *_: None)
-        patch.setattr("prag_asp.models.enumeration.effort.COMPILATION", 0)
+        for name in ("COMPILATION", "LONGER_COMPILATION"):
+            patch.setattr(f"prag_asp.models.enumeration.effort.{name}", 0)
         return answer_sets(text=text, **how).count()  # type: ignore[arg-type]
 
 

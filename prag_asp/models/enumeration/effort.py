@@ -50,8 +50,11 @@ PATIENCE = 500
 """The number of calls of `look` by the compiler, each after 64 node visits, before a counter joins: about 1 s."""
 
 
-COMPILATION = 0.5
-"""The seconds of a compilation that is likely to be short."""
+COMPILATION, LONGER_COMPILATION = 0.5, 1.5
+"""The seconds of a compilation that is likely to be short, and of one if an enumeration takes longer than `LATER`."""
+
+SWEPT = 32
+"""The width up to which the compiler sweeps over a formula faster than clingo enumerates it, unless that is `QUICK`."""
 
 
 class OwnEngine(Enum):
@@ -84,7 +87,8 @@ def turns_of_engines(predicted: float | None, width: int, *, tight: bool, whole:
     the diagram compiler.
     """
     counters = _turns_of_counters(width, tight=tight, whole=whole)
-    compilation = (Turn(OwnEngine.DIAGRAM, COMPILATION),) if swept and (tight or width > NARROW) else ()
+    seconds = COMPILATION if predicted is None or predicted <= LATER else LONGER_COMPILATION
+    compilation = (Turn(OwnEngine.DIAGRAM, seconds),) if swept and (tight or width > NARROW) else ()
     narrow = width <= NARROW
     if predicted is None and not narrow:
         return (*compilation, Turn(OwnEngine.CLINGO, FEW), *counters, Turn(OwnEngine.CLINGO, 5 * FEW))
@@ -95,7 +99,7 @@ def turns_of_engines(predicted: float | None, width: int, *, tight: bool, whole:
         short = tuple(turn._replace(seconds=predicted / 2) for turn in compilation)
         return (*short, *enumeration, *counters)
     if predicted <= LATER:
-        first = (enumeration, compilation) if predicted <= SOON else (compilation, enumeration)
+        first = (compilation, enumeration) if predicted > SOON or width <= SWEPT else (enumeration, compilation)
         return (*first[0], *first[1], *counters)
     longer = (turn._replace(seconds=max(turn.seconds, predicted / 8)) for turn in counters)
     return (*compilation, *longer, *enumeration)
