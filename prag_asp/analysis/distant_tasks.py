@@ -1,9 +1,9 @@
 """The tasks of a space that are at least some edits apart from all tasks of another part of it, exactly.
 
-A row says how many edits turn a prefix of a plan into some prefix that leads to each state of the other part; numbers
-of at least the distance are one. Rows are states of a deterministic automaton for the neighbourhood of a whole regular
-language. It runs along with the automaton of the space, which gives an automaton of the tasks that remain: they are
-counted, ranked and sampled like others.
+A row holds the numbers of edits that turn a prefix of a plan into some prefix that leads to each state of the other
+part; numbers of at least the distance are treated as equal. Rows are states of a deterministic automaton for the
+neighbourhood of a whole regular language. It runs along with the automaton of the space, which gives an automaton of
+the tasks that remain: they are counted, ranked and sampled like other tasks.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from prag_asp.stop_reason import StopKind, StopReason
 from prag_asp.task import Task
 
 TOGETHER = 1 << 22
-"""Numbers of edits that are computed together."""
+"""The number of edit counts that are computed together."""
 
 FARTHEST = 100
 """The largest distance; rows fit into 8 bits."""
@@ -134,7 +134,8 @@ def words_apart(words: LayeredAutomaton, plans: LayeredAutomaton, distance: int,
 class EditRows:
     """The rows of words: for each state of a layer, the least edits to a prefix of a plan that leads there.
 
-    A row has a block of numbers for each layer within the distance, see `_layers`; all others need too many edits.
+    A row has a block of numbers for each layer within the distance, see `_layers`; all other layers need too many
+    edits.
     """
 
     def __init__(self, words: LayeredAutomaton, plans: LayeredAutomaton, distance: int) -> None:

@@ -1,4 +1,4 @@
-"""The scenarios of tasks that an earlier sample or dataset has."""
+"""The scenarios of tasks that an earlier sample or dataset contains."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ def read_earlier(path: str | Path) -> Iterator[Scenario]:
     Raises:
         OSError: the file cannot be read.
         QueryError: a line of the file is not a scenario id, or the folder is not a dataset.
-        DatasetsMissingError: it is a folder, and pyarrow is not installed.
+        DatasetsMissingError: the path is a folder, and pyarrow is not installed.
     """
     if Path(path).is_dir():
         from prag_asp.dataset.store.dataset import Dataset
