@@ -16,28 +16,53 @@ from typing import TYPE_CHECKING
 from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
+    from prag_asp.analysis.all_pairs import PairDistances, pair_distances
     from prag_asp.analysis.curve import Curve, Series, counts_by_length, draw_curve
+    from prag_asp.analysis.dendrogram import Dendrogram, dendrogram_of
+    from prag_asp.analysis.distance_matrix import (
+        NearestTasks,
+        SimilarityMatrix,
+        near_duplicates,
+        nearest_tasks,
+        similarity_matrix,
+        without_duplicates,
+    )
+    from prag_asp.analysis.distant_tasks import tasks_apart
     from prag_asp.analysis.frequencies import Frequency, FrequencyTest, compare_frequencies
     from prag_asp.analysis.hamming import DistanceDistribution, hamming_distribution, mean_hamming
     from prag_asp.analysis.neighbours import NearestTask, count_neighbours, nearest_task
+    from prag_asp.analysis.task_scaling import TaskMap, task_map
     from prag_asp.analysis.vendi import VendiScore, vendi_score
 
 __all__ = [
     "Curve",
+    "Dendrogram",
     "DistanceDistribution",
     "Frequency",
     "FrequencyTest",
     "NearestTask",
+    "NearestTasks",
+    "PairDistances",
     "Series",
+    "SimilarityMatrix",
+    "TaskMap",
     "VendiScore",
     "compare_frequencies",
     "count_neighbours",
     "counts_by_length",
+    "dendrogram_of",
     "draw_curve",
     "hamming_distribution",
     "mean_hamming",
+    "near_duplicates",
     "nearest_task",
+    "nearest_tasks",
+    "pair_distances",
+    "similarity_matrix",
+    "task_map",
+    "tasks_apart",
     "vendi_score",
+    "without_duplicates",
 ]
 
 _HOMES = {
@@ -45,8 +70,16 @@ _HOMES = {
     "prag_asp.analysis.frequencies": ("Frequency", "FrequencyTest", "compare_frequencies"),
     "prag_asp.analysis.hamming": ("DistanceDistribution", "hamming_distribution", "mean_hamming"),
     "prag_asp.analysis.neighbours": ("NearestTask", "count_neighbours", "nearest_task"),
+    "prag_asp.analysis.distant_tasks": ("tasks_apart",),
+    "prag_asp.analysis.dendrogram": ("Dendrogram", "dendrogram_of"),
+    "prag_asp.analysis.all_pairs": ("PairDistances", "pair_distances"),
+    "prag_asp.analysis.distance_matrix": (
+        "NearestTasks", "SimilarityMatrix", "near_duplicates", "nearest_tasks", "similarity_matrix",
+        "without_duplicates",
+    ),
+    "prag_asp.analysis.task_scaling": ("TaskMap", "task_map"),
     "prag_asp.analysis.vendi": ("VendiScore", "vendi_score"),
-}
+}  # fmt: skip
 
 __getattr__ = names_from(__name__, _HOMES)
 

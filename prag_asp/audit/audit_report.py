@@ -1,4 +1,4 @@
-"""The report of an audit: tables of texts, which a text, a page and JSON have in common."""
+"""The report of an audit: tables of texts, from which a text, a web page and JSON are written."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from prag_asp.audit.auditing import BenchmarkAudit
 from prag_asp.wording import plural
 
 SHOWN_GROUPS, SHOWN_MEMBERS = 5, 3
-"""The numbers of groups of equal goals, and of problems in each, that a text shows."""
+"""The maximum numbers of groups of equal goals, and of problems in each group, that a text shows."""
 
 STYLE = (
     "body{font:15px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:72rem;padding:0 1rem;color:#1a1a1a}"
@@ -23,7 +23,7 @@ STYLE = (
 
 @dataclass(frozen=True)
 class ReportTable:
-    """A table with a title: a row of heads, rows of cells, and a sentence about them."""
+    """A table with a title: a row of headings, rows of cells, and a sentence about the table."""
 
     title: str
     heads: tuple[str, ...]
@@ -157,7 +157,7 @@ def _lines(rows: Sequence[Sequence[str]], *, last_left: bool) -> Iterator[str]:
 
 
 def audit_page(audit: BenchmarkAudit) -> str:
-    """Return the report as a self-contained page of HTML."""
+    """Return the report as a self-contained HTML page."""
     parts = []
     for table in audit_tables(audit, full=True):
         head = "".join(f"<th>{escape(each)}</th>" for each in table.heads)
@@ -172,7 +172,7 @@ def audit_page(audit: BenchmarkAudit) -> str:
 
 
 def audit_json(audit: BenchmarkAudit) -> dict[str, Any]:
-    """Return the report as values of JSON."""
+    """Return the report as JSON values."""
     combinations = audit.combinations
     return {
         "suites": [asdict(each) for each in audit.suites],

@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class AuditedProblem:
-    """A problem with its suite and its place, a file or a row.
+    """A problem with its suite and its place: a file or a row.
 
     `load` returns its domain with its goal, or is None if it has no actions; `own_fact` maps a fluent of the domain to
-    a fact of the problem. `remarks` are mistakes that its reader found, each with its place.
+    a fact of the problem. `remarks` are the mistakes that its reader found, each with its place.
     """
 
     suite: str
@@ -56,7 +56,7 @@ class AuditedProblem:
 
     @cached_property
     def goal_facts(self) -> tuple[Relation, ...]:
-        """The conjuncts of the goal as relations of objects; one that is no fact has its form as its label."""
+        """The conjuncts of the goal as relations of objects; the label of one that is not a fact is its form."""
         structure = _Structure(self.problem)
         rows = []
         for each in conjuncts(self.problem.goal):
@@ -71,7 +71,7 @@ class AuditedProblem:
 
 @dataclass
 class _Structure:
-    """Collects coloured vertices (objects, and formulas that are no facts) and the relations between them."""
+    """Collects coloured vertices (objects, and formulas that are not facts) and the relations between them."""
 
     problem: GroundProblem
     colours: dict[Hashable, str] = field(default_factory=dict)
@@ -81,7 +81,7 @@ class _Structure:
         return canonical_form(self.colours, self.relations)
 
     def relation(self, mark: str, literal: FactValue, *before: Hashable) -> Relation:
-        """Return a fact as a relation of objects: a region is part of the label, in place of it stands its target."""
+        """Return a fact as a relation of objects: a region becomes part of the label, and is replaced by its target."""
         label, objects = [mark, "" if literal.value else "not", literal.fact.name], [*before]
         for name in literal.fact.arguments:
             target, region = self.problem.parts.get(name, (name, ""))
@@ -117,7 +117,7 @@ class _Structure:
 
 
 def moved_pairs(problem: GroundProblem) -> Iterator[tuple[str, str]]:
-    """Yield the pairs of the class that a goal moves and its target: a relation with a class or a region."""
+    """Yield pairs of the class of an object that a goal moves and its target: a relation with a class or a region."""
     for each in fact_values(problem.goal):
         if len(each.fact.arguments) == 2 and each.value:
             yield pair_of(problem, each.fact)

@@ -28,7 +28,7 @@ class SuiteCounts:
 
 @dataclass(frozen=True)
 class SuiteOverlap:
-    """How many problems of the suite `test` have a goal, and also an initial state, that a problem of `train` has."""
+    """The numbers of problems of `test` whose goal, or goal and initial state, occurs in a problem of `train`."""
 
     test: str
     train: str
@@ -39,7 +39,7 @@ class SuiteOverlap:
 
 @dataclass(frozen=True)
 class NearestProblem:
-    """The problem of another suite with the nearest goal; `distance` is that of `goal_distance`."""
+    """The problem of another suite with the nearest goal; `distance` is computed by `goal_distance`."""
 
     suite: str
     problem: str
@@ -52,8 +52,9 @@ class NearestProblem:
 class Combinations:
     """Pairs of a class that goals move and a target.
 
-    `possible` are all pairs of a class and a target that occur in some goal, `present` those that some problem has in
-    its initial state, and `reachable` those that actions can make true there, as far as the delete relaxation shows.
+    `possible` are all pairs of a class and a target that occur in some goal, `present` the pairs that hold in the
+    initial state of some problem, and `reachable` the pairs that its actions can make true according to the delete
+    relaxation.
     """
 
     classes: tuple[str, ...]
@@ -70,7 +71,7 @@ class Combinations:
 
 @dataclass(frozen=True)
 class BenchmarkAudit:
-    """The result of an audit; `same` are the groups of problems with one goal, the largest first."""
+    """The result of an audit; `same` are the groups of problems with the same goal, the largest first."""
 
     suites: tuple[SuiteCounts, ...]
     total: SuiteCounts
@@ -91,8 +92,8 @@ def audit_problems(
 ) -> BenchmarkAudit:
     """Audit the problems of suites, with the findings about files that could not be read, by suite.
 
-    The nearest problem of a problem is one of the suites `train`, or of all other suites. With `reach`, the domain of
-    each distinct task is loaded to find goals that no plan reaches.
+    The nearest problem of a problem is a problem of the suites `train`, or of all other suites. With `reach`, the
+    domain of each distinct task is loaded to find goals that no plan reaches.
     """
     names = list(dict.fromkeys([*(each.suite for each in problems), *(suite for suite, _ in unreadable)]))
     by_suite = {name: [each for each in problems if each.suite == name] for name in names}
@@ -197,7 +198,7 @@ def _combinations(
 
 
 def _pairs_of(each: AuditedProblem, targets: Sequence[str]) -> set[tuple[str, str]]:
-    """Return the pairs of a class and a target that a problem has objects for."""
+    """Return the pairs of a class and a target for which a problem has objects."""
     problem = each.problem
     relations: dict[str, set[str]] = {}
     for target in targets:

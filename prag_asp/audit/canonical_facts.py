@@ -1,9 +1,9 @@
-"""Facts up to renaming of the objects of a class: equal forms if and only if a renaming maps one on the other.
+"""Facts up to renaming of the objects of a class: forms are equal if and only if a renaming maps one to the other.
 
 Objects are coloured by their classes, colours are refined by the facts that name them (Weisfeiler and Leman 1968), and
 an object of a class that remains tied is individualized, with the smallest result over all choices (McKay 1981). Parts
-that share no tied object are independent, so each has its own form. A choice is skipped if a complete renaming shows
-that it looks like an earlier one; that is an automorphism, so its result is the same.
+that share no tied object are independent, so each has its own form. A choice is skipped if a complete renaming maps it
+to an earlier choice; this renaming is an automorphism, so the result is the same.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ Form: TypeAlias = "tuple[object, ...]"
 """A nested tuple of texts and numbers, which names no object."""
 
 _Token: TypeAlias = "tuple[int, int]"
-"""An object that is distinguished: the depth at which it was, and its rank there."""
+"""A distinguished object: the depth at which it was distinguished, and its rank at this depth."""
 
 
 def canonical_form(colours: Mapping[Any, str], relations: Iterable[Relation]) -> Form:
-    """Return the form of some relations between coloured objects, equal just for isomorphic ones.
+    """Return the form of some relations between coloured objects; forms are equal only for isomorphic relations.
 
-    Two structures are isomorphic if a bijection of their objects keeps colours and maps one set of relations on the
-    other. `colours` has all objects of the relations, and may have others.
+    Two structures are isomorphic if a bijection of their objects keeps colours and maps one set of relations to the
+    other. `colours` contains all objects of the relations, and may contain others.
     """
     numbers = {each: number for number, each in enumerate(colours)}
     rows = {(label, tuple(numbers[each] for each in objects)) for label, objects in relations}
@@ -35,7 +35,7 @@ def canonical_form(colours: Mapping[Any, str], relations: Iterable[Relation]) ->
 def _form(
     colours: Mapping[int, object], relations: Sequence[tuple[str, tuple[object, ...]]], depth: int, *, greedy: bool
 ) -> Form:
-    """Return the form of a part; objects are numbers, distinguished ones tokens. `greedy` takes first choices."""
+    """Return the form of a part; objects are numbers, distinguished objects tokens. `greedy` takes first choices."""
     ranks = _refined(colours, relations)
     cells: dict[int, list[int]] = {}
     for each, rank in ranks.items():
@@ -106,7 +106,7 @@ def _refined(colours: Mapping[int, object], relations: Sequence[tuple[str, tuple
 def _components(
     objects: Sequence[int], relations: Sequence[tuple[str, tuple[object, ...]]]
 ) -> list[tuple[list[int], list[tuple[str, tuple[object, ...]]]]]:
-    """Return the objects that relations connect, with those relations."""
+    """Return the sets of connected objects, each with its relations."""
     leader = {each: each for each in objects}
 
     def find(each: int) -> int:

@@ -1,4 +1,4 @@
-"""The distance of two goals: how many facts one of them has and the other has not, under the best renaming."""
+"""The distance of two goals: the number of facts that only one of them has, under the best renaming."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Kinds = Mapping[str, str]
 def goal_distance(first: Sequence[Relation], second: Sequence[Relation], kinds: tuple[Kinds, Kinds]) -> int:
     """Return the size of the symmetric difference of two sets of facts, minimal over renamings within classes.
 
-    A renaming maps objects of the first goal one to one on objects of the same class of the second. `kinds` are the
+    A renaming maps objects of the first goal one to one to objects of the same class of the second. `kinds` are the
     classes of the objects of each goal.
     """
     ordered = sorted(set(first), key=repr)
@@ -22,7 +22,7 @@ def goal_distance(first: Sequence[Relation], second: Sequence[Relation], kinds: 
 
 
 def _most_common(first: Sequence[Relation], second: Sequence[Relation], kinds: tuple[Kinds, Kinds]) -> int:
-    """Return the largest number of facts that a renaming maps on facts, by branch and bound over the facts."""
+    """Return the largest number of facts that a renaming maps to facts, by branch and bound over the facts."""
     ours = [_description(fact, kinds[0]) for fact in first]
     theirs = {fact: _description(fact, kinds[1]) for fact in second}
     left = [Counter(ours[place:]) for place in range(len(first) + 1)]

@@ -26,12 +26,12 @@ MISTAKES = {
 """The kinds of mistakes."""
 
 SHORTEST = 3
-"""The number of letters from which a word of a class counts as named by a sentence."""
+"""The minimum number of letters of a word of a class for which a sentence can mention it."""
 
 
 @dataclass(frozen=True)
 class AuditFinding:
-    """A mistake of a problem: its kind, its place, and what is wrong."""
+    """A mistake of a problem: its kind, its place, and a description."""
 
     kind: str
     place: str
@@ -42,7 +42,7 @@ class AuditFinding:
 
 
 def problem_findings(each: AuditedProblem) -> Iterator[AuditFinding]:
-    """Yield the mistakes of a problem that its facts show; `reach_findings` tells whether its goal is reachable."""
+    """Yield the mistakes of a problem that its facts show; for the reachability of its goal, see `reach_findings`."""
     problem = each.problem
     for remark in each.remarks:
         place, _, text = remark.partition(": ")
@@ -70,7 +70,7 @@ def problem_findings(each: AuditedProblem) -> Iterator[AuditFinding]:
 
 
 def contradictions(problem: GroundProblem) -> Iterator[str]:
-    """Yield why the initial state of a problem is impossible."""
+    """Yield the reasons why the initial state of a problem is impossible."""
     false = {each.fact for each in problem.initial if not each.value}
     for fact in sorted(problem.true_facts & false):
         yield f"the initial state has both {fact} and its negation"
@@ -99,7 +99,7 @@ def reach_findings(each: AuditedProblem, warnings: Iterator[str] | list[str]) ->
 
 
 def repeated_names(problems: list[AuditedProblem]) -> Iterator[AuditFinding]:
-    """Yield names that several problems of a suite have."""
+    """Yield the names that several problems of a suite share."""
     counts = Counter(each.label for each in problems)
     for each in problems:
         if counts[each.label] > 1:
@@ -107,7 +107,7 @@ def repeated_names(problems: list[AuditedProblem]) -> Iterator[AuditFinding]:
 
 
 def _mentions(sentence: str, kind: str) -> bool:
-    """Return whether a sentence has a word of the name of a class; plurals and compounds count."""
+    """Return whether a sentence contains a word of the name of a class; plurals and compounds count."""
     words = re.findall(r"[a-z]+", sentence.lower())
     parts = [
         part for part in re.findall(r"[a-z]+", kind.lower()) if len(part) >= SHORTEST and part not in ("region", "of")

@@ -43,8 +43,8 @@ def audit(
 ) -> BenchmarkAudit:
     """Audit folders of problems, each a suite named after its folder.
 
-    The nearest problem of each problem is one of the suites `train`, or of all other suites. Without `reach`, goals are
-    not checked for reachability, which is faster.
+    The nearest problem of each problem is a problem of the suites `train`, or of all other suites. Without `reach`,
+    goals are not checked for reachability, which is faster.
 
     Raises:
         QueryError: a folder has no problems, or there is no such suite.
@@ -59,7 +59,7 @@ def audit(
 
 
 def _suite_name(path: Path, names: Mapping[str, Path]) -> str:
-    """Return the name of a folder; with the folders above it if another suite has the name."""
+    """Return the name of a folder, with the folders above it if another suite has the same name."""
     parts = path.resolve().parts
     return next(name for depth in range(1, len(parts) + 1) if (name := "/".join(parts[-depth:])) not in names)
 

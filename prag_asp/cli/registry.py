@@ -41,6 +41,7 @@ COMMANDS = {
     "render": "render",
     "sample": "sample",
     "scenario": "scenario",
+    "similarity": "similarity",
     "split": "split",
     "stats": "stats",
     "suite": "suite",

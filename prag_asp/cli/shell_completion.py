@@ -105,6 +105,14 @@ def engines(context: click.Context, typed: str) -> Iterable[str]:
 
 
 @_completer
+def metrics(context: click.Context, typed: str) -> Iterable[str]:
+    """Complete metrics between tasks."""
+    from prag_asp.similarity.metrics import METRICS
+
+    return METRICS
+
+
+@_completer
 def languages(context: click.Context, typed: str) -> Iterable[str]:
     """Complete languages of the domain."""
     from prag_asp.grammar.reader import languages as spoken

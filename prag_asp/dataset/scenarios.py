@@ -153,19 +153,12 @@ def start_of(record: Record, staging: Staging | None = None) -> SearchStart | No
 
 
 def read_scenarios(file: str | Path) -> Iterator[Scenario]:
-    """Yield the scenarios of a file with an id on each line, or of a dataset; blank lines are skipped.
+    """Yield the scenarios of a file with an id on each line; blank lines are skipped.
 
     Raises:
         OSError: the file cannot be read.
-        QueryError: a line is not a scenario id, and the message names the line; or the folder is not a dataset.
-        DatasetsMissingError: it is a folder, and pyarrow is not installed.
+        QueryError: a line is not a scenario id; the message names the line.
     """
-    if Path(file).is_dir():
-        from prag_asp.dataset.store.dataset import Dataset
-
-        dataset = Dataset.open(file)
-        yield from (dataset.task_scenario(number) for number in range(dataset.count()))
-        return
     with open_text(file) as stream:
         for number, line in enumerate(lines_of(stream), 1):
             if line.strip():

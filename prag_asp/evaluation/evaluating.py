@@ -102,19 +102,25 @@ def evaluate(
     path = make_folder(folder)
     EVALUATION.require_folder(path, JOURNAL, VIDEOS)
     existing = EVALUATION.read(path)
-    if existing is not None:
-        if existing.identity != record.identity:
-            raise OutputError(
-                f"{path}: holds the results of another evaluation, of {existing.policy}; give a new folder"
-            )
-        return Results.open(path)
-    journal = Journal(path / JOURNAL, record.identity)
+    if existing is None:
+        return _continued(path, record, source, setup, workers, videos, progress)
+    if existing.identity != record.identity:
+        raise OutputError(f"{path}: holds the results of another evaluation, of {existing.policy}; give a new folder")
+    return Results.open(path)
+
+
+def _continued(
+    folder: Path, record: EvaluationRecord, source: ScenarioSource, setup: EpisodeSetup, workers: int, videos: int,
+    progress: Progress,
+) -> Results:  # fmt: skip
+    """Evaluate from where an interrupted evaluation stopped, and write the results and videos to a folder."""
+    journal = Journal(folder / JOURNAL, record.identity)
     try:
         results = Results(*_evaluated(record, source, setup, workers, journal.lines, journal.write, progress))
         if videos:
-            _write_videos(results, source, setup, path, videos)
+            _write_videos(results, source, setup, folder, videos)
         with uninterrupted():
-            results.write(path)
+            results.write(folder)
             journal.clear()
     finally:
         journal.close()

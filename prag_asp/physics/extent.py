@@ -7,7 +7,6 @@ hull of the solids. Lengths are metres.
 from __future__ import annotations
 
 import math
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +19,7 @@ from prag_asp.scene.read.convex import convex_hull
 from prag_asp.scene.read.stability import rotation
 from prag_asp.scene.scene import Shape, Solid
 from prag_asp.scene.solids import solids
-from prag_asp.scene.surfaces import solid_parts, surface
+from prag_asp.scene.surfaces import cached_by_geometry, solid_parts, surface
 
 Floats = NDArray[np.float64]
 
@@ -48,7 +47,7 @@ class _Hull(NamedTuple):
     rounds: tuple[Solid, ...]
 
 
-@lru_cache(maxsize=1 << 11)
+@cached_by_geometry(maxsize=1 << 11)
 def extent(shape: Shape, quaternion: Quaternion) -> BodyExtent:
     """Return the axis-aligned bounding box of a rotated body at the origin."""
     if shape.model is None:
@@ -58,7 +57,7 @@ def extent(shape: Shape, quaternion: Quaternion) -> BodyExtent:
     return BodyExtent((x, y, z), (dx, dy, dz))
 
 
-@lru_cache(maxsize=1 << 11)
+@cached_by_geometry(maxsize=1 << 11)
 def extent_along(shape: Shape, quaternion: Quaternion, direction: Vector) -> tuple[float, float]:
     """Return the middle of a rotated body along a unit vector, relative to its origin, and its half-width."""
     x, y, z, w = quaternion
@@ -90,7 +89,7 @@ def reach(shape: Shape, directions: Floats) -> tuple[Floats, Floats]:
     return np.min(lows, axis=0), np.max(highs, axis=0)
 
 
-@lru_cache(maxsize=256)
+@cached_by_geometry(maxsize=256)
 def _hull(shape: Shape) -> _Hull:
     """Return the corners of the hull of a body with a model, and its round solids."""
     rounds = tuple(solid for solid in solids(shape) if solid.kind in ("cylinder", "sphere"))
@@ -101,7 +100,7 @@ def _hull(shape: Shape) -> _Hull:
     return _Hull(np.unique(triangles.reshape(-1, 3), axis=0), rounds)
 
 
-@lru_cache(maxsize=1 << 11)
+@cached_by_geometry(maxsize=1 << 11)
 def silhouette(shape: Shape, pose: Pose) -> Outline:
     """Return the convex outline of a body seen from above, counter-clockwise.
 
@@ -113,7 +112,7 @@ def silhouette(shape: Shape, pose: Pose) -> Outline:
     return hull([(x, y) for x, y in placed.round(9).tolist()])
 
 
-@lru_cache(maxsize=256)
+@cached_by_geometry(maxsize=256)
 def side_yaw(shape: Shape) -> float:
     """Return the yaw, in the frame of an upright body, of the sides of the smallest rectangle around it, in radians.
 
@@ -134,7 +133,7 @@ def side_yaw(shape: Shape) -> float:
     return float(yaws[best] - math.pi / 2 if yaws[best] > math.pi / 4 else yaws[best])
 
 
-@lru_cache(maxsize=256)
+@cached_by_geometry(maxsize=256)
 def least_reach(shape: Shape) -> float:
     """Return a lower bound of the reach of a body from its origin along any direction, in metres.
 

@@ -23,15 +23,8 @@ from prag_asp.physics.control.control import Control
 from prag_asp.physics.control.names import UPRIGHT, USUAL_RATE, ControlName
 from prag_asp.rl.arena import Arena
 from prag_asp.rl.camera_views import Image, Viewer
-from prag_asp.rl.environment_options import (
-    Until,
-    check_episodes,
-    check_figures,
-    conditions_of,
-    moves_of,
-    options_of,
-)
-from prag_asp.rl.goal_env import GoalEnv, Observation
+from prag_asp.rl.environment_options import Until, check_arguments, conditions_of, moves_of, options_of
+from prag_asp.rl.goal_env import GoalEnv, Observation, observation_space
 from prag_asp.rl.goals import PLACES, subgoals_of
 from prag_asp.rl.observations import Layout, ObservationKind, observe
 from prag_asp.rl.reward_annealing import RewardAnnealing
@@ -142,11 +135,8 @@ class TaskEnv(GoalEnv):
             where=where if task is not None else conditions_of(where, stage), curriculum=curriculum,
             split=SplitOptions(split, shares, skeletons, hold_out, split_seed), trivial=trivial,
         )  # fmt: skip
-        check_episodes(until=until, reward=reward, observation=observation, stage=stage, steps=steps)
-        modes = self.metadata["render_modes"]
-        check_figures(discount=discount, action_scale=action_scale, budget=budget, render_mode=render_mode, modes=modes)
+        check_arguments(self._arguments, self.metadata["render_modes"])
         require_physics()
-        self.render_mode = render_mode
         self.domain = origin.domain(domain if length is None else None)
         self.scene = scene_of(self.domain)
         self._resources = ExitStack()
@@ -156,10 +146,9 @@ class TaskEnv(GoalEnv):
         self.control = Control.of(control, self.scene, rate, scale=action_scale)
         actions, joints = map(atom_of, self.domain.facts.actions), control.startswith("joint")
         self.layout = Layout.of(self.scene, actions, everything=everything, kind=observation, joints=joints)
-        self.metadata = self.metadata | {"render_fps": rate}
-        self._until, self._steps, self.discount = until, int(steps), float(discount)
+        self._until, self._steps = until, int(steps)
         annealing = RewardAnnealing(fade)
-        self.share, self._annealing = float(reward != "sparse"), annealing if reward == "faded" else None
+        self._annealing = annealing if reward == "faded" else None
         self._spec = f"{origin.title}, {fade if reward == 'faded' else 'no fading'}"
         finder = WitnessFinder(self.scene, self._resources, budget)
         self._sampler = EpisodeSampler(
@@ -167,15 +156,11 @@ class TaskEnv(GoalEnv):
         )
         self._arena: Arena | None = None
         self._over = True
-        bounds = self.control.low.astype(np.float32), self.control.high.astype(np.float32)
-        self.action_space = spaces.Box(bounds[0], bounds[1], dtype=np.float32)
-        self.has_goals = bool(goals)
-        seen: spaces.Space[Any] = spaces.Box(-np.inf, np.inf, (len(self.layout.names),), np.float32)
-        if goals or cameras:
-            goal = spaces.Box(-np.inf, np.inf, (2 * PLACES,), np.float32)
-            both = {"achieved_goal": goal, "desired_goal": goal} if goals else {}
-            seen = spaces.Dict({"observation": seen, **both, **self._viewer.spaces})
-        self.observation_space = seen
+        self.share, self.discount, self.has_goals = float(reward != "sparse"), float(discount), bool(goals)
+        self.metadata, self.render_mode = self.metadata | {"render_fps": rate}, render_mode
+        low, high = (bound.astype(np.float32) for bound in (self.control.low, self.control.high))
+        self.action_space = spaces.Box(low, high, dtype=np.float32)
+        self.observation_space = observation_space(len(self.layout.names), self._viewer.spaces, goals=goals)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -291,11 +276,8 @@ class TaskEnv(GoalEnv):
         """
         if not self._sampler.seeded:
             raise QueryError("there is no state yet; reset the environment")
-        state = {
-            "rng": dict(self.np_random.bit_generator.state),
-            **self._sampler.state_dict(),
-            "annealing": None if self._annealing is None else self._annealing.state_dict(),
-        }
+        annealing = None if self._annealing is None else self._annealing.state_dict()
+        state = {"rng": dict(self.np_random.bit_generator.state), **self._sampler.state_dict(), "annealing": annealing}
         return with_checksum(state, self._spec)
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:

@@ -28,40 +28,32 @@ REAL = "biuf"
 """The kinds of NumPy types for real numbers: no complex numbers, and no texts, which NumPy would parse as numbers."""
 
 
-def check_episodes(*, until: object, reward: object, observation: object, stage: object, steps: object) -> None:
-    """Check the options of episodes.
+def check_arguments(given: Mapping[str, Any], render_modes: Sequence[str]) -> None:
+    """Check the arguments of an environment that its parts do not check, given by name.
 
     Raises:
-        QueryError: an option has a value that is not allowed.
+        QueryError: an argument has a value that is not allowed.
     """
-    for value, choices, what in (
-        (until, UNTIL, "end"),
-        (reward, REWARDS, "reward"),
-        (observation, OBSERVATIONS, "observation"),
+    for name, choices, what in (
+        ("until", UNTIL, "end"),
+        ("reward", REWARDS, "reward"),
+        ("observation", OBSERVATIONS, "observation"),
     ):
-        if value not in choices:
-            raise QueryError(unknown(str(value), choices, what))
+        if given[name] not in choices:
+            raise QueryError(unknown(str(given[name]), choices, what))
+    stage, budget, render_mode = given["stage"], given["budget"], given["render_mode"]
     if not is_whole(stage) and not isinstance(stage, str):
         told = f"stage {stage!r}: give the number of a subgoal, from 0 or, from the last one, -1"
         raise QueryError(f"{told}; or {ANY}, or the name of an action")
-    _check_steps(steps)
-
-
-def check_figures(
-    *, discount: object, action_scale: object, budget: object, render_mode: object, modes: list[str]
-) -> None:
-    """Check a discount, the scale of actions, a budget and a render mode.
-
-    Raises:
-        QueryError: one of them has a value that is not allowed.
-    """
-    for figure, what in ((discount, "a discount"), (action_scale, "an action_scale")):
+    _check_steps(given["steps"])
+    for name, what in (("discount", "a discount"), ("action_scale", "an action_scale")):
+        figure = given[name]
         if not isinstance(figure, Real) or isinstance(figure, bool) or not 0.0 < float(figure) <= 1.0:
             raise QueryError(f"{what} is above 0 and at most 1; got {figure!r}")
     if budget is not None and not isinstance(budget, Budget):
         raise QueryError(f"budget {budget!r:.80}: give a prag_asp.physics.Budget")
-    if render_mode is not None and render_mode not in modes:
-        raise QueryError(unknown(str(render_mode), modes, "render mode"))
+    if render_mode is not None and render_mode not in render_modes:
+        raise QueryError(unknown(str(render_mode), render_modes, "render mode"))
 
 
 def conditions_of(where: Sequence[str], stage: object) -> Sequence[str]:

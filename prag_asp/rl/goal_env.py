@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from types import MethodType
 from typing import Any
 
 import gymnasium
 import numpy as np
+from gymnasium import spaces
 from numpy.typing import NDArray
 
 from prag_asp.rl.environment_options import steps_left_of
@@ -16,6 +17,16 @@ from prag_asp.rl.rewards import Flags, Floats, reached, step_rewards
 
 Observation = NDArray[np.float32] | dict[str, Any]
 """An observation: one array, or arrays by their names."""
+
+
+def observation_space(size: int, images: Mapping[str, spaces.Box], *, goals: bool) -> spaces.Space[Any]:
+    """Return the space of observations of `size` numbers, with images by name and, if requested, goals."""
+    numbers = spaces.Box(-np.inf, np.inf, (size,), np.float32)
+    if not goals and not images:
+        return numbers
+    goal = spaces.Box(-np.inf, np.inf, (2 * PLACES,), np.float32)
+    both = {"achieved_goal": goal, "desired_goal": goal} if goals else {}
+    return spaces.Dict({"observation": numbers, **both, **images})
 
 
 class GoalMethod:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from functools import lru_cache
+from collections.abc import Callable, Hashable
+from functools import lru_cache, wraps
 from itertools import pairwise, product
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,7 @@ from prag_asp.scene.scene import Shape, Solid
 from prag_asp.scene.solids import solids
 
 Floats = NDArray[np.float64]
+Function = TypeVar("Function", bound=Callable[..., Any])
 
 EDGE = 1e-9
 """The length in metres below which an edge has no direction."""
@@ -114,6 +115,26 @@ def _least(value: Callable[[Floats], Floats], slope: float) -> float:
         cells = (open_cells[:, None] + shifts).reshape(-1, 3)
 
 
+def cached_by_geometry(maxsize: int) -> Callable[[Function], Function]:
+    """Return a decorator that caches results by a shape, the states of its mesh files and further arguments.
+
+    The function takes the shape first, and all arguments by position.
+    """
+
+    def decorate(function: Function) -> Function:
+        @lru_cache(maxsize=maxsize)
+        def cached(_files: tuple[tuple[int, int], ...], *arguments: Hashable) -> Any:
+            return function(*arguments)
+
+        @wraps(function)
+        def call(shape: Shape, *others: Hashable) -> Any:
+            return cached(() if shape.model is None else mesh_states(shape), shape, *others)
+
+        return cast(Function, call)
+
+    return decorate
+
+
 def mesh_states(shape: Shape) -> tuple[tuple[int, int], ...]:
     """Return the states of the mesh files of a body, which identify their contents for caches.
 
@@ -182,7 +203,7 @@ def _primitive(kind: str, size: tuple[float, float, float]) -> Floats:
     return _outward(np.concatenate(triangles))
 
 
-@lru_cache(maxsize=1 << 10)
+@cached_by_geometry(maxsize=1 << 10)
 def part_boxes(shape: Shape, quaternion: Quaternion) -> Floats:
     """Return the axis-aligned bounding boxes, in metres, of the convex parts of a rotated body at the origin.
 
@@ -220,7 +241,7 @@ class PartOutline(NamedTuple):
         return bool(gaps.max() < spacing)
 
 
-@lru_cache(maxsize=1 << 10)
+@cached_by_geometry(maxsize=1 << 10)
 def part_outlines(shape: Shape, quaternion: Quaternion) -> tuple[PartOutline, ...]:
     """Return the convex outline, seen from above, of each part of a rotated body, in the order of `part_boxes`."""
     if shape.model is None:

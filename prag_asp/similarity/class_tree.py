@@ -60,6 +60,21 @@ class ClassTree:
             return Fraction(0)
         return Fraction(2 + self._paths[self.classes[one]][self.classes[other]], self.diameter)
 
+    def common_class(self, one: str, other: str) -> str:
+        """Return the lowest class that has both entities, or "" if only the root has; they must have classes."""
+        above, others = self._above(self.classes[one]), self._above(self.classes[other])
+        return min({*above} & {*others}, key=lambda name: (above[name] + others[name], name))
+
+    def _above(self, name: str) -> dict[str, int]:
+        """Return a class and all above it, with the numbers of edges."""
+        above = {name: 0}
+        for place in (queue := [name]):
+            for parent in self.parents.get(place, ()) or (() if place == ROOT else (ROOT,)):
+                if parent not in above:
+                    above[parent] = above[place] + 1
+                    queue.append(parent)
+        return above
+
     def atom_distance(self, one: Atom, other: Atom) -> Fraction:
         """Return the mean distance of the arguments of two actions or facts, or 1 if their names or arities differ."""
         if one == other:

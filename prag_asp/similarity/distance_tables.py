@@ -24,6 +24,13 @@ Values = NDArray[Any]
 """Distances, as integers in some unit or as floats."""
 
 
+CACHED = (128, 256)
+"""The shape of blocks whose arrays of two bytes for each pair stay in the cache of a core."""
+
+MULTIPLIED = (1024, 2048)
+"""The shape of blocks that are products of matrices: large ones convert their rows and columns seldom."""
+
+
 class DistanceTable(Protocol):
     """Distances of all pairs of a list of features; `denominator` is 0 if they are floats and not exact."""
 
@@ -35,6 +42,11 @@ class DistanceTable(Protocol):
     @property
     def largest(self) -> int:
         """A bound of all distances, in units."""
+        ...
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """The number of rows and columns of a block that is computed fast."""
         ...
 
     def block(self, rows: Numbers, columns: Numbers) -> Values:
@@ -100,6 +112,7 @@ class EditTable:
     costs: CostTable
     codes: CodedSequences
     sizes: NDArray[np.int64]
+    shape: tuple[int, int] = CACHED
 
     @classmethod
     def of(cls, features: Sequence[Feature], cost: Cost) -> EditTable:
@@ -137,6 +150,7 @@ class PlaceTable:
 
     costs: CostTable
     codes: Numbers
+    shape: tuple[int, int] = CACHED
 
     @classmethod
     def of(cls, features: Sequence[Feature], cost: Cost) -> PlaceTable:
@@ -181,6 +195,7 @@ class StateTable:
     members: NDArray[np.bool_]
     codes: CodedSequences
     denominator: int = 1
+    shape: tuple[int, int] = CACHED
 
     @classmethod
     def of(cls, features: Sequence[Feature]) -> StateTable:
@@ -224,6 +239,7 @@ class SetTable:
 
     members: NDArray[np.bool_]
     denominator: int = 1
+    shape: tuple[int, int] = MULTIPLIED
 
     @classmethod
     def of(cls, features: Sequence[Feature]) -> SetTable:
@@ -259,6 +275,7 @@ class StringTable:
     texts: list[str]
     function: StringDistance
     bounded: bool
+    shape: tuple[int, int] = CACHED
 
     @classmethod
     def of(cls, features: Sequence[Feature], function: StringDistance, *, bounded: bool) -> StringTable:
@@ -298,6 +315,7 @@ class MixedTable:
     parts: tuple[tuple[float, DistanceTable], ...]
     denominator: int = 0
     largest: int = 1
+    shape: tuple[int, int] = CACHED
 
     def block(self, rows: Numbers, columns: Numbers) -> Values:
         """Return the weighted means."""

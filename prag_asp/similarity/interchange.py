@@ -72,7 +72,8 @@ class Interchange(Generic[Entity]):
         changes nothing; entities that keep their names are not in the mappings.
         """
         movable = tuple(dict.fromkeys(entity for entity in mentioned if entity in self.entities))
-        yield from self._images(movable, self.fixing(fixed), {})
+        for renaming in self._images(movable, self.fixing(fixed), {}):
+            yield {old: renaming[old] for old in movable if renaming.get(old, old) != old}
 
     def _images(
         self, rest: tuple[Entity, ...], free: Interchange[Entity], renaming: dict[Entity, Entity]
@@ -82,7 +83,7 @@ class Interchange(Generic[Entity]):
         The stabilizers of the entities chosen so far form a chain on both sides (Sims 1970).
         """
         if not rest:
-            yield {old: new for old, new in renaming.items() if old != new}
+            yield renaming
             return
         entity, seen = rest[0], set[Entity]()
         for place, way in self.orbit(entity).items():

@@ -64,3 +64,18 @@ def _entities_of_term(term: str, entities: Collection[str]) -> Iterator[str]:
     elif "(" in term and '"' not in term:
         for each in split_terms(term.partition("(")[2][:-1]):
             yield from _entities_of_term(each, entities)
+
+
+def symbol_text(symbol: Symbol) -> str:
+    """Return an action, a fact with its value, an action with its effects, a link or a state as text."""
+    if isinstance(symbol, frozenset):
+        return "{" + ", ".join(sorted(f"{'' if value else 'not '}{fact}" for fact, value in symbol)) + "}"
+    if not isinstance(symbol, tuple) or isinstance(symbol, Atom):
+        return str(symbol)
+    if len(symbol) == 2:
+        first, second = symbol
+        if isinstance(second, frozenset):
+            return str(first)
+        return f"{first} becomes unknown" if second is None else f"{'' if second else 'not '}{first}"
+    producer, fact, value, consumer, _ = symbol
+    return f"{producer or 'the initial state'} makes {'' if value else 'not '}{fact} for {consumer}"

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 from prag_asp.similarity.background import Background, Trace, UpTo
 from prag_asp.similarity.edits import Edit
 from prag_asp.similarity.features import Feature
-from prag_asp.similarity.measures import Distance, Measure
-from prag_asp.similarity.metrics import Metric, metric_of
+from prag_asp.similarity.measures import Distance, Measure, MixedMeasure
+from prag_asp.similarity.metrics import COMBINED, METRICS, Metric, metric_of
 from prag_asp.similarity.symbols import entities_in, renamer
 
 
@@ -23,7 +23,8 @@ class TaskComparison:
     """
 
     metric: Metric
-    measure: Measure
+    background: Background = field(repr=False)
+    measure: Measure = field(repr=False)
     one: Feature
     other: Feature
     renaming: Mapping[str, str]
@@ -38,6 +39,19 @@ class TaskComparison:
     def similarity(self) -> float:
         """1 minus the normalised distance."""
         return float(1 - self.normalised)
+
+    @property
+    def parts(self) -> Mapping[str, TaskComparison]:
+        """The parts of a mixture by their names, under the same renaming; nothing for any other metric."""
+        if not isinstance(self.measure, MixedMeasure):
+            return {}
+        parts = zip(COMBINED, self.measure.parts, self.one, self.other, strict=True)
+        return {
+            name: TaskComparison(
+                METRICS[name], self.background, measure, one, other, self.renaming, measure.distance(one, other)
+            )
+            for name, (_, measure), one, other in parts
+        }
 
     @property
     def edits(self) -> tuple[Edit, ...]:
@@ -68,7 +82,7 @@ def compare(
         renamed = renamer(names)(second)
         distance = measure.distance(first, renamed)
         if best is None or distance < best.distance:
-            best = TaskComparison(found, measure, first, renamed, names, distance)
+            best = TaskComparison(found, known, measure, first, renamed, names, distance)
         if not distance:
             break
     assert best is not None, "there is always the renaming that changes nothing"

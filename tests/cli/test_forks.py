@@ -41,7 +41,7 @@ main()
 """
 """The command, for which one process cannot be started, and no other."""
 
-TASKS = ("tabletop", "-n", "1", "--seed", "1", "--budget", "2x2")
+TASKS = ("prag", "-n", "1", "--seed", "1", "--budget", "2x2")
 COMMANDS: Mapping[str, tuple[tuple[str, ...], int, int, str]] = {
     "sample": (("sample", *TASKS, "--count", "2", "--workers", "2", "-o", "drawn.txt"), 3, Exit.WORKERS, WORKER),
     "generate": (("generate", *TASKS, "--tasks", "2", "--workers", "2", "-o", "data"), 3, Exit.WORKERS, WORKER),

@@ -10,7 +10,7 @@ import pytest
 
 from prag_asp import Dataset, OutputError, QueryError, TaskSpace, load_domain
 from prag_asp.dataset import generate, merge, verify
-from prag_asp.dataset.scenarios import read_scenarios
+from prag_asp.dataset.stored_scenarios import read_earlier
 from prag_asp.errors import NotFound
 from prag_asp.space.parts.ranked_tasks import RankRange, ShuffledRanks
 from prag_asp.space.parts.shuffle import Shuffle
@@ -64,7 +64,7 @@ def test_the_rest_of_a_sample_is_the_sample_without_the_first_tasks(
     few, many = (2, 4) if "skeletons" in options else (8, 14)
     first = generate(space, tmp_path / "first", tasks=few, **options)
     more = generate(space, tmp_path / "more", tasks=many, **options)
-    known = read_scenarios(first.folder)
+    known = read_earlier(first.folder)
     again = generate(space, tmp_path / "again", tasks=many - few, excluded=known, **options)
     assert not {*words(first)} & {*words(again)}
     if "skeletons" not in options:
@@ -83,8 +83,8 @@ def test_all_of_a_space_can_be_excluded_step_by_step_and_by_machines(space: Task
     rest = space.count() - 9
     ok("generate", *arguments, "--tasks", str(rest), "-o", str(tmp_path / "rest"))
     whole = Dataset.open(tmp_path / "rest")
-    excluded = {(each.length, each.rank) for each in read_scenarios(ids)}
-    assert not excluded & {(each.length, each.rank) for each in read_scenarios(whole.folder)}
+    excluded = {(each.length, each.rank) for each in read_earlier(ids)}
+    assert not excluded & {(each.length, each.rank) for each in read_earlier(whole.folder)}
     assert whole.count() == rest == len({*words(whole)}) and len(excluded) == 9
     for number in (1, 2):
         ok("generate", *arguments, "--tasks", str(rest), "--part", f"{number}/2", "-o", str(tmp_path / f"{number}"))
@@ -93,7 +93,7 @@ def test_all_of_a_space_can_be_excluded_step_by_step_and_by_machines(space: Task
     done = run("generate", *arguments, "--except", str(tmp_path / "rest"), "--tasks", "1", "-o", str(tmp_path / "none"))
     assert done.returncode == 2 and "there are no tasks to sample" in done.stderr
     with pytest.raises(QueryError, match="its conditions number other tasks"):
-        generate(space.where("nontrivial"), tmp_path / "x", tasks=1, excluded=read_scenarios(ids))
+        generate(space.where("nontrivial"), tmp_path / "x", tasks=1, excluded=read_earlier(ids))
     with pytest.raises(NotFound, match="which are all that there are"):
-        generate(space, tmp_path / "y", tasks=rest + 1, trivial=True, excluded=read_scenarios(ids))
-    assert next(iter(read_scenarios(whole.folder))) == whole.scenario(0).task
+        generate(space, tmp_path / "y", tasks=rest + 1, trivial=True, excluded=read_earlier(ids))
+    assert next(iter(read_earlier(whole.folder))) == whole.scenario(0).task

@@ -26,7 +26,7 @@ def test_a_new_domain_passes_every_check_and_everything_in_it_has_a_shape(tmp_pa
 
 def test_a_plain_domain_has_no_robot_and_its_counts_are_those_of_a_search(tmp_path: Path) -> None:
     domain = load_domain(write_new_domain("river", tmp_path, plain=True))
-    assert domain.warnings == () and domain.settings.scene is None
+    assert domain.warnings == () and not domain.settings.scene
 
     def plans(length: int, cars: tuple[str, ...], ferry: str, aboard: int | None, last: str) -> int:
         if not length:

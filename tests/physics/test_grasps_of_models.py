@@ -12,6 +12,7 @@ from prag_asp.physics import Budget, check_demonstration, check_witness, open_va
 from prag_asp.physics.demonstration.acting import SQUEEZE
 from prag_asp.physics.grasps.body_grasps import body_grasps, is_hand_free
 from prag_asp.physics.grasps.pads import ParallelGripper
+from prag_asp.physics.grasps.tilting import grip_tilting
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.predicates.grip_friction import finger_force, grip_load, held_load, pad_friction
 from prag_asp.physics.predicates.grip_geometry import pad_reach
@@ -160,6 +161,15 @@ def test_a_heavy_body_with_a_handle_at_its_end_turns_between_the_pads() -> None:
         assert feasible or verdict.reason == TWISTS
 
 
+def test_a_basin_that_tilts_out_of_every_grip_at_its_rim_is_refused_before_it_is_lifted() -> None:
+    light, heavy = (scene(model((0.15, 0.15, 0.05), mass, *walls(0.15, 0.005, 0.05))) for mass in (0.15, 0.6))
+    verdict = validate_task(LIFTED, light, seed=1, budget=Budget(2, 8))
+    assert verdict.witness is not None
+    refused = validate_task(LIFTED, heavy, seed=1, budget=Budget(2, 8))
+    assert (refused.status, refused.reason) == ("not_found", TWISTS)
+    assert check_witness(LIFTED, verdict.witness, heavy) == ["state 1: thing_1 turns between the pads"]
+
+
 def test_fingers_hold_a_paper_bowl_with_little_force_and_do_not_press_into_it() -> None:
     bowl = model((0.12, 0.12, 0.05), 0.004, *walls(0.12, 0.0035, 0.05))
     made = scene(bowl)
@@ -257,4 +267,6 @@ def test_every_grasp_of_a_body_holds_it_wherever_it_stands_and_nothing_refutes_t
         share = body.mass * 9.81 / (2 * 1.4 * made.material("thing_1").friction * 12.0)
         load = grip_load(made, "thing_1", "panda", grasp.lever, grasp.radius)
         assert load == pytest.approx(share * math.hypot(1.0, grasp.lever / grasp.radius))
-        assert held_load(situation, "thing_1", "panda") == pytest.approx(load, abs=1e-6)
+        press = body.mass * 9.81 / finger_force(made, "thing_1", "panda")
+        tilting = grip_tilting(HELD[name], gripper, pad_friction(made, "thing_1"), grasp.tool).total * press
+        assert held_load(situation, "thing_1", "panda") == pytest.approx(max(load, tilting), abs=1e-6)

@@ -1,4 +1,4 @@
-"""Problems of BDDL: the files of a folder and its folders."""
+"""BDDL problems: the files of a folder and its subfolders."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from prag_asp.errors import DomainError
 
 
 def recognizes(folder: Path) -> bool:
-    """Return whether a folder has problems of BDDL."""
+    """Return whether a folder contains BDDL problems."""
     return bool(bddl_files(folder))
 
 
 def read(folders: Mapping[str, Path]) -> Iterator[AuditedProblem | FailedRead]:
-    """Yield the problems of all folders, by suite; what objects can do is what any of the problems shows."""
+    """Yield the problems of all folders, by suite; the problems together show which actions objects allow."""
     found: dict[str, tuple[str, Path, GroundProblem, tuple[str, ...]]] = {}
     for suite, folder in folders.items():
         for path in bddl_files(folder):

@@ -1,4 +1,4 @@
-"""What all formats of problems have in common: folders in, problems and failures out."""
+"""The common interface of all formats of problems: from folders to problems and failures."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class ProblemSource(Protocol):
     """A format of problems."""
 
     def recognizes(self, folder: Path) -> bool:
-        """Return whether a folder has problems of this format."""
+        """Return whether a folder contains problems of this format."""
 
     def read(self, folders: Mapping[str, Path]) -> Iterator[AuditedProblem | FailedRead]:
         """Yield the problems of folders, each given by the name of its suite."""

@@ -16,7 +16,7 @@ from prag_asp.cli.terminal import progress, say, tell_line
 @click.argument("folders", metavar="FOLDER...", nargs=-1, required=True, shell_complete=shell_completion.files)
 @click.option(
     "--train", metavar="SUITE", multiple=True,
-    help="Suite among which the nearest problem is looked for; may be repeated.  [default: all other suites]",
+    help="Suite in which nearest problems are searched for; may be repeated.  [default: all other suites]",
 )  # fmt: skip
 @click.option(
     "--reach/--no-reach", default=True,
@@ -38,9 +38,9 @@ def audit(
 ) -> None:
     """Audit benchmarks: distinct tasks, overlaps, combinations, and mistakes.
 
-    Each FOLDER is a suite of problems of BDDL, of PDDL problems with their domain, a dataset of prag-asp, or a LeRobot
-    dataset, whose texts are looked up among the other suites. Two problems are one task if renaming the objects of each
-    class maps one on the other. The exit code is 1 if there are mistakes.
+    Each FOLDER is a suite of BDDL problems, of PDDL problems with their domain, a dataset of prag-asp, or a LeRobot
+    dataset, whose texts are looked up in the other suites. Two problems are the same task if renaming the objects of
+    each class maps one to the other. The exit code is 1 if there are mistakes.
     """
     from prag_asp.audit import audit as audit_folders
     from prag_asp.audit.audit_report import audit_json, audit_page, audit_text

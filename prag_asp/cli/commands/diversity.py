@@ -36,7 +36,7 @@ FEATURES = ("actions", "classes", "names", "pairs")
 )  # fmt: skip
 @click.option(
     "--feature", "features", multiple=True, type=click.Choice(FEATURES), default=FEATURES,
-    help="What is compared at each place of a plan; may be repeated.  [default: all]",
+    help="Value to compare at each place of a plan; may be repeated.  [default: all]",
 )  # fmt: skip
 @click.option(
     "--distances/--no-distances", "distances", default=True,
@@ -44,7 +44,7 @@ FEATURES = ("actions", "classes", "names", "pairs")
 )  # fmt: skip
 @click.option(
     "--near", "plan", metavar="'A B ...'", shell_complete=shell_completion.plan,
-    help="Count the tasks near the task with these actions, instead of all else.",
+    help="Only count the tasks near the task with these actions.",
 )  # fmt: skip
 @click.option(
     "--radius", type=whole(0, 100), metavar="R", default=3, show_default=True, help="With --near: number of edits."

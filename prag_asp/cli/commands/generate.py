@@ -131,8 +131,8 @@ def generate(
     """
     from prag_asp.dataset.dataset_spec import SHARD
     from prag_asp.dataset.generation import generate as make
-    from prag_asp.dataset.scenarios import read_scenarios
     from prag_asp.dataset.scenes import scene_of
+    from prag_asp.dataset.stored_scenarios import read_earlier
     from prag_asp.missing import require_pyarrow
 
     require_pyarrow()
@@ -153,7 +153,7 @@ def generate(
                 physics=with_physics, budget=validation.parse_budget() if with_physics else None,
                 workers=validation.workers,
                 shard=shard or SHARD, language=language, phrasings=phrasings, staging=staging, max_draws=max_draws,
-                part=part, on=on, excluded=chain.from_iterable(map(read_scenarios, excluded)), progress=tell,
+                part=part, on=on, excluded=chain.from_iterable(map(read_earlier, excluded)), progress=tell,
             )  # fmt: skip
         except NotFound:
             tell_line(f"{output}: holds the tasks that were found")

@@ -79,8 +79,9 @@ def sample(
     lengths, the tasks of all lengths are sampled together.
     """
     from prag_asp.dataset.jsonl import Record
-    from prag_asp.dataset.scenarios import exclude, read_scenarios
+    from prag_asp.dataset.scenarios import exclude
     from prag_asp.dataset.scenes import scene_of
+    from prag_asp.dataset.stored_scenarios import read_earlier
 
     task_format.check(by)
     require_writable(output)
@@ -101,7 +102,7 @@ def sample(
             raise QueryError(f"--distinct samples tasks without replacement; leave {given} out")
         if excluded is not None and not distinct:
             raise QueryError(f"--except {excluded} leaves tasks out of a sample without replacement; add --distinct")
-        keep = None if excluded is None else exclude(space, read_scenarios(excluded))
+        keep = None if excluded is None else exclude(space, read_earlier(excluded))
         drawing: dict[str, Any] = {"distinct": True} if distinct else {"by": by, "over": over}
         drawing.update(weighting.arguments(space.domain))
         if not physics:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +27,20 @@ SHORTEST = 1e-4
 """The smallest difference in height of a couple in metres, because pads are not more exact."""
 
 
-def tilting_loads(shape: Shape, gripper: ParallelGripper, friction: float) -> NDArray[np.float64]:
-    """Return how strongly a body tilts out of each of its grasps, in the order of `body_grasps`, shape (n,).
+class TiltingLoad(NamedTuple):
+    """The torque of a body's weight as a share of the largest one that the pads bear by pressure alone, or in `total`.
 
-    A load is the torque of the weight as a share of the largest one that the pads bear if each presses with a force
-    equal to the weight of the body.
+    The total includes friction. Each pad presses with a force equal to the weight of the body.
+    """
+
+    pressure: float
+    total: float
+
+
+def tilting_loads(shape: Shape, gripper: ParallelGripper, friction: float) -> NDArray[np.float64]:
+    """Return how strongly a body tilts out of each of its grasps, in the order of `body_grasps`, shape (n, 2).
+
+    The columns are those of `TiltingLoad`; `friction` is the coefficient between pad and body.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -43,34 +53,45 @@ def _loads(
     shape: Shape, gripper: ParallelGripper, friction: float, files: tuple[tuple[int, int], ...]
 ) -> NDArray[np.float64]:
     """Return the loads of all grasps; the states of the body's files are part of the cache key."""
-    triangles = surface(shape)
-    centre = (0.0, 0.0, 0.0) if shape.model is None else shape.model.centre
     grasps = body_grasps(shape, gripper, friction)
-    return np.array([tilting_load(triangles, centre, gripper, grasp.tool) for grasp in grasps])
+    return np.array([grip_tilting(shape, gripper, friction, grasp.tool) for grasp in grasps]).reshape(-1, 2)
+
+
+def grip_tilting(shape: Shape, gripper: ParallelGripper, friction: float, tool: Pose) -> TiltingLoad:
+    """Return the load of an upright body with a tool at a pose in its frame.
+
+    Raises:
+        SceneError: a mesh cannot be read.
+    """
+    centre = (0.0, 0.0, 0.0) if shape.model is None else shape.model.centre
+    return tilting_load(surface(shape), centre, gripper, tool, friction)
 
 
 def tilting_load(
-    triangles: NDArray[np.float64], centre: tuple[float, float, float], gripper: ParallelGripper, tool: Pose
-) -> float:
-    """Return the load of a grasp of an upright body, as in `tilting_loads`; 0 if there is nothing between the pads.
+    triangles: NDArray[np.float64],
+    centre: tuple[float, float, float],
+    gripper: ParallelGripper,
+    tool: Pose,
+    friction: float,
+) -> TiltingLoad:
+    """Return the load of a grasp of an upright body; 0 if there is nothing between the pads.
 
     `triangles`, shape (n, 3, 3), are the body's surface, and `centre` is its centre of mass, both in the body's frame.
     """
     polygons = gripper.between(in_frame(triangles, tool))
     if not len(polygons.corners):
-        return 0.0
+        return TiltingLoad(0.0, 0.0)
     frame = matrix(tool)
     offset, down = frame[:3, :3].T @ (centre - frame[:3, 3]), frame[:3, :3].T @ (0.0, 0.0, -1.0)
     about_x, _, about_z = np.cross(offset, down).tolist()
     ends = polygons.corners[:, :, 1]
-    one, two = (
-        polygons.touched(float(end), side).corners.reshape(-1, 3)
-        for end, side in ((ends.min(), -1.0), (ends.max(), 1.0))
-    )
+    low, high = float(ends.min()), float(ends.max())
+    one, two = (polygons.touched(end, side).corners.reshape(-1, 3) for end, side in ((low, -1.0), (high, 1.0)))
     # The pad at the larger y turns the body about x by z F and about z by -x F, the other one by -z F and x F.
-    loads = list[float]()
+    pressures, totals = list[float](), list[float]()
     for torque, a, b in ((about_x, one[:, 2], two[:, 2]), (-about_z, one[:, 0], two[:, 0])):
         upper, lower = (a, b) if torque > 0.0 else (b, a)
         couple = float(upper.max(initial=-math.inf) - lower.min(initial=math.inf))
-        loads.append(abs(torque) / max(couple, SHORTEST))
-    return max(loads)
+        pressures.append(abs(torque) / max(couple, SHORTEST))
+        totals.append(abs(torque) / max(couple + friction * (high - low), SHORTEST))
+    return TiltingLoad(max(pressures), max(totals))

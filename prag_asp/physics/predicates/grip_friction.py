@@ -7,6 +7,7 @@ import math
 from prag_asp.physics.grasps.antipodal import Grasp
 from prag_asp.physics.grasps.body_grasps import body_grasps, lever
 from prag_asp.physics.grasps.pads import ParallelGripper
+from prag_asp.physics.grasps.tilting import grip_tilting
 from prag_asp.physics.predicates.grip_geometry import contact_at
 from prag_asp.physics.predicates.predicate import words
 from prag_asp.physics.situation import Situation
@@ -97,6 +98,7 @@ def grip_load(scene: Scene, entity: str, robot: str, lever_arm: float, radius: f
 def held_load(situation: Situation, entity: str, robot: str) -> float:
     """Return the `grip_load` of a body that a gripper holds in the air; 0 if there is nothing between the pads.
 
+    For a body with a model it is at least the share of the bearable torque with which the body tilts out of the pads.
     The whole area of the pads touches a primitive. Only a part may touch a body with a model; its radius of gyration
     replaces the mean distance, which is up to 7 % smaller for a rectangle like a pad.
     """
@@ -105,8 +107,11 @@ def held_load(situation: Situation, entity: str, robot: str) -> float:
         contact = contact_at(situation, entity, robot)
         if contact is None:
             return 0.0
-        aside = lever(shape, compose(invert(situation.pose(entity)), tool), contact)
-        return grip_load(situation.scene, entity, robot, aside, contact.radius)
+        place, friction = compose(invert(situation.pose(entity)), tool), pad_friction(situation.scene, entity)
+        twisting = grip_load(situation.scene, entity, robot, lever(shape, place, contact), contact.radius)
+        press = GRAVITY * weight(situation.scene, entity) / finger_force(situation.scene, entity, robot)
+        tilting = grip_tilting(shape, ParallelGripper.of(situation.robot(robot)), friction, place).total * press
+        return max(twisting, tilting)
     along_x, _, along_z = situation.robot(robot).finger_boxes[0].size
     centre = centre_of_mass(shape, situation.pose(entity))
     x, y, _ = (a - b for a, b in zip(centre, tool.position, strict=True))

@@ -99,7 +99,7 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     """Return the grasps of a body with a model at its pose, the best first, each turned towards the arm's side.
 
     Raises:
-        Failure: there is no grasp, or none in which friction bears the weight and the torque of the body.
+        Failure: there is no grasp, or none in which the pads bear the weight and the torque of the body.
     """
     found = grasps_in_body(situation, entity, search.simulator.acting)
     if not found:
@@ -114,11 +114,13 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     forward, slope = ((frames[:, :2, axis] * outward).sum(1) for axis in (0, 2))
     ease = np.abs(forward) + 2 * np.minimum(0.0, slope)
     press = finger_force(search.scene, entity, acting)
-    tilting = tilting_loads(situation.shape(entity), gripper, friction) * GRAVITY * weight(search.scene, entity) / press
+    loads = tilting_loads(situation.shape(entity), gripper, friction) * GRAVITY * weight(search.scene, entity) / press
+    tilting = loads[:, 0]
     order = np.argsort(STEADY * tilting - EASE * ease - table.scores, kind="stable")
     sectors = np.round(np.arctan2(frames[:, 1, 1], frames[:, 0, 1]) / SECTOR) % round(math.pi / SECTOR)
     kinds = list(zip(sectors.tolist(), (frames[:, 2, 2] > -SIDEWAYS).tolist(), strict=True))
-    bearing = (grip_load(search.scene, entity, acting, 0.0, 1.0) * table.loads <= SLIPS).tolist()
+    twisting = grip_load(search.scene, entity, acting, 0.0, 1.0) * table.loads
+    bearing = (np.maximum(twisting, loads[:, 1]) <= SLIPS).tolist()
     # The best grasps of each kind come first, then the second best: where one kind fails, another may succeed. Grasps
     # out of which the body tilts come last.
     counts, ranked = Counter[tuple[float, bool]](), list[tuple[bool, int, int]]()

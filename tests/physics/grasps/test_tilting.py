@@ -30,7 +30,9 @@ def wall(slope: float = 0.0) -> NDArray[np.float64]:
 @pytest.mark.parametrize(("tool", "longest"), [(DOWN, HEIGHT), (FROM_THE_SIDE, BREADTH)])
 @pytest.mark.parametrize("aside", [0.05, -0.05])
 def test_both_ends_of_the_pads_bear_what_hangs_aside(tool: Pose, longest: float, aside: float) -> None:
-    assert tilting_load(wall(), (0.02, aside, -0.03), GRIPPER, tool) == pytest.approx(abs(aside) / longest, rel=1e-6)
+    load = tilting_load(wall(), (0.02, aside, -0.03), GRIPPER, tool, friction=0.5)
+    assert load.pressure == pytest.approx(abs(aside) / longest, rel=1e-6)
+    assert load.total == pytest.approx(abs(aside) / (longest + 0.5 * 0.004), rel=1e-6)
 
 
 @pytest.mark.parametrize("lean", [1.0, -1.0])
@@ -44,10 +46,10 @@ def test_a_wall_that_leans_away_from_the_weight_is_held_by_less_than_one_that_le
     """
     slope = 0.1
     longest = HEIGHT if lean * side > 0.0 else 2 * TOUCH / slope - HEIGHT
-    load = tilting_load(wall(lean * slope), (0.0, side * 0.05, 0.0), GRIPPER, DOWN)
-    assert load == pytest.approx(0.05 / longest, rel=1e-6)
+    load = tilting_load(wall(lean * slope), (0.0, side * 0.05, 0.0), GRIPPER, DOWN, friction=0.5)
+    assert load.pressure == pytest.approx(0.05 / longest, rel=1e-6)
 
 
 def test_nothing_tilts_that_hangs_below_the_pads_or_is_not_between_them() -> None:
-    assert tilting_load(wall(), (0.03, 0.0, -0.04), GRIPPER, DOWN) == pytest.approx(0.0, abs=1e-12)
-    assert tilting_load(np.add(wall(), (0.0, 0.2, 0.0)), (0.0, 0.05, 0.0), GRIPPER, DOWN) == 0.0
+    assert tilting_load(wall(), (0.03, 0.0, -0.04), GRIPPER, DOWN, 0.5) == pytest.approx((0.0, 0.0), abs=1e-12)
+    assert tilting_load(np.add(wall(), (0.0, 0.2, 0.0)), (0.0, 0.05, 0.0), GRIPPER, DOWN, 0.5) == (0.0, 0.0)

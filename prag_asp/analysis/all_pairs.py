@@ -26,9 +26,6 @@ from prag_asp.similarity.symbols import entities_in, renamer
 if TYPE_CHECKING:
     from prag_asp.task import KnownDomain
 
-ROWS, COLUMNS = 128, 256
-"""Features and renamed features of a block: its arrays of two bytes for each pair stay in the cache of a core."""
-
 STRIPE = 1 << 22
 """The number of pairs of tasks in the rows that are expanded together: 32 MB of floats."""
 
@@ -96,13 +93,14 @@ class PairDistances:
             so_far(f"{done / whole:.0%} of {self.count:,} x {self.count:,} tasks")
 
     def _row_ranges(self) -> Iterator[range]:
+        step, _ = self.table.shape
         for own, _ in self.groups:
-            yield from (range(at, min(at + ROWS, own.stop)) for at in range(own.start, own.stop, ROWS))
+            yield from (range(at, min(at + step, own.stop)) for at in range(own.start, own.stop, step))
 
     def _column_ranges(self, rows: range, first: int) -> Iterator[range]:
         starts = next(images.starts for own, images in self.groups if rows.start in own)
         while first < self.features:
-            last = max(int(np.searchsorted(starts, starts[first] + COLUMNS, side="right")) - 1, first + 1)
+            last = max(int(np.searchsorted(starts, starts[first] + self.table.shape[1], side="right")) - 1, first + 1)
             yield range(first, min(last, self.features))
             first = last
 

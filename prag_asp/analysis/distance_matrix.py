@@ -1,0 +1,230 @@
+"""The matrix of distances between tasks, nearest tasks and near-duplicates."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.analysis.all_pairs import PairDistances, pair_distances
+from prag_asp.errors import QueryError
+from prag_asp.output import replace_file
+from prag_asp.similarity.distance_tables import Numbers, Values
+
+if TYPE_CHECKING:
+    from prag_asp.similarity.background import Trace, UpTo
+    from prag_asp.similarity.metrics import Metric
+    from prag_asp.task import KnownDomain
+
+MOST_BYTES = 4 * 10**9
+"""The largest matrix that is kept in memory."""
+
+SUFFIXES = (".npz", ".parquet")
+"""The endings of files of a matrix."""
+
+
+@dataclass(frozen=True)
+class SimilarityMatrix:
+    """The distances of all pairs of tasks, shape (tasks, tasks).
+
+    `units` are integers, and `denominator` of them are a distance of 1; they are exact. If `denominator` is 0, they are
+    floats of 32 bits.
+    """
+
+    units: Values
+    denominator: int
+    pairs: PairDistances = field(repr=False)
+
+    @property
+    def distances(self) -> NDArray[np.float64]:
+        """The distances as floats."""
+        values: NDArray[np.float64] = self.units / float(self.denominator or 1)
+        return values
+
+    @property
+    def similarities(self) -> NDArray[np.float32]:
+        """1 less the distances between 0 and 1."""
+        numbers = self.pairs.plain[self.pairs.place]
+        values: NDArray[np.float32] = 1 - self.pairs.table.normalised(self.units, numbers, numbers)
+        return values
+
+    def save(self, file: str | Path) -> None:
+        """Write the matrix: a .npz with `units` and `denominator`, or a .parquet with a row for each pair i < j.
+
+        Raises:
+            QueryError: the file has another ending.
+            OutputError: the file cannot be written.
+            DatasetsMissingError: pyarrow is not installed, for Parquet.
+        """
+        check_suffix(file)
+        if Path(file).suffix == ".parquet":
+            first, second = np.triu_indices(len(self.units), 1)
+            distances = self.units[first, second] / float(self.denominator or 1)
+            replace_file(file, parquet(task=first, other=second, distance=distances))
+            return
+        buffer = BytesIO()
+        np.savez_compressed(buffer, units=self.units, denominator=np.int64(self.denominator))
+        replace_file(file, buffer.getvalue())
+
+
+def check_suffix(file: str | Path) -> None:
+    """Check that a matrix or neighbours can be written to a file of this name.
+
+    Raises:
+        QueryError: the ending is unknown.
+    """
+    if Path(file).suffix not in SUFFIXES:
+        raise QueryError(f"{file}: distances are written to a file that ends in {' or '.join(SUFFIXES)}")
+
+
+def parquet(**columns: NDArray[Any]) -> bytes:
+    """Return a table as the bytes of a Parquet file.
+
+    Raises:
+        DatasetsMissingError: pyarrow is not installed.
+    """
+    from prag_asp.missing import require_pyarrow  # noqa: PLC0415 - only Parquet needs it
+
+    require_pyarrow()
+    import pyarrow as pa  # noqa: PLC0415
+    from pyarrow.parquet import write_table  # noqa: PLC0415
+
+    buffer = BytesIO()
+    write_table(pa.table({name: pa.array(column) for name, column in columns.items()}), buffer, compression="zstd")
+    return buffer.getvalue()
+
+
+def similarity_matrix(
+    tasks: Sequence[Trace],
+    metric: str | Metric = "combined",
+    *,
+    within: KnownDomain | None = None,
+    up_to: UpTo = "names",
+) -> SimilarityMatrix:
+    """Return the distances of all pairs of tasks; the arguments are those of `Task.distance`.
+
+    Raises:
+        QueryError: there is no such metric, it does not compare such tasks, or the matrix is larger than 4 GB.
+        SimilarityMissingError: the metric needs rapidfuzz, which is not installed.
+    """
+    return matrix_of(pair_distances(tasks, metric, within, up_to))
+
+
+def fits(pairs: PairDistances) -> bool:
+    """Return whether a matrix is small enough to keep."""
+    return pairs.count**2 * np.dtype(pairs.kind).itemsize <= MOST_BYTES
+
+
+def matrix_of(pairs: PairDistances) -> SimilarityMatrix:
+    """Return the distances of all pairs as a matrix.
+
+    Raises:
+        QueryError: the matrix is larger than 4 GB.
+    """
+    if not fits(pairs):
+        raise QueryError(
+            f"a matrix of {pairs.count:,} tasks takes more than {MOST_BYTES / 10**9:.0f} GB; "
+            "take fewer tasks, or compute neighbours and duplicates without a matrix"
+        )
+    square = pairs.square()
+    same = pairs.features == pairs.count and bool((pairs.place == np.arange(pairs.count)).all())
+    units = square if same else square[np.ix_(pairs.place, pairs.place)]
+    return SimilarityMatrix(units, pairs.table.denominator, pairs)
+
+
+Stripes = Iterable[tuple[range, Values]]
+"""Ranges of tasks with their distances to all tasks."""
+
+
+def stripes_of(given: SimilarityMatrix | PairDistances) -> Stripes:
+    """Return the distances of all tasks from a matrix, or computed without one."""
+    if isinstance(given, PairDistances):
+        return given.stripes()
+    return [(range(len(given.units)), given.units)]
+
+
+@dataclass(frozen=True)
+class NearestTasks:
+    """The nearest other tasks of each task, nearest first; among equal distances, those of smaller numbers first.
+
+    `tasks` and `distances` have shape (tasks, k).
+    """
+
+    tasks: Numbers
+    distances: NDArray[np.float64]
+
+    def save(self, file: str | Path) -> None:
+        """Write a .npz with both arrays, or a .parquet with a row for each task and neighbour.
+
+        Raises:
+            QueryError: the file has another ending.
+            OutputError: the file cannot be written.
+            DatasetsMissingError: pyarrow is not installed, for Parquet.
+        """
+        check_suffix(file)
+        if Path(file).suffix == ".parquet":
+            task = np.repeat(np.arange(len(self.tasks)), self.tasks.shape[1])
+            replace_file(file, parquet(task=task, other=self.tasks.ravel(), distance=self.distances.ravel()))
+            return
+        buffer = BytesIO()
+        np.savez_compressed(buffer, tasks=self.tasks, distances=self.distances)
+        replace_file(file, buffer.getvalue())
+
+
+def nearest_tasks(given: SimilarityMatrix | PairDistances, count: int = 5) -> NearestTasks:
+    """Return the nearest other tasks of each task, at most `count`."""
+    denominator = (given if isinstance(given, SimilarityMatrix) else given.table).denominator or 1
+    tasks, distances = [], []
+    for numbers, values in stripes_of(given):
+        for number, row in zip(numbers, values, strict=True):
+            order = np.argsort(row, kind="stable")
+            near = order[order != number][:count]
+            tasks.append(near)
+            distances.append(row[near] / float(denominator))
+    shape = (len(tasks), max(min(count, len(tasks) - 1), 0))
+    return NearestTasks(np.array(tasks, np.intp).reshape(shape), np.array(distances, np.float64).reshape(shape))
+
+
+def near_duplicates(given: SimilarityMatrix | PairDistances, at_most: float = 0.0) -> Iterator[tuple[int, int, float]]:
+    """Yield the pairs of tasks (the smaller number first) whose distance is at most `at_most`, with the distance."""
+    denominator = float((given if isinstance(given, SimilarityMatrix) else given.table).denominator or 1)
+    for numbers, values in stripes_of(given):
+        rows, columns = np.nonzero(values <= at_most * denominator)
+        later = columns > rows + numbers.start
+        for row, column in zip(rows[later].tolist(), columns[later].tolist(), strict=True):
+            yield row + numbers.start, column, float(values[row, column] / denominator)
+
+
+def save_pairs(pairs: Sequence[tuple[int, int, float]], file: str | Path) -> None:
+    """Write pairs of tasks with their distances: a .npz or .parquet with `task`, `other` and `distance`.
+
+    Raises:
+        QueryError: the file has another ending.
+        OutputError: the file cannot be written.
+        DatasetsMissingError: pyarrow is not installed, for Parquet.
+    """
+    check_suffix(file)
+    first, second, distance = (list(column) for column in zip(*pairs, strict=True)) if pairs else ([], [], [])
+    columns = {"task": np.array(first, np.int64), "other": np.array(second, np.int64),
+               "distance": np.array(distance, np.float64)}  # fmt: skip
+    if Path(file).suffix == ".parquet":
+        replace_file(file, parquet(**columns))
+        return
+    buffer = BytesIO()
+    np.savez_compressed(buffer, **columns)  # type: ignore[arg-type]
+    replace_file(file, buffer.getvalue())
+
+
+def without_duplicates(given: SimilarityMatrix | PairDistances, at_most: float = 0.0) -> list[int]:
+    """Return the numbers of tasks that remain if each task near an earlier remaining one is left out."""
+    out: set[int] = set()
+    for first, second, _ in near_duplicates(given, at_most):
+        if first not in out:
+            out.add(second)
+    count = given.count if isinstance(given, PairDistances) else len(given.units)
+    return [number for number in range(count) if number not in out]

@@ -1,0 +1,216 @@
+"""The tasks of a space that are at least some edits apart from all tasks of another part of it, exactly.
+
+A row holds the numbers of edits that turn a prefix of a plan into some prefix that leads to each state of the other
+part; numbers of at least the distance are treated as equal. Rows are states of a deterministic automaton for the
+neighbourhood of a whole regular language. It runs along with the automaton of the space, which gives an automaton of
+the tasks that remain: they are counted, ranked and sampled like other tasks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.analysis.layered_automaton import LayeredAutomaton, layered_words
+from prag_asp.errors import LimitReached, QueryError
+from prag_asp.processes.progress_events import stage
+from prag_asp.space.automaton.automaton import NOTHING, Automaton, Completions, Ranking
+from prag_asp.space.limits import LimitClock
+from prag_asp.space.parts.ranked_tasks import RankedTasks, RankRange
+from prag_asp.space.task_space import TaskSpace
+from prag_asp.stop_reason import StopKind, StopReason
+from prag_asp.task import Task
+
+TOGETHER = 1 << 22
+"""The number of edit counts that are computed together."""
+
+FARTHEST = 100
+"""The largest distance; rows fit into 8 bits."""
+
+MOST_ROWS = 1 << 15
+"""Maximum number of rows of edits of one layer; with more, there are usually exponentially many."""
+
+Bytes = NDArray[np.int8]
+
+
+def tasks_apart(space: TaskSpace, other: TaskSpace, distance: int) -> RankedTasks:
+    """Return the tasks of a space that are at least `distance` edits from each task of another part, in rank order.
+
+    An edit inserts, removes or replaces an action, up to renaming of interchangeable entities. Both spaces are parts of
+    one space with one length, as `hold_out` and `split_skeletons` return them.
+
+    Raises:
+        QueryError: the distance is not between 1 and 100, or the spaces have different symmetries or several lengths.
+        LimitReached: a limit was reached, or the rows do not fit into the memory.
+    """
+    if not 1 <= distance <= FARTHEST:
+        raise QueryError(f"a distance of {distance}: give one from 1 to {FARTHEST}")
+    if space.symmetries != other.symmetries:
+        raise QueryError(f"{space.title} and {other.title} have different interchangeable entities; give parts of one")
+    words, plans = layered_words(space, "task"), layered_words(other, "plan")
+    stage("comparing the parts")
+    automaton = words_apart(words, plans, distance, space.engines.limits.begin())
+    apart = TasksApart(space, words.letters, automaton)
+    return RankedTasks(RankRange(range(apart.ranking.total)), apart)
+
+
+@dataclass(frozen=True)
+class TasksApart:
+    """The tasks of an automaton whose letters are actions of a space."""
+
+    space: TaskSpace
+    letters: tuple[str, ...]
+    automaton: Automaton
+
+    @cached_property
+    def ranking(self) -> Ranking:
+        """The ranks of the words."""
+        return Ranking(Completions(self.automaton), self.space.length)
+
+    def plan_at(self, rank: int) -> tuple[str, ...]:
+        """Return the plan of the task with a given rank as the texts of its actions."""
+        return tuple(self.letters[letter] for letter in self.ranking.unrank(rank))
+
+    def tasks_of_plans(self, plans: Iterable[Sequence[str]]) -> Iterator[Task]:
+        """Yield the tasks of plans given in this form."""
+        return self.space.tasks_of_plans(plans)
+
+    def index(self, task: Task) -> int:
+        """Return the rank of a task.
+
+        Raises:
+            QueryError: the task is too near, or not in the space.
+        """
+        plan = self.space.plan_at(self.space.index(task))
+        rank = self.ranking.rank([self.letters.index(action) for action in plan])
+        if rank is None:
+            raise QueryError(f"the task is too near to the other part: {task}")
+        return rank
+
+
+def words_apart(words: LayeredAutomaton, plans: LayeredAutomaton, distance: int, clock: LimitClock) -> Automaton:
+    """Return the automaton of the words that are at least `distance` edits from all plans.
+
+    Raises:
+        LimitReached: a limit was reached.
+    """
+    if words.edges is None:
+        return NOTHING
+    rows = EditRows(words, plans, distance)
+    held, pairs = rows.start(), np.zeros((1, 2), dtype=np.int64)
+    degrees, letters, targets, known = [], [], [], 1
+    for place, step in enumerate(words.edges):
+        number = np.diff(np.append(step.begins, len(step.letters)))[pairs[:, 1]]
+        edges = np.arange(number.sum()) + np.repeat(step.begins[pairs[:, 1]] - np.cumsum(number) + number, number)
+        origins = np.repeat(pairs[:, 0], number)
+        reason = clock.reached_limit(6 * held.nbytes + 8 * len(edges))
+        if reason or len(held) > MOST_ROWS:
+            why = reason.prose() if reason else "the maximum for an exact number"
+            raise LimitReached(
+                f"{why} was reached with {len(held):,} rows of edits; give a smaller distance or other parts", 0,
+                reason or StopReason(StopKind.FORECAST),
+            )  # fmt: skip
+        width = len(words.letters)
+        moves, move = np.unique(origins * width + step.letters[edges], return_inverse=True)
+        held, row = rows.move(held, moves // width, moves % width, place)
+        size = words.sizes[place + 1]
+        following, target = np.unique(row[move] * size + step.targets[edges], return_inverse=True)
+        pairs = np.column_stack([following // size, following % size])
+        degrees.append(number)
+        letters.append(step.letters[edges])
+        targets.append(target + known)
+        known += len(pairs)
+    accepting = np.zeros(known, dtype=np.bool_)
+    accepting[known - len(pairs) :] = rows.far(held)[pairs[:, 0]]
+    all_degrees = np.concatenate([*degrees, np.zeros(len(pairs), dtype=np.int64)])
+    offsets = np.concatenate([[0], np.cumsum(all_degrees)]).astype(np.int64)
+    return Automaton(offsets, np.concatenate(letters), np.concatenate(targets), accepting, horizon=words.length)
+
+
+class EditRows:
+    """The rows of words: for each state of a layer, the least edits to a prefix of a plan that leads there.
+
+    A row has a block of numbers for each layer within the distance, see `_layers`; all other layers need too many
+    edits.
+    """
+
+    def __init__(self, words: LayeredAutomaton, plans: LayeredAutomaton, distance: int) -> None:
+        self._length, self._plans, self._distance = words.length, plans, distance
+        numbers = {letter: number for number, letter in enumerate(words.letters)}
+        named = np.array([numbers.get(letter, -1) for letter in plans.letters], dtype=np.int64)
+        self._steps = []
+        for step in plans.edges or ():
+            order = np.argsort(step.targets, kind="stable")
+            begins = np.unique(step.targets[order], return_index=True)[1]
+            self._steps.append((step.sources[order], named[step.letters[order]], begins))
+
+    def start(self) -> Bytes:
+        """Return the row of the empty word."""
+        blocks: dict[int, Bytes] = {}
+        for layer in self._layers(0):
+            edits = 0 if layer == 0 else layer
+            block = np.full((1, self._plans.sizes[layer]), edits, dtype=np.int8)
+            blocks[layer] = self._capped(block, layer, 0)
+        return self._joined(blocks, 1)
+
+    def move(
+        self, held: Bytes, origins: NDArray[np.int64], letters: NDArray[np.int64], place: int
+    ) -> tuple[Bytes, NDArray[np.int64]]:
+        """Return the distinct rows after one more letter of some rows, and the number of each of them."""
+        widest = max([len(sources) for sources, _, _ in self._steps], default=1)
+        size = max(TOGETHER // max(widest, held.shape[1]), 1)
+        parts = [
+            self._moved(held[origins[begin : begin + size]], letters[begin : begin + size], place)
+            for begin in range(0, len(origins), size)
+        ]
+        moved = np.ascontiguousarray(np.concatenate(parts))
+        if not moved.shape[1]:
+            return moved[:1], np.zeros(len(moved), dtype=np.int64)
+        keys = moved.view(np.dtype((np.void, moved.shape[1]))).ravel()
+        _, first, number = np.unique(keys, return_index=True, return_inverse=True)
+        return moved[first], number
+
+    def far(self, held: Bytes) -> NDArray[np.bool_]:
+        """Return whether the words with these rows are far enough from all plans."""
+        last = self._blocks(held, self._length).get(len(self._steps))
+        return np.ones(len(held), dtype=np.bool_) if last is None else last[:, 0] >= self._distance
+
+    def _layers(self, place: int) -> range:
+        """Return the layers of the plans that may have fewer edits than the distance after some letters."""
+        if self._plans.edges is None:
+            return range(0)
+        nearest = self._distance - 1
+        return range(max(place - nearest, 0), min(place + nearest, len(self._steps)) + 1)
+
+    def _blocks(self, held: Bytes, place: int) -> dict[int, Bytes]:
+        layers = self._layers(place)
+        bounds = np.cumsum([self._plans.sizes[layer] for layer in layers])[:-1]
+        return dict(zip(layers, np.split(held, bounds, axis=1), strict=True)) if len(layers) else {}
+
+    def _joined(self, blocks: dict[int, Bytes], rows: int) -> Bytes:
+        return np.concatenate([np.zeros((rows, 0), dtype=np.int8), *blocks.values()], axis=1)
+
+    def _capped(self, block: Bytes, layer: int, place: int) -> Bytes:
+        needed = abs((len(self._steps) - layer) - (self._length - place))
+        return np.where(block + needed >= self._distance, self._distance, block).astype(np.int8)
+
+    def _moved(self, held: Bytes, letters: NDArray[np.int64], place: int) -> Bytes:
+        before = self._blocks(held, place)
+        after: dict[int, Bytes] = {}
+        for layer in self._layers(place + 1):
+            block = np.full((len(held), self._plans.sizes[layer]), self._distance, dtype=np.int8)
+            if layer in before:
+                block = np.minimum(block, before[layer] + 1)  # the letter is inserted
+            if layer:
+                sources, named, begins = self._steps[layer - 1]
+                if layer - 1 in before:  # the letter is that of the plan, or replaces it
+                    replaced = before[layer - 1][:, sources] + (named != letters[:, None])
+                    block = np.minimum(block, np.minimum.reduceat(replaced, begins, axis=1))
+                if layer - 1 in after:  # a letter of the plan is removed
+                    block = np.minimum(block, np.minimum.reduceat(after[layer - 1][:, sources] + 1, begins, axis=1))
+            after[layer] = self._capped(block.astype(np.int8), layer, place + 1)
+        return self._joined(after, len(held))

@@ -1,0 +1,1 @@
+"""Tasks that are compared, and the files that comparisons write."""

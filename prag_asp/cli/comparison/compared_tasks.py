@@ -1,0 +1,119 @@
+"""Tasks that a command compares: by ranks, scenario ids, lines of JSON, files of them, and datasets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from prag_asp.cli.domain_options import DomainOptions
+from prag_asp.errors import QueryError
+
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+    from prag_asp.space.task_space import TaskSpace
+    from prag_asp.task import Task
+
+MANIFEST = "dataset.json"
+"""The file that makes a folder a dataset."""
+
+
+@dataclass(frozen=True)
+class ComparedTasks:
+    """Tasks, the group of each (a part of a dataset or a length), and the space that knows their domain, if any."""
+
+    tasks: list[Task]
+    groups: list[str]
+    space: TaskSpace | None
+
+
+def read_pair(words: Sequence[str], request: DomainOptions, up_to: str) -> ComparedTasks:
+    """Return the tasks that two words name.
+
+    Raises:
+        QueryError: a word names no task, or the tasks are of different domains.
+    """
+    tasks: list[Task] = []
+    domains: list[Domain] = []
+    for word in words:
+        task, domain = _named_task(word, request)
+        tasks.append(task)
+        domains += [] if domain is None else [domain]
+    space = None if up_to != "domain" else _space_of(tasks, request, domains[0] if domains else None)
+    return ComparedTasks(tasks, [""] * len(tasks), space)
+
+
+def _named_task(word: str, request: DomainOptions) -> tuple[Task, Domain | None]:
+    """Return the task of a rank, a scenario id, a line of JSON or a file, and its domain if it was loaded."""
+    from prag_asp.dataset.jsonl import read_lines, read_tasks
+
+    if word.isdecimal():
+        if not request.names or not request.length:
+            raise QueryError(f"{word}: a rank needs --domain and --length, or give a scenario id or a file")
+        from prag_asp.cli.task_options import task_at
+
+        space = request.space()
+        return task_at(space, int(word)), space.domain
+    if word.lstrip().startswith("{"):
+        return next(read_lines([word], "argument")).task, None
+    if Path(word).is_file() or word == "-":
+        records = list(read_tasks(word))
+        if len(records) != 1:
+            raise QueryError(f"{word}: has {len(records)} tasks; give it alone to compare all, or a file with one task")
+        return records[0].task, None
+    from prag_asp.dataset.scenario import Scenario
+    from prag_asp.dataset.scenarios import Scenarios
+
+    if ":" not in word:
+        raise QueryError(f"{word}: no such file, and neither a rank nor a scenario id; see prag-asp similarity --help")
+    scenario = Scenario.parse(word)
+    domain = request.of_scenario(scenario).domain()
+    return Scenarios(domain).task(scenario), domain
+
+
+def read_all(word: str, request: DomainOptions, up_to: str) -> ComparedTasks:
+    """Return the tasks of a dataset or of a file of JSON lines.
+
+    Raises:
+        QueryError: there is no task, or the tasks are of different domains.
+    """
+    from prag_asp.dataset.jsonl import read_tasks
+
+    if (Path(word) / MANIFEST).exists() or Path(word).is_dir():
+        from prag_asp.dataset.store.dataset import Dataset
+
+        dataset = Dataset.open(word, trust=request.trust)
+        chosen = dataset.where(*request.where) if request.where else dataset
+        entries = [(entry.task, entry.part) for entry in chosen.entries()]
+        tasks, groups = [task for task, _ in entries], [part for _, part in entries]
+        domain = dataset.domain if up_to == "domain" and not request.names else None
+    else:
+        tasks = [record.task for record in read_tasks(word)]
+        groups, domain = [f"{len(task)} actions" for task in tasks], None
+    if not tasks:
+        raise QueryError(f"{word}: has no task")
+    return ComparedTasks(tasks, groups, _space_of(tasks, request, domain) if up_to == "domain" else None)
+
+
+def _space_of(tasks: Sequence[Task], request: DomainOptions, domain: Domain | None) -> TaskSpace:
+    """Return a space that knows the domain of tasks: a loaded one, the requested one, or the one that they name.
+
+    Raises:
+        QueryError: the tasks are of several domains, or of another one.
+    """
+    from prag_asp.dataset.task_origin import named_domain
+    from prag_asp.space.task_space import TaskSpace
+
+    named = {(task.domain, tuple(task.constants.items())) for task in tasks}
+    if len(named) > 1:
+        (one, _), (other, _), *_ = sorted(named)
+        raise QueryError(f"tasks of {one!r} and of {other!r}, or with other constants; compare them with --up-to names")
+    ((name, constants),) = named
+    if domain is None:
+        names = request.names or (named_domain(name, "the tasks", Path()),)
+        recorded = tuple(f"{key}={value}" for key, value in constants if not request.constants)
+        domain = replace(request, names=names, constants=(*request.constants, *recorded)).domain()
+    if domain.name != name:
+        raise QueryError(f"the tasks are of {name!r}, not of {domain.name!r}; give another --domain")
+    return TaskSpace(domain, max(map(len, tasks)))
