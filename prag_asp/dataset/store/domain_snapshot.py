@@ -97,7 +97,7 @@ def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False
         except OSError as error:
             raise DomainError(f"{path}: cannot be read: {error.strerror}; {MEND}") from None
         if sha256(content).hexdigest() != file.sha256:
-            raise DomainError(f"{path}: is not what dataset.json says; {MEND}")
+            raise DomainError(f"{path}: differs from its record in dataset.json; {MEND}")
     domain = load_domain(
         folder / DOMAIN, constants=snapshot.constants, encodings=folder / ENCODINGS, flat=snapshot.flat, trust=trust
     )
@@ -107,7 +107,7 @@ def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False
     files += [settings.path] if settings.text else []
     for path in (*files, *scene_files(settings.scene, settings.path.parent)):
         if path.resolve() not in recorded:
-            raise DomainError(f"{path}: is none of the files that dataset.json names; {MEND}")
+            raise DomainError(f"{path}: is not listed in dataset.json; {MEND}")
     return replace(domain, name=snapshot.name)
 
 

@@ -71,4 +71,4 @@ def wrong_card(folder: Path, manifest: Manifest, domain: Domain) -> Iterator[Fin
     derived = deepcopy(manifest)
     derive(derived)
     if card != card_text(derived, domain):
-        yield Finding(CARD, None, "does not say what dataset.json says")
+        yield Finding(CARD, None, "does not match dataset.json")
