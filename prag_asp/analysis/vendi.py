@@ -31,8 +31,8 @@ DIGITS = 11
 class VendiScore:
     """The effective number of different tasks among `words` tasks, between 1 and `words`.
 
-    `score` has 11 significant digits; `order_2` is the exact score of order 2, the reciprocal of the sum of the squared eigenvalues
-    (Pasarkar and Dieng 2024), which gives rare tasks less weight. `largest` is the largest eigenvalue.
+    `score` has 11 significant digits; `order_2` is the exact score of order 2, the reciprocal of the sum of the squared
+    eigenvalues (Pasarkar and Dieng 2024), which gives rare tasks less weight. `largest` is the largest eigenvalue.
     """
 
     feature: Feature
