@@ -221,7 +221,7 @@ def _reach(each: AuditedProblem) -> tuple[list[str], set[tuple[str, str]]]:
     try:
         domain = each.load()
     except PragError as error:
-        return [f"its domain is refused: {error.lines[0]}"], set()
+        return [error.lines[0].partition(": ")[2] or error.lines[0]], set()
     reasons = [warning.text for warning in domain.warnings if warning.name == "no-plan"]
     effects = domain.facts.postconditions
     made = {fluent for action in domain.facts.tried for fluent, value in effects.get(action, ()) if value != "false"}

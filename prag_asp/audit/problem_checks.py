@@ -76,10 +76,10 @@ def contradictions(problem: GroundProblem) -> Iterator[str]:
         yield f"the initial state has both {fact} and its negation"
     places: dict[str, list[Atom]] = {}
     for fact in sorted(problem.true_facts):
-        if fact.name in LOCATIONS and len(fact.arguments) == 2:
+        if fact.name in LOCATIONS and len(fact.arguments) == 2 and fact.arguments[0] in problem.movable:
             places.setdefault(fact.arguments[0], []).append(fact)
     for name, facts in places.items():
-        if len(facts) > 1 and name in problem.movable:
+        if len(facts) > 1:
             yield f"{name} is at {len(facts)} places in the initial state: {', '.join(map(str, facts))}"
     below = {name: facts[0].arguments[1] for name, facts in places.items()}
     for name in below:

@@ -9,10 +9,18 @@ from pathlib import Path
 from prag_asp.audit.audited_problem import AuditedProblem
 from prag_asp.audit.auditing import BenchmarkAudit, Progress, audit_problems
 from prag_asp.audit.problem_checks import AuditFinding
+from prag_asp.audit.sources import lerobot_suites
 from prag_asp.audit.sources.problem_source import FailedRead, ProblemSource
 from prag_asp.errors import QueryError
 
-FORMATS: Mapping[str, str] = {"BDDL": "prag_asp.audit.sources.bddl_source"}
+LEROBOT = "LeRobot"
+"""The format of texts without problems, which are found among those of other suites."""
+
+FORMATS: Mapping[str, str] = {
+    "BDDL": "prag_asp.audit.sources.bddl_source",
+    "prag_asp datasets": "prag_asp.audit.sources.dataset_suites",
+    "PDDL": "prag_asp.audit.sources.pddl_suites",
+}
 """The formats, each with its module, which is a `ProblemSource`."""
 
 
@@ -30,7 +38,9 @@ def read_suites(folders: Sequence[str | Path]) -> tuple[list[AuditedProblem], li
         name = _suite_name(path, names)
         names[name] = path
         by_format.setdefault(_format_of(path), {})[name] = path
+    texts = [*lerobot_suites.read_texts(by_format.pop(LEROBOT, {}))]
     found = [each for name, suites in by_format.items() for each in _source(name).read(suites)]
+    found += lerobot_suites.matched(texts, [each for each in found if isinstance(each, AuditedProblem)])
     order = list(names)
     problems = sorted(
         (each for each in found if isinstance(each, AuditedProblem)), key=lambda each: order.index(each.suite)
@@ -65,10 +75,12 @@ def _suite_name(path: Path, names: Mapping[str, Path]) -> str:
 
 
 def _format_of(path: Path) -> str:
+    if lerobot_suites.recognizes(path):
+        return LEROBOT
     for name in FORMATS:
         if _source(name).recognizes(path):
             return name
-    raise QueryError(f"{path}: no problems in this folder; it needs files of {', '.join(FORMATS)}")
+    raise QueryError(f"{path}: no problems in this folder; it needs files of {', '.join([*FORMATS, LEROBOT])}")
 
 
 def _source(name: str) -> ProblemSource:

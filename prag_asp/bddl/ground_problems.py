@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from prag_asp.atom import Atom
-from prag_asp.bddl.bddl_problem import BddlProblem
-from prag_asp.bddl.ground_goals import FactValue, GroundFormula, fact_values, ground_goal, literal_of
+from prag_asp.bddl.bddl_problem import BddlProblem, facts_of
+from prag_asp.bddl.ground_goals import FactValue, GroundFormula, ground_goal, literal_of
 from prag_asp.errors import DomainError
 
 ROOM, AGENT = "inroom", "agent"
@@ -50,7 +50,12 @@ def ground_problem(problem: BddlProblem, path: object = "<bddl>") -> GroundProbl
     initial = tuple(dict.fromkeys(literal_of(fact, value) for fact, value in problem.initial))
     goal = ground_goal(problem)
     undeclared = {name: fact.line for fact, _ in problem.initial for name in fact.terms if name not in kinds}
-    undeclared |= {name: 1 for each in fact_values(goal) for name in each.fact.arguments if name not in kinds}
+    undeclared |= {
+        name: fact.line
+        for fact in facts_of(problem.goal)
+        for name in fact.terms
+        if name not in kinds and not name.startswith("?")
+    }
     for name, line in undeclared.items():
         raise DomainError(f"{path}:{line}: {name} is no object, fixture or region of the problem; declare it")
     in_rooms = {classes.get(fact.terms[0]) for fact, _ in problem.initial if fact.predicate == ROOM and fact.terms}

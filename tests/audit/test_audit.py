@@ -12,8 +12,10 @@ import pytest
 
 from prag_asp import QueryError
 from prag_asp.audit import BenchmarkAudit, audit
+from prag_asp.audit.audit_report import audit_text
 from tests.bddl.problems import CAMP, TIDY
 from tests.commands import run
+from tests.docs.pages import DOCS
 
 STACK = """(define (problem {name}) (:domain robosuite)
   (:language {language})
@@ -186,3 +188,6 @@ def test_the_figures_of_libero_come_out() -> None:
     assert in_90 == {"libero_10": 2, "libero_goal": 5, "libero_object": 7, "libero_spatial": 10}
     assert (len(found.combinations.occurring), found.combinations.possible) == (60, 550)
     assert found.findings == ()
+    page = (DOCS / "guides" / "audit.md").read_text(encoding="utf-8")
+    _, shown, _ = re.split(r"(?m)^```(?:text)?\n", page, maxsplit=2)
+    assert shown.splitlines()[1:] == [*audit_text(found)]

@@ -59,7 +59,7 @@ def test_the_rest_of_a_sample_is_the_sample_without_the_first_tasks(
     space: TaskSpace, tmp_path: Path, request_: dict[str, Any]
 ) -> None:
     if "skeletons" in request_:
-        space = TaskSpace(load_domain("kitchen"), 3)
+        space = TaskSpace(load_domain("prag"), 2)
     options: dict[str, Any] = {"seed": 4, "trivial": True, **request_}
     few, many = (2, 4) if "skeletons" in options else (8, 14)
     first = generate(space, tmp_path / "first", tasks=few, **options)

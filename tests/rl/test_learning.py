@@ -6,9 +6,10 @@ import importlib
 import io
 import os
 import re
+import runpy
 import subprocess
 import sys
-from contextlib import redirect_stdout
+from contextlib import redirect_stdout, suppress
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -43,10 +44,22 @@ def of(name: str) -> list[str]:
 
 
 def done(command: list[str], *more: object) -> str:
-    name = Path(command[0]).name
-    given = [sys.executable, *command, *SHORTENED[name].split(), *map(str, more)]
+    """Return what a command prints that runs in a process of its own."""
+    given = [sys.executable, *command, *SHORTENED[Path(command[0]).name].split(), *map(str, more)]
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     return subprocess.run(given, cwd=ROOT, capture_output=True, text=True, check=True, env=environment).stdout
+
+
+def done_here(monkeypatch: pytest.MonkeyPatch, command: list[str], *more: object) -> str:
+    """Return what a command prints that runs in this process, which has imported what it needs."""
+    script = ROOT / command[0]
+    monkeypatch.syspath_prepend(str(script.parent))
+    monkeypatch.setattr(sys, "argv", [*command, *SHORTENED[script.name].split(), *map(str, more)])
+    monkeypatch.chdir(ROOT)
+    printed = io.StringIO()
+    with redirect_stdout(printed), suppress(SystemExit):
+        runpy.run_path(str(script), run_name="__main__")
+    return printed.getvalue()
 
 
 def names(folder: Path) -> set[str]:
@@ -54,8 +67,8 @@ def names(folder: Path) -> set[str]:
 
 
 @pytest.mark.parametrize("name", ["oracle.py", "standing.py"])
-def test_commands_of_the_page_run_without_training(name: str) -> None:
-    assert re.findall(r"\d of [12]\b", done(of(name)))
+def test_commands_of_the_page_run_without_training(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert re.findall(r"\d of [12]\b", done_here(monkeypatch, of(name)))
 
 
 def test_the_command_that_measures_memory_runs() -> None:
@@ -63,18 +76,20 @@ def test_the_command_that_measures_memory_runs() -> None:
     assert measured == ["30", "60"]
 
 
-def test_the_command_that_chains_runs(tmp_path: Path) -> None:
+def test_the_command_that_chains_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("stable_baselines3")
-    output = done(of("chained.py"), "--output", tmp_path)
+    output = done_here(monkeypatch, of("chained.py"), "--output", tmp_path)
     assert re.search(r"^2 of \d+ demonstrations succeed", output, re.MULTILINE)
     assert len(re.findall("^│ cloned ", output, re.MULTILINE)) == 2, "one row for each length"
     assert names(tmp_path) == {"chained.parquet", "chained.png"}
 
 
-def test_agents_with_default_settings_are_trained_and_tested_once(tmp_path: Path) -> None:
+def test_agents_with_default_settings_are_trained_and_tested_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     pytest.importorskip("sb3_contrib")
-    command = [*of("plain.py"), "--output", str(tmp_path)]
-    assert re.search(r"│ PragGrasp +│ SAC +│ 110 ", done(command))
+    printed = done_here(monkeypatch, of("plain.py"), "--output", tmp_path)
+    assert re.search(r"│ PragGrasp +│ SAC +│ 110 ", printed)
     rows = pq.read_table(tmp_path / "plain.parquet").to_pylist()
     assert [(row["agent"], row["seed"], row["trials"]) for row in rows] == [("SAC", 0, 1)]
 

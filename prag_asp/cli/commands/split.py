@@ -20,8 +20,13 @@ from prag_asp.errors import QueryError
 from prag_asp.output import file_in, make_folder
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    from prag_asp.audit.distant_split import DistantSplit
     from prag_asp.space.parts.ranked_tasks import RankedTasks
     from prag_asp.space.task_space import TaskSpace
+
+    Parts = Mapping[str, TaskSpace | RankedTasks]
 
 
 @click.command()
@@ -38,6 +43,10 @@ if TYPE_CHECKING:
     "--hold-out", "held", metavar="WHAT", shell_complete=shell_completion.names,
     help="Entity, class, action or pair that occurs only in the part test.",
 )  # fmt: skip
+@click.option(
+    "--distance", type=whole(1, 100), metavar="D",
+    help="Later parts keep only tasks at least D edits from all tasks of the first part.",
+)  # fmt: skip
 @click.option("--count", "requested_count", type=whole(0), metavar="K", help="Write K distinct tasks per part.")
 @options.seed
 @format_options(LINE_FORMAT)
@@ -46,8 +55,8 @@ if TYPE_CHECKING:
     help="With --count: folder for one file per part.",
 )  # fmt: skip
 def split(
-    *, request: DomainOptions, words: tuple[str, ...], skeletons: bool, held: str | None, requested_count: int | None,
-    seed: int,
+    *, request: DomainOptions, words: tuple[str, ...], skeletons: bool, held: str | None, distance: int | None,
+    requested_count: int | None, seed: int,
     task_format: TaskFormat, output: str | None,
 ) -> None:  # fmt: skip
     """Split the tasks of length N into disjoint parts.
@@ -64,39 +73,65 @@ def split(
         raise QueryError("give shares, such as train=0.8 test=0.2, or --hold-out WHAT")
     if (requested_count is None) != (output is None):
         raise QueryError("give --count and --output together")
+    if distance is not None and output is not None and task_format.form not in ("text", "jsonl"):
+        raise QueryError(f"--distance is verified from plans; give --format text or jsonl, not {task_format.form}")
     with progress() as tell:
         space = replace(request, names=names).space(tell)
-        parts = _parts(space, shares, skeletons, held, seed)
+        apart = None if distance is None else _distant(distance, shares, skeletons, held, seed)
+        parts = _with_warnings(
+            lambda: _parts(space, shares, skeletons, held, seed) if apart is None else apart.parts(space)
+        )
         width = max(map(len, parts))
         for name, part in parts.items():
             say(f"{name:<{width}}  {part.count()}")
         if requested_count is None or output is None:
             return
         line, folder = task_format.line(space, seed), make_folder(output)
+        paths = {name: folder / f"{name}.{'jsonl' if task_format.form == 'jsonl' else 'txt'}" for name in parts}
         with ExitStack() as files:
             for name, part in parts.items():
-                file = file_in(folder, f"{name}.{'jsonl' if task_format.form == 'jsonl' else 'txt'}")
-                out = files.enter_context(writer(str(file)))
+                out = files.enter_context(writer(str(file_in(folder, paths[name].name))))
                 weights: dict[str, Any] = {"weights": {}} if isinstance(part, TaskSpace) else {}  # uniformly
                 for task in part.sample(min(requested_count, part.count()), seed=seed, distinct=True, **weights):
                     out.write(line(Record(task)))
+        if apart is not None:
+            from prag_asp.audit.distant_split import record_split
+
+            record_split(folder, space, apart, {name: part.count() for name, part in parts.items()}, paths)
 
 
-def _parts(
-    space: TaskSpace, shares: tuple[str, ...], skeletons: bool, held: str | None, seed: int
-) -> dict[str, TaskSpace] | dict[str, RankedTasks]:
+def _parts(space: TaskSpace, shares: tuple[str, ...], skeletons: bool, held: str | None, seed: int) -> Parts:
     if held is not None:
         train, test = space.hold_out(held)
         return {"train": train, "test": test}
+    requested = _requested(shares)
+    return space.split_skeletons(requested, seed=seed) if skeletons else space.split(requested, seed=seed)
+
+
+def _requested(shares: tuple[str, ...]) -> dict[str, str]:
     pairs = [share.partition("=") for share in shares]
     if not all(name.isidentifier() and equals for name, equals, _ in pairs) or len({p[0] for p in pairs}) < len(pairs):
         raise QueryError(f"{' '.join(shares)}: write different names with their shares, such as train=0.8 test=0.2")
-    requested_count = {name: share for name, _, share in pairs}
-    if not skeletons:
-        return space.split(requested_count, seed=seed)
+    return {name: share for name, _, share in pairs}
+
+
+def _distant(
+    distance: int, shares: tuple[str, ...], skeletons: bool, held: str | None, seed: int
+) -> DistantSplit:  # fmt: skip
+    from prag_asp.audit.distant_split import DistantSplit
+
+    if held is None and not skeletons:
+        raise QueryError(
+            "--distance: random parts have neighbours of nearly every task; add --skeletons, or give --hold-out WHAT"
+        )
+    return DistantSplit(distance, held, {} if held is not None else _requested(shares), seed)
+
+
+def _with_warnings(divide: Callable[[], Parts]) -> Parts:
+    """Return the parts, and print warnings about them as lines."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        parts = space.split_skeletons(requested_count, seed=seed)
+        parts = divide()
     for each in caught:
         tell_line(f"warning: {each.message}")
     return parts

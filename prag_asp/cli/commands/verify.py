@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import click
 
 from prag_asp.cli import options, shell_completion
@@ -20,7 +22,7 @@ from prag_asp.wording import plural
     "--workers", type=whole(1), default=1, show_default=True, help="Number of processes that check witnesses."
 )
 def verify(*, folder: str, trust: bool, physics: bool, workers: int) -> None:
-    """Verify the contents of a dataset or a suite.
+    """Verify the contents of a dataset, a suite or a split with a distance.
 
     Checks files, counts, plans, instructions and witnesses: tasks are sampled again with the seed, plans are checked by
     clingo, witnesses in a new simulation. Prints a line for each error, with its file and row (from 0); the exit code
@@ -30,6 +32,9 @@ def verify(*, folder: str, trust: bool, physics: bool, workers: int) -> None:
     from prag_asp.dataset.suites.verifying import verify as wrong
     from prag_asp.missing import require_pyarrow
 
+    if (Path(folder) / "split.json").is_file():
+        _verify_split(Path(folder), trust)
+        return
     require_pyarrow()
     found = 0
     with progress() as tell, warnings_as_lines():
@@ -40,3 +45,17 @@ def verify(*, folder: str, trust: bool, physics: bool, workers: int) -> None:
     if found:
         raise click.exceptions.Exit(Exit.NOT_FOUND)
     say(f"{folder}: ok; {plural(tasks, 'task')}")
+
+
+def _verify_split(folder: Path, trust: bool) -> None:
+    from prag_asp.audit.distant_split import SPLIT, wrong_split
+
+    findings = list(wrong_split(folder, trust=trust))
+    for finding in findings:
+        say(str(finding))
+    if findings:
+        raise click.exceptions.Exit(Exit.NOT_FOUND)
+    note = SPLIT.read(folder)
+    assert note is not None
+    tasks, first = plural(sum(part.tasks for part in note.parts), "task"), note.parts[0].name
+    say(f"{folder}: ok; {tasks}, all others at least {plural(note.distance, 'edit')} from the whole part {first}")

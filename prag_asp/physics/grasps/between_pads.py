@@ -172,7 +172,7 @@ def _on_planes(radius: float, long: float, axis: Vector, centre: Vector, window:
     for k, plane in ((0, window.x[0]), (0, window.x[1]), (2, window.z[0]), (2, window.z[1])):
         left = plane - centre[k]
         to = _unit_across(axis, AXES[k])
-        if to is not None:
+        if to is not None and to[k] > 0.0:  # 0 by rounding where rims are almost parallel to the plane
             (a, b, c), (d, e, f) = axis, to
             side = (b * f - c * e, c * d - a * f, a * e - b * d)
             for along in (-long, long):

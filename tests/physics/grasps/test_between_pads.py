@@ -82,3 +82,12 @@ def test_a_can_that_leans_is_wider_only_by_what_it_leans_between_the_pads() -> N
 def test_nothing_is_between_the_pads_beside_a_body() -> None:
     for kind in ("box", "cylinder", "sphere"):
         assert width_between(Shape(kind, (0.04, 0.04, 0.04)), Pose((0.03, 0.0, 0.0)), WINDOW, AT) == 0.0
+
+
+@pytest.mark.parametrize("lean", [1e-13, 5.5e-13, 1e-12, 1e-9])
+def test_a_can_that_hardly_leans_is_as_wide_as_an_upright_one(lean: float) -> None:
+    shape, at = Shape("cylinder", (0.066, 0.066, 0.1)), (0.0137, -0.006, -0.015)
+    upright, leaning = (
+        width_between(shape, Pose(at, turn), WINDOW, AT) for turn in ((1.0, 0.0, 0.0, 0.0), (1.0, 0.0, lean, 0.0))
+    )
+    assert leaning == pytest.approx(upright, abs=1e-9)

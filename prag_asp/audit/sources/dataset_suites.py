@@ -1,0 +1,46 @@
+"""Tasks of datasets of prag_asp: initial states, goals and instructions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from prag_asp.atom import Atom
+from prag_asp.audit.audited_problem import AuditedProblem
+from prag_asp.audit.sources.problem_source import FailedRead
+from prag_asp.bddl.ground_goals import FactValue, every
+from prag_asp.bddl.ground_problems import GroundProblem
+from prag_asp.dataset.store.dataset import Dataset
+from prag_asp.dataset.store.manifest import NAME
+from prag_asp.task import Task
+
+
+def recognizes(folder: Path) -> bool:
+    """Return whether a folder is a dataset of prag_asp."""
+    return (folder / NAME).is_file()
+
+
+def read(folders: Mapping[str, Path]) -> Iterator[AuditedProblem | FailedRead]:
+    """Yield the tasks of datasets; the goal of a task is what its plan changes."""
+    for suite, folder in folders.items():
+        for entry in Dataset.open(folder).entries():
+            label = f"{entry.part}-{entry.number}"
+            language = next(iter(entry.instruction.values()), "")
+            yield AuditedProblem(suite, label, f"{folder}: task {label}", task_problem(entry.task, label, language))
+
+
+def task_problem(task: Task, name: str, language: str = "") -> GroundProblem:
+    """Return a task as a problem: its goal, or if it has none, the facts that differ between its ends."""
+    changed = (
+        {fact: value for fact, value in task.states[-1].items() if task.initial.get(fact) != value}
+        if task.states
+        else {}
+    )
+    goal = {fact: value for fact, value in task.goal.items() if task.initial.get(fact) != value} or changed
+    return GroundProblem(
+        name,
+        task.entities,
+        tuple(FactValue(fact, value) for fact, value in task.initial.items()),
+        every(*(FactValue(Atom(*fact), value) for fact, value in goal.items())),
+        language,
+    )

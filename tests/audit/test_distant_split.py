@@ -1,0 +1,94 @@
+"""A split with a distance is proved again from its folder, and everything that is wrong with it is found."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from prag_asp import TaskSpace, load_domain
+from prag_asp.analysis import nearest_task
+from tests.commands import ok, run
+
+ARGUMENTS = ("split", "prag", "-n", "6", "--hold-out", "grasp>rotate", "--distance", "2")
+TRAINING, TEST = TaskSpace(load_domain("prag"), 6).hold_out("grasp>rotate")
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("split") / "parts"
+    ok(*ARGUMENTS, "--count", "20", "-o", str(folder))
+    return folder
+
+
+def test_the_sizes_and_the_tasks_are_those_that_are_far_enough(made: Path) -> None:
+    sizes = dict(line.split() for line in ok(*ARGUMENTS).splitlines())
+    far = sum(nearest_task(TRAINING, task).distance >= 2 for task in TEST.sample(200, seed=2))
+    assert sizes["train"] == str(TRAINING.count())
+    assert int(sizes["test"]) / TEST.count() == pytest.approx(far / 200, abs=0.15)
+    lines = (made / "test.txt").read_text().splitlines()
+    assert len(set(lines)) == 20
+    assert all(nearest_task(TRAINING, line.split()).distance >= 2 for line in lines)
+    assert f"{made}: ok; 40 tasks, all others at least 2 edits from the whole part train" in ok("verify", str(made))
+
+
+def test_whole_skeletons_and_json_lines_are_verified_too(tmp_path: Path) -> None:
+    shares = ("train=0.5", "test=0.5", "--skeletons", "--distance", "2")
+    ok("split", "blocks", "-n", "6", *shares, "--count", "5", "--format", "jsonl", "-o", str(tmp_path / "parts"))
+    assert "10 tasks" in ok("verify", str(tmp_path / "parts"))
+
+
+def near_task() -> str:
+    return next(str(task) for task in TEST.sample(200, seed=1) if nearest_task(TRAINING, task).distance < 2)
+
+
+def with_lines(change: Callable[[list[str]], list[str]], file: str = "test.txt") -> Callable[[Path], None]:
+    def spoil(folder: Path) -> None:
+        path = folder / file
+        path.write_text("".join(f"{line}\n" for line in change(path.read_text().splitlines())))
+
+    return spoil
+
+
+def with_size(folder: Path) -> None:
+    note = json.loads((folder / "split.json").read_text())
+    note["parts"][1]["size"] = "7"
+    (folder / "split.json").write_text(json.dumps(note))
+
+
+@pytest.mark.parametrize(
+    ("spoil", "found"),
+    [
+        (
+            with_lines(lambda lines: [*lines[:-1], near_task()]),
+            "test.txt: row 19: is 1 edit from the first part, not 2",
+        ),
+        (with_lines(lambda lines: [*lines, lines[0]]), "test.txt: row 20: is a task that was there before"),
+        (
+            with_lines(lambda lines: [*lines, "fly(a)"]),
+            "test.txt: row 20: is no task: no action 'fly(a)'",
+        ),
+        (with_lines(lambda lines: [*lines[:-1], str(TEST[0])], "train.txt"), "train.txt: row 19: is no task of train"),
+        (with_size, "split.json: parts, test: size is 7, but there are"),
+        (lambda folder: (folder / "train.txt").unlink(), "train.txt: cannot be read"),
+        (lambda folder: (folder / "domain" / "domain.lp").write_text(""), "is not what split.json says"),
+    ],
+)
+def test_what_is_wrong_is_found(spoil: Callable[[Path], None], found: str, made: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(made, copy)
+    spoil(copy)
+    done = run("verify", str(copy))
+    assert done.returncode == 1 and any(line.startswith(found) or found in line for line in done.stdout.splitlines())
+
+
+def test_requests_that_cannot_be_proved_are_refused() -> None:
+    for arguments, refused in (
+        (("train=0.5", "test=0.5", "--distance", "2"), "random parts have neighbours of nearly every task"),
+        (("--hold-out", "can", "--distance", "2", "--count", "1", "-o", "x", "--format", "sentences"), "jsonl, not"),
+    ):
+        done = run("split", "prag", "-n", "3", *arguments)
+        assert done.returncode == 2 and refused in done.stderr
