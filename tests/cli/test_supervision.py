@@ -514,4 +514,4 @@ def test_every_command_has_limits_and_states_their_defaults() -> None:
     for command in [*((name,) for name in COMMANDS if name not in ("export", "models")), *forms, *asked]:
         told = " ".join(ok(*command, "--help").split())
         assert "--time TIME" in told and "[default: no limit]" in told
-        assert "--memory SIZE" in told and "[default: 80 % of the machine's]" in told
+        assert "--memory SIZE" in told and "[default: 80 % of the machine's memory]" in told
