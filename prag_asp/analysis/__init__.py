@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from prag_asp.analysis.curve import Curve, Series, counts_by_length, draw_curve
     from prag_asp.analysis.dendrogram import Dendrogram, dendrogram_of
     from prag_asp.analysis.distance_matrix import (
+        NearDuplicates,
         NearestTasks,
         SimilarityMatrix,
         near_duplicates,
@@ -40,6 +41,7 @@ __all__ = [
     "DistanceDistribution",
     "Frequency",
     "FrequencyTest",
+    "NearDuplicates",
     "NearestTask",
     "NearestTasks",
     "PairDistances",
@@ -74,7 +76,7 @@ _HOMES = {
     "prag_asp.analysis.dendrogram": ("Dendrogram", "dendrogram_of"),
     "prag_asp.analysis.all_pairs": ("PairDistances", "pair_distances"),
     "prag_asp.analysis.distance_matrix": (
-        "NearestTasks", "SimilarityMatrix", "near_duplicates", "nearest_tasks", "similarity_matrix",
+        "NearDuplicates", "NearestTasks", "SimilarityMatrix", "near_duplicates", "nearest_tasks", "similarity_matrix",
         "without_duplicates",
     ),
     "prag_asp.analysis.task_scaling": ("TaskMap", "task_map"),

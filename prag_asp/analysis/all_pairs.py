@@ -11,10 +11,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from prag_asp.errors import QueryError
 from prag_asp.processes.progress_events import so_far, stage
 from prag_asp.similarity.background import Background, Trace, UpTo
 from prag_asp.similarity.distance_tables import DistanceTable, Numbers, Values
@@ -26,8 +28,11 @@ from prag_asp.similarity.symbols import entities_in, renamer
 if TYPE_CHECKING:
     from prag_asp.task import KnownDomain
 
-STRIPE = 1 << 22
-"""The number of pairs of tasks in the rows that are expanded together: 32 MB of floats."""
+MOST_IMAGES = 2_000_000
+"""The largest number of renamed features of all groups of rows together: about 2 GB."""
+
+STRIPE = 1 << 23
+"""The number of pairs of tasks in the rows that are expanded together: at most 32 MB."""
 
 
 @dataclass(frozen=True)
@@ -76,31 +81,17 @@ class PairDistances:
         """The number in the table of each feature without renaming."""
         return np.array([images.numbers[images.starts[at]] for own, images in self.groups for at in own], dtype=np.intp)
 
-    def block(self, rows: range, columns: range) -> Values:
-        """Return the distances between two ranges of features; the rows are in one group."""
-        images = next(images for own, images in self.groups if rows.start in own)
+    def block(self, rows: Numbers, images: Images, columns: range) -> Values:
+        """Return the distances between features of one group, which has these images, and a range of features."""
         numbers, starts = images.of(columns.start, columns.stop)
-        found = self.table.block(self.plain[rows.start : rows.stop], numbers)
+        found = self.table.block(self.plain[rows], numbers)
         return found if len(numbers) == len(columns) else np.minimum.reduceat(found, starts, axis=1)
 
-    def blocks(self, *, upper: bool) -> Iterator[tuple[range, range, Values]]:
-        """Yield blocks that cover all pairs of features; with `upper`, only those on and above the diagonal."""
-        done, whole = 0, self.features**2
-        for rows in self._row_ranges():
-            for columns in self._column_ranges(rows, rows.start if upper else 0):
-                yield rows, columns, self.block(rows, columns)
-            done += len(rows) * (2 * (self.features - rows.start) - len(rows) if upper else self.features)
-            so_far(f"{done / whole:.0%} of {self.count:,} x {self.count:,} tasks")
-
-    def _row_ranges(self) -> Iterator[range]:
-        step, _ = self.table.shape
-        for own, _ in self.groups:
-            yield from (range(at, min(at + step, own.stop)) for at in range(own.start, own.stop, step))
-
-    def _column_ranges(self, rows: range, first: int) -> Iterator[range]:
-        starts = next(images.starts for own, images in self.groups if rows.start in own)
+    def _columns(self, images: Images, first: int) -> Iterator[range]:
+        """Yield ranges of features from the first one on, each with about as many images as a block has columns."""
+        starts, width = images.starts, self.table.shape[1]
         while first < self.features:
-            last = max(int(np.searchsorted(starts, starts[first] + self.table.shape[1], side="right")) - 1, first + 1)
+            last = max(int(np.searchsorted(starts, starts[first] + width, side="right")) - 1, first + 1)
             yield range(first, min(last, self.features))
             first = last
 
@@ -108,9 +99,16 @@ class PairDistances:
         """Return the distances of all features, shape (features, features), in units."""
         stage("comparing tasks")
         values = np.zeros((self.features, self.features), self.kind)
-        for rows, columns, block in self.blocks(upper=True):
-            values[rows.start : rows.stop, columns.start : columns.stop] = block
-            values[columns.start : columns.stop, rows.start : rows.stop] = block.T
+        step, _ = self.table.shape
+        for own, images in self.groups:
+            for first in range(own.start, own.stop, step):
+                last = min(first + step, own.stop)
+                for columns in self._columns(images, first):  # those on and above the diagonal
+                    block = self.block(np.arange(first, last), images, columns)
+                    values[first:last, columns.start : columns.stop] = block
+                    values[columns.start : columns.stop, first:last] = block.T
+                left = 1 - last / self.features
+                so_far(f"{1 - left**2:.0%} of {self.count:,} x {self.count:,} tasks")
         return values
 
     def stripes(self) -> Iterator[tuple[range, Values]]:
@@ -121,9 +119,10 @@ class PairDistances:
             tasks = range(first, min(first + step, self.count))
             needed, inverse = np.unique(self.place[tasks.start : tasks.stop], return_inverse=True)
             values = np.empty((len(needed), self.features), self.kind)
-            for row, at in enumerate(needed.tolist()):
-                for columns in self._column_ranges(range(at, at + 1), 0):
-                    values[row, columns.start : columns.stop] = self.block(range(at, at + 1), columns)[0]
+            for own, images in self.groups:
+                low, high = np.searchsorted(needed, (own.start, own.stop))
+                for columns in self._columns(images, 0) if low < high else ():
+                    values[low:high, columns.start : columns.stop] = self.block(needed[low:high], images, columns)
             so_far(f"{tasks.stop:,} of {self.count:,} tasks")
             yield tasks, values[inverse][:, self.place]
 
@@ -137,7 +136,7 @@ def pair_distances(
     """Return the distances of all pairs of tasks, to be computed in blocks; arguments are those of `Task.distance`.
 
     Raises:
-        QueryError: there is no such metric, or it does not compare such tasks.
+        QueryError: there is no such metric, it does not compare such tasks, or too many renamings matter.
         SimilarityMissingError: the metric needs rapidfuzz, which is not installed.
     """
     stage("reading tasks")
@@ -167,17 +166,27 @@ def _images(
     fixed: frozenset[str],
     numbers: dict[Feature, int],
 ) -> Images:
-    """Return the images of features that matter against rows with the entities `fixed`; `numbers` numbers them."""
+    """Return the images of features that matter against rows with the entities `fixed`; `numbers` numbers them.
+
+    Raises:
+        QueryError: there are too many.
+    """
     renamers: dict[tuple[str, ...], list[Any]] = {}
+    allowed = MOST_IMAGES - len(numbers)
     by_names: dict[frozenset[tuple[str, str]], Any] = {}
     images: list[int] = []
     starts = [0]
     for feature in ordered:
         names = mentioned[feature]
         if names not in renamers:
-            renamings = background.interchange.renamings(names, fixed)
+            renamings = islice(background.interchange.renamings(names, fixed), max(allowed, 0) + 1)
             renamers[names] = [by_names.setdefault(frozenset(each.items()), renamer(each)) for each in renamings]
         renamed = (rename(feature) for rename in renamers[names])
         images += dict.fromkeys(numbers.setdefault(each, len(numbers)) for each in renamed)
         starts.append(len(images))
+        if len(images) > allowed:
+            raise QueryError(
+                f"these tasks have more than {MOST_IMAGES:,} renamings that matter; compare fewer tasks, or "
+                "entities by their names (up_to names)"
+            )
     return Images(np.array(images, dtype=np.intp), np.array(starts, dtype=np.intp))

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from io import BytesIO
+from math import floor, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.analysis.all_pairs import PairDistances, pair_distances
+from prag_asp.analysis.all_pairs import STRIPE, PairDistances, pair_distances
 from prag_asp.errors import QueryError
 from prag_asp.output import replace_file
 from prag_asp.similarity.distance_tables import Numbers, Values
@@ -65,7 +67,7 @@ class SimilarityMatrix:
         if Path(file).suffix == ".parquet":
             first, second = np.triu_indices(len(self.units), 1)
             distances = self.units[first, second] / float(self.denominator or 1)
-            replace_file(file, parquet(task=first, other=second, distance=distances))
+            save_columns(file, task=first, other=second, distance=distances)
             return
         buffer = BytesIO()
         np.savez_compressed(buffer, units=self.units, denominator=np.int64(self.denominator))
@@ -82,21 +84,29 @@ def check_suffix(file: str | Path) -> None:
         raise QueryError(f"{file}: distances are written to a file that ends in {' or '.join(SUFFIXES)}")
 
 
-def parquet(**columns: NDArray[Any]) -> bytes:
-    """Return a table as the bytes of a Parquet file.
+def save_columns(file: str | Path, **columns: NDArray[Any]) -> None:
+    """Write columns of one length as the arrays of a .npz or as the columns of a .parquet.
 
     Raises:
-        DatasetsMissingError: pyarrow is not installed.
+        QueryError: the file has another ending.
+        OutputError: the file cannot be written.
+        DatasetsMissingError: pyarrow is not installed, for Parquet.
     """
-    from prag_asp.missing import require_pyarrow  # noqa: PLC0415 - only Parquet needs it
-
-    require_pyarrow()
-    import pyarrow as pa  # noqa: PLC0415
-    from pyarrow.parquet import write_table  # noqa: PLC0415
-
+    check_suffix(file)
     buffer = BytesIO()
-    write_table(pa.table({name: pa.array(column) for name, column in columns.items()}), buffer, compression="zstd")
-    return buffer.getvalue()
+    if Path(file).suffix == ".parquet":
+        from prag_asp.missing import require_pyarrow  # noqa: PLC0415 - only Parquet needs it
+
+        require_pyarrow()
+        import pyarrow as pa  # noqa: PLC0415
+        from pyarrow.parquet import write_table  # noqa: PLC0415
+
+        table = pa.table({name: pa.array(column) for name, column in columns.items()})
+        write_table(table, buffer, compression="zstd")
+    else:
+        arrays: dict[str, Any] = dict(columns)
+        np.savez_compressed(buffer, **arrays)
+    replace_file(file, buffer.getvalue())
 
 
 def similarity_matrix(
@@ -145,7 +155,9 @@ def stripes_of(given: SimilarityMatrix | PairDistances) -> Stripes:
     """Return the distances of all tasks from a matrix, or computed without one."""
     if isinstance(given, PairDistances):
         return given.stripes()
-    return [(range(len(given.units)), given.units)]
+    count = len(given.units)
+    step = max(STRIPE // max(count, 1), 1)
+    return ((range(at, min(at + step, count)), given.units[at : at + step]) for at in range(0, count, step))
 
 
 @dataclass(frozen=True)
@@ -159,21 +171,15 @@ class NearestTasks:
     distances: NDArray[np.float64]
 
     def save(self, file: str | Path) -> None:
-        """Write a .npz with both arrays, or a .parquet with a row for each task and neighbour.
+        """Write a row for each task and neighbour: `task`, `other` and `distance`, to a .npz or .parquet.
 
         Raises:
             QueryError: the file has another ending.
             OutputError: the file cannot be written.
             DatasetsMissingError: pyarrow is not installed, for Parquet.
         """
-        check_suffix(file)
-        if Path(file).suffix == ".parquet":
-            task = np.repeat(np.arange(len(self.tasks)), self.tasks.shape[1])
-            replace_file(file, parquet(task=task, other=self.tasks.ravel(), distance=self.distances.ravel()))
-            return
-        buffer = BytesIO()
-        np.savez_compressed(buffer, tasks=self.tasks, distances=self.distances)
-        replace_file(file, buffer.getvalue())
+        task = np.repeat(np.arange(len(self.tasks)), self.tasks.shape[1])
+        save_columns(file, task=task, other=self.tasks.ravel(), distance=self.distances.ravel())
 
 
 def nearest_tasks(given: SimilarityMatrix | PairDistances, count: int = 5) -> NearestTasks:
@@ -183,45 +189,65 @@ def nearest_tasks(given: SimilarityMatrix | PairDistances, count: int = 5) -> Ne
     for numbers, values in stripes_of(given):
         for number, row in zip(numbers, values, strict=True):
             order = np.argsort(row, kind="stable")
-            near = order[order != number][:count]
+            near = order[order != number][:count].copy()  # a view would keep the whole row
             tasks.append(near)
             distances.append(row[near] / float(denominator))
     shape = (len(tasks), max(min(count, len(tasks) - 1), 0))
     return NearestTasks(np.array(tasks, np.intp).reshape(shape), np.array(distances, np.float64).reshape(shape))
 
 
-def near_duplicates(given: SimilarityMatrix | PairDistances, at_most: float = 0.0) -> Iterator[tuple[int, int, float]]:
-    """Yield the pairs of tasks (the smaller number first) whose distance is at most `at_most`, with the distance."""
-    denominator = float((given if isinstance(given, SimilarityMatrix) else given.table).denominator or 1)
-    for numbers, values in stripes_of(given):
-        rows, columns = np.nonzero(values <= at_most * denominator)
-        later = columns > rows + numbers.start
-        for row, column in zip(rows[later].tolist(), columns[later].tolist(), strict=True):
-            yield row + numbers.start, column, float(values[row, column] / denominator)
+@dataclass(frozen=True)
+class NearDuplicates:
+    """Pairs of tasks at a small distance, the smaller number first, in order; iteration yields tuples."""
+
+    tasks: Numbers
+    others: Numbers
+    distances: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.tasks)
+
+    def __iter__(self) -> Iterator[tuple[int, int, float]]:
+        for pair in zip(self.tasks, self.others, self.distances, strict=True):
+            yield int(pair[0]), int(pair[1]), float(pair[2])
+
+    def save(self, file: str | Path) -> None:
+        """Write a row for each pair: `task`, `other` and `distance`, to a .npz or .parquet.
+
+        Raises:
+            QueryError: the file has another ending.
+            OutputError: the file cannot be written.
+            DatasetsMissingError: pyarrow is not installed, for Parquet.
+        """
+        save_columns(file, task=self.tasks, other=self.others, distance=self.distances)
 
 
-def save_pairs(pairs: Sequence[tuple[int, int, float]], file: str | Path) -> None:
-    """Write pairs of tasks with their distances: a .npz or .parquet with `task`, `other` and `distance`.
+def near_duplicates(given: SimilarityMatrix | PairDistances, at_most: float = 0.0) -> NearDuplicates:
+    """Return the pairs of tasks whose distance is at most `at_most`, which is read as a decimal number.
 
     Raises:
-        QueryError: the file has another ending.
-        OutputError: the file cannot be written.
-        DatasetsMissingError: pyarrow is not installed, for Parquet.
+        QueryError: `at_most` is infinite or not a number.
     """
-    check_suffix(file)
-    first, second, distance = (list(column) for column in zip(*pairs, strict=True)) if pairs else ([], [], [])
-    columns = {"task": np.array(first, np.int64), "other": np.array(second, np.int64),
-               "distance": np.array(distance, np.float64)}  # fmt: skip
-    if Path(file).suffix == ".parquet":
-        replace_file(file, parquet(**columns))
-        return
-    buffer = BytesIO()
-    np.savez_compressed(buffer, **columns)  # type: ignore[arg-type]
-    replace_file(file, buffer.getvalue())
+    if not isfinite(at_most):
+        raise QueryError(f"near-duplicates at a distance of at most {at_most}: give a number, such as 0.5")
+    denominator = (given if isinstance(given, SimilarityMatrix) else given.table).denominator
+    limit = floor(Fraction(str(at_most)) * denominator) if denominator else at_most
+    found = []
+    for numbers, values in stripes_of(given):
+        rows, columns = np.nonzero(values <= limit)
+        later = columns > rows + numbers.start
+        rows, columns = rows[later], columns[later]
+        found.append((rows + numbers.start, columns, values[rows, columns] / float(denominator or 1)))
+    joined = [np.concatenate(column) for column in zip(*found, strict=True)] if found else [np.zeros(0, np.intp)] * 3
+    return NearDuplicates(*joined)
 
 
 def without_duplicates(given: SimilarityMatrix | PairDistances, at_most: float = 0.0) -> list[int]:
-    """Return the numbers of tasks that remain if each task near an earlier remaining one is left out."""
+    """Return the numbers of tasks that remain if each task near an earlier remaining one is left out.
+
+    Raises:
+        QueryError: `at_most` is infinite or not a number.
+    """
     out: set[int] = set()
     for first, second, _ in near_duplicates(given, at_most):
         if first not in out:

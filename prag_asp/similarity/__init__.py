@@ -21,9 +21,10 @@ if TYPE_CHECKING:
     from prag_asp.similarity.edits import Edit
     from prag_asp.similarity.interchange import Interchange
     from prag_asp.similarity.metrics import METRICS, Metric
+    from prag_asp.similarity.own_costs import metric_with_costs
     from prag_asp.similarity.task_comparison import TaskComparison, compare
 
-__all__ = ["METRICS", "Background", "Edit", "Interchange", "Metric", "TaskComparison", "compare"]
+__all__ = ["METRICS", "Background", "Edit", "Interchange", "Metric", "TaskComparison", "compare", "metric_with_costs"]
 
 _HOMES = {
     "prag_asp.similarity.background": ("Background",),
@@ -31,6 +32,7 @@ _HOMES = {
     "prag_asp.similarity.edits": ("Edit",),
     "prag_asp.similarity.interchange": ("Interchange",),
     "prag_asp.similarity.metrics": ("METRICS", "Metric"),
+    "prag_asp.similarity.own_costs": ("metric_with_costs",),
 }
 
 __getattr__ = names_from(__name__, _HOMES)

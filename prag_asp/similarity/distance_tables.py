@@ -241,6 +241,12 @@ class SetTable:
     denominator: int = 1
     shape: tuple[int, int] = MULTIPLIED
 
+    @cached_property
+    def sizes(self) -> NDArray[np.int64]:
+        """The numbers of elements of the sets."""
+        sizes: NDArray[np.int64] = self.members.sum(axis=1, dtype=np.int64)
+        return sizes
+
     @classmethod
     def of(cls, features: Sequence[Feature]) -> SetTable:
         """Return the table of some features."""
@@ -253,19 +259,22 @@ class SetTable:
     @property
     def largest(self) -> int:
         """The number of elements of the two largest sets."""
-        return 2 * int(self.members.sum(axis=1).max(initial=0))
+        return 2 * int(self.sizes.max(initial=0))
 
     def block(self, rows: Numbers, columns: Numbers) -> Values:
         """Return the sizes of the symmetric differences; floats of 32 bits are exact up to 2**24."""
-        one, other = (self.members[each].astype(np.float32) for each in (rows, columns))
-        common = one @ other.T
-        values: Values = one.sum(axis=1)[:, None] + other.sum(axis=1) - 2 * common
+        one = self.members[rows]
+        shared = np.flatnonzero(one.any(axis=0))
+        common = (
+            one.take(shared, axis=1).astype(np.float32)
+            @ self.members[columns].take(shared, axis=1).astype(np.float32).T
+        )
+        values: Values = self.sizes[rows][:, None] + self.sizes[columns] - 2 * common
         return values.astype(small_type(self.largest))
 
     def normalised(self, block: Values, rows: Numbers, columns: Numbers) -> NDArray[np.float32]:
         """Return the Jaccard distances."""
-        sizes = self.members.sum(axis=1)
-        return steinhaus_block(block, sizes[rows], sizes[columns])
+        return steinhaus_block(block, self.sizes[rows], self.sizes[columns])
 
 
 @dataclass(frozen=True)

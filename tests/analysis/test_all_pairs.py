@@ -7,6 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
+from prag_asp import QueryError
 from prag_asp.analysis.all_pairs import pair_distances
 from prag_asp.similarity import METRICS, compare
 from prag_asp.similarity.edit_arrays import unit_edit_distances, weighted_edit_distances
@@ -52,3 +53,10 @@ def test_bit_vectors_give_the_distances_of_the_table(length: int, chance: Chance
         found = unit_edit_distances(rows, columns, 3)
         assert (found == weighted_edit_distances(rows, columns, 1 - np.eye(4, dtype=np.int64))).all()
         assert found.shape == (4, 4)
+
+
+def test_too_many_renamings_are_refused(chance: Chance, monkeypatch: pytest.MonkeyPatch) -> None:
+    tasks = random_tasks("levenshtein", chance)
+    monkeypatch.setattr("prag_asp.analysis.all_pairs.MOST_IMAGES", 10)
+    with pytest.raises(QueryError, match="more than 10 renamings that matter; compare fewer tasks"):
+        pair_distances(tasks, "levenshtein", Known)

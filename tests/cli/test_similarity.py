@@ -76,7 +76,7 @@ def test_all_tasks_of_a_file_are_compared_and_written(kitchen: tuple[Path, TaskS
     with np.load(files["d.npz"]) as arrays:
         assert arrays["other"].tolist() == [len(tasks) - 1]
     with np.load(files["n.npz"]) as arrays:
-        assert arrays["tasks"][same].tolist() == [len(tasks) - 1]
+        assert arrays["other"][same] == len(tasks) - 1
     assert len(json.loads(Path(files["tree.json"]).read_text())["merges"]) == len(tasks) - 1
     assert len(json.loads(Path(files["map.json"]).read_text())["points"]) == len(tasks)
 
@@ -85,6 +85,8 @@ def test_all_tasks_of_a_file_are_compared_and_written(kitchen: tuple[Path, TaskS
     ("words", "message"),
     [
         (["3", "4"], "3: a rank needs --domain and --length"),
+        (["a:b", "c:d", "--where", "uses x"], "--where 'uses x' is for ranks and datasets"),
+        (["a.jsonl", "--where", "uses x"], "--where 'uses x' is for ranks and datasets"),
         (["nothing", "4"], "nothing: no such file, and neither a rank nor a scenario id"),
         (["a", "b", "c"], "a b c: give two tasks, or one dataset or file"),
         (["a", "b", "-o", "m.npz"], "m.npz: files are written for a dataset or a file of tasks"),

@@ -54,13 +54,17 @@ class Ran:
     outlived: bool = False
 
 
+FOR_OTHERS = {"prag_asp.evaluation.vla_eval_benchmark"}
+"""The modules that only other programs import, from which they inherit."""
+
+
 def warm() -> None:
     """Import whatever the commands may need, as quietly as they do."""
     import prag_asp
     from prag_asp.physics.bullet import pybullet  # noqa: F401 - says nothing by way of this module
 
     for module in pkgutil.walk_packages(prag_asp.__path__, "prag_asp."):
-        if not module.name.endswith("__main__"):
+        if not module.name.endswith("__main__") and module.name not in FOR_OTHERS:
             importlib.import_module(module.name)
     for name in (
         "numpy.lib.format",

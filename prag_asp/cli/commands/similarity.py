@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import islice
 from typing import TYPE_CHECKING, Any, cast
 
 import click
@@ -183,12 +184,12 @@ def _summary(
     count, denominator = pairs.count, float(pairs.table.denominator or 1)
     total = sum(float(values.sum(dtype="float64")) for _, values in stripes_of(compared))
     mean = total / denominator / max(count * (count - 1), 1)
-    duplicates = list(near_duplicates(compared, at_most))
+    duplicates = near_duplicates(compared, at_most)
     distinct = len(without_duplicates(compared))
     files.write(compared, given, duplicates, neighbours, f"{metric} of {count:,} tasks")
     if form == "json":
         values = {"tasks": count, "distinct": distinct, "metric": metric, "mean": mean, "at_most": at_most,
-                  "near_duplicates": duplicates}  # fmt: skip
+                  "near_duplicates": list(duplicates)}  # fmt: skip
         yield json.dumps(values, indent=2)
         return
     yield from aligned(
@@ -199,7 +200,7 @@ def _summary(
             (f"pairs at distance at most {at_most:g}", f"{len(duplicates)}"),
         ]
     )
-    for first, second, distance in duplicates[:SHOWN]:
+    for first, second, distance in islice(duplicates, SHOWN):
         yield f"  {first} and {second}: {_number(distance)}"
     if len(duplicates) > SHOWN:
         yield f"  and {len(duplicates) - SHOWN} more; --duplicates FILE writes all"

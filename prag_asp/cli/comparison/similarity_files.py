@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
@@ -18,7 +17,7 @@ from prag_asp.errors import PicturesMissingError, QueryError
 
 if TYPE_CHECKING:
     from prag_asp.analysis.all_pairs import PairDistances
-    from prag_asp.analysis.distance_matrix import SimilarityMatrix
+    from prag_asp.analysis.distance_matrix import NearDuplicates, SimilarityMatrix
 
 PICTURES = (".png", ".svg", ".pdf")
 JSON = ".json"
@@ -73,17 +72,17 @@ class SimilarityFiles:
         self,
         compared: SimilarityMatrix | PairDistances,
         given: ComparedTasks,
-        duplicates: Sequence[tuple[int, int, float]],
+        duplicates: NearDuplicates,
         neighbours: int,
         title: str,
     ) -> None:
         """Write the requested files."""
-        from prag_asp.analysis.distance_matrix import SimilarityMatrix, nearest_tasks, save_pairs
+        from prag_asp.analysis.distance_matrix import SimilarityMatrix, nearest_tasks
 
         if self.nearest is not None:
             nearest_tasks(compared, neighbours).save(self.nearest)
         if self.duplicates is not None:
-            save_pairs(duplicates, self.duplicates)
+            duplicates.save(self.duplicates)
         if not isinstance(compared, SimilarityMatrix):
             return
         if self.output is not None:

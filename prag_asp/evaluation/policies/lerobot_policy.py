@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 
 from prag_asp.dataset.formats.body_values import body_names, body_values
 from prag_asp.errors import QueryError
+from prag_asp.evaluation.lerobot_view import arm_state
 from prag_asp.evaluation.policies.lerobot_checkpoint import IMAGES, ExportedFeature, LeRobotCheckpoint, TensorShape
 from prag_asp.evaluation.policies.policy import Environment, PolicyMaker, seed_everything
 from prag_asp.physics.control.names import STATES, StateName
-from prag_asp.physics.control.recorded_actions import state_names, states_in
+from prag_asp.physics.control.recorded_actions import state_names
 from prag_asp.rl.environment import TaskEnv
 
 STATE, BODIES = "observation.state", "observation.environment_state"
@@ -184,10 +185,7 @@ def _states_of(path: Path, feature: ExportedFeature, env: TaskEnv) -> tuple[Stat
 
 def _state(env: TaskEnv, names: tuple[StateName, ...], observation: Any) -> NDArray[np.float32]:
     """Return the state of the robots."""
-    arms = [env.situation.arm(robot) for robot in env.scene.robots]
-    rows = np.array([[[*arm.joints, arm.width] for arm in arms]])
-    state: NDArray[np.float32] = states_in(names, env.scene, rows)[0].astype(np.float32)
-    return state
+    return arm_state(env, names)
 
 
 def _bodies(env: TaskEnv, observation: Any) -> NDArray[np.float32]:

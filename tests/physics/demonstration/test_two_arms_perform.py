@@ -26,11 +26,14 @@ from prag_asp.physics.verdict import Verdict
 from prag_asp.physics.witness import TRANSIT
 from prag_asp.physics.world import dynamics
 from prag_asp.scene.robots import robot_of
-from prag_asp.scene.scene import Scene
+from prag_asp.scene.scene import BodyModel, Scene, Shape, Solid
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.task import Task
 from tests.physics.random_tasks import shipped_scene
 from tests.physics.scenarios import GIVE, HANDOVER
+
+MODELS, BLOCK = Path(__file__).parents[1] / "scenes" / "models", 60.0
+"""Models of tests, and the side of the cube in `block.obj` in the unit of the file; its bottom is at 0."""
 
 FINGERS = {robot: [f"{side} finger of {robot}" for side in ("left", "right")] for robot in ("left", "right")}
 
@@ -126,6 +129,24 @@ def test_without_friction_nothing_changes_hands(scene, handover, verdict, monkey
     monkeypatch.setattr(dynamics, "FINGER_FRICTION", 0.0)
     shown = demonstrate(handover, verdict.witness, scene)
     assert shown.cause == LOST and len(shown.ends) == 2
+
+
+def test_a_bar_from_a_mesh_is_handed_over(scene: Scene):
+    plan = HANDOVER[: GIVE + 1]
+    [given] = TaskSpace(load_domain("two_arms"), len(plan)).tasks_of_plans([plan])
+    size = scene.shapes["bar_1"].size
+    x, y, z = (side / BLOCK for side in size)
+    solid = Solid("mesh", (x, y, z), (0.0, 0.0, -size[2] / 2), mesh=str(MODELS / "block.obj"))
+    mass, (a, b, c) = 0.12, (side**2 for side in size)
+    moments = (mass * (b + c) / 12, mass * (a + c) / 12, mass * (a + b) / 12)
+    bar = Shape("mesh", size, model=BodyModel((solid,), mass, moments=moments))
+    made = replace(scene, shapes={**scene.shapes, "bar_1": bar})
+    with open_validator(made) as validator:
+        verdict = validator.validate(given, seed=1, budget=Budget(5, 10, "demonstration"))
+    assert verdict.demonstration is not None, verdict.nearest
+    assert check_demonstration(given, verdict.demonstration, made) == []
+    holders = [[robot for robot in ("left", "right") if moment.arms[robot].held] for moment in verdict.witness.moments]
+    assert holders[GIVE : GIVE + 2] == [["left"], ["right"]]
 
 
 def test_an_episode_of_two_arms_comes_back_from_its_file_and_is_drawn(scene, handover, shown, tmp_path: Path):
