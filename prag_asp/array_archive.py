@@ -44,9 +44,9 @@ def read_arrays(file: BinaryIO, names: Collection[str], at_most: int) -> dict[st
     except OSError as error:
         if error.errno is not None:
             raise
-        raise BadArchive("it is another file than a .npz, or was cut off") from None
+        raise BadArchive("it is not a .npz file, or is truncated") from None
     except Exception as error:  # zipfile and NumPy raise errors of many kinds for damaged files
-        raise BadArchive("it is another file than a .npz, or was cut off") from error
+        raise BadArchive("it is not a .npz file, or is truncated") from error
 
 
 def _members(archive: ZipFile, names: Collection[str]) -> Mapping[str, ZipInfo]:
@@ -85,7 +85,7 @@ def _array(archive: ZipFile, name: str, member: ZipInfo) -> NDArray[Any]:
             count *= side
         size = count * kind.itemsize
         if min(shape, default=0) < 0 or size != member.file_size - file.tell():
-            raise BadArchive(f"{name} has another size than it says")
+            raise BadArchive(f"{name} has a size that differs from its header")
         content = bytearray(file.read(size + 1))  # so that the array can be written to, as after `numpy.load`
         if len(content) != size:
             raise BadArchive(f"{name} was cut off")
@@ -94,5 +94,5 @@ def _array(archive: ZipFile, name: str, member: ZipInfo) -> NDArray[Any]:
         codes = array.view(np.dtype(np.uint32).newbyteorder(kind.byteorder))
         halves = (codes >= 0xD800) & (codes < 0xE000)
         if (halves | (codes > maxunicode)).any():  # NumPy turns them into texts that crash
-            raise BadArchive(f"{name} has characters that there are not")
+            raise BadArchive(f"{name} has invalid characters")
     return array.reshape(shape, order="F" if by_columns else "C")

@@ -189,7 +189,7 @@ def nearest_tasks(given: SimilarityMatrix | PairDistances, count: int = 5) -> Ne
     for numbers, values in stripes_of(given):
         for number, row in zip(numbers, values, strict=True):
             order = np.argsort(row, kind="stable")
-            near = order[order != number][:count]
+            near = order[order != number][:count].copy()  # a view would keep the whole row
             tasks.append(near)
             distances.append(row[near] / float(denominator))
     shape = (len(tasks), max(min(count, len(tasks) - 1), 0))

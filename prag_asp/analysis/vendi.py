@@ -23,13 +23,16 @@ from prag_asp.task import Task
 NEGLIGIBLE = 1e-15
 """Eigenvalues below this bound are rounding errors of zeros."""
 
+DIGITS = 11
+"""Significant digits of results from eigenvalues; the last ones of a float depend on the order of its sums."""
+
 
 @dataclass(frozen=True)
 class VendiScore:
     """The effective number of different tasks among `words` tasks, between 1 and `words`.
 
-    `score` is rounded; `order_2` is the exact score of order 2, the reciprocal of the sum of the squared eigenvalues
-    (Pasarkar and Dieng 2024), which gives rare tasks less weight. `largest` is the largest eigenvalue.
+    `score` has 11 significant digits; `order_2` is the exact score of order 2, the reciprocal of the sum of the squared
+    eigenvalues (Pasarkar and Dieng 2024), which gives rare tasks less weight. `largest` is the largest eigenvalue.
     """
 
     feature: Feature
@@ -72,4 +75,9 @@ def score_of(moments: Moments, *, bag: bool = False) -> VendiScore:
     eigenvalues = np.linalg.eigvalsh((matrix / trace).astype(np.float64))
     positive = eigenvalues[eigenvalues > NEGLIGIBLE]
     score = exp(-float(positive @ np.log(positive)))
-    return VendiScore(moments.feature, bag, moments.words, score, order_2, float(eigenvalues[-1]))
+    return VendiScore(moments.feature, bag, moments.words, rounded(score), order_2, rounded(float(eigenvalues[-1])))
+
+
+def rounded(number: float) -> float:
+    """Return a number with the digits that do not depend on the machine and its threads."""
+    return float(f"{number:.{DIGITS}g}")

@@ -135,9 +135,9 @@ def wrong_split(folder: Path, *, trust: bool = False) -> Iterator[Finding]:
     if note is None:
         raise QueryError(f"{folder}: is not a split, because it has no {NAME}; prag-asp split --distance makes one")
     for part in note.parts:
-        yield from wrong_file(folder, part.file.path, part.file.sha256, part.file.bytes)
+        yield from wrong_file(folder, part.file.path, part.file.sha256, part.file.bytes, NAME)
     try:
-        domain = load_snapshot(folder, note.domain, trust=trust)
+        domain = load_snapshot(folder, note.domain, trust=trust, note=NAME)
         space = TaskSpace(domain, note.length).where(*note.where)
         parts = DistantSplit(note.distance, note.held, note.shares, note.seed).parts(space)
     except PragError as error:

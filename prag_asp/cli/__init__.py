@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
 from typing import TYPE_CHECKING
 
@@ -20,6 +21,8 @@ GARBAGE = (100_000, 50, 100)
 
 def main() -> None:
     """Run the command, and exit with its code."""
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # end without a traceback until the command handles signals
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the matrices here are small, and each thread takes memory
     gc.set_threshold(*GARBAGE)  # before the imports, which take a third of the time of a short command
     code = 1

@@ -164,7 +164,7 @@ PROGRAM = (
     ),
     click.option(
         "--settings", metavar="FILE", shell_complete=shell_completion.files,
-        help="File to read instead of the folder's domain.toml; a domain of files has none by default.",
+        help="File to read instead of the folder's domain.toml; by default, a domain given as files has no settings.",
     ),
     click.option(
         "--rule", "rules", metavar="RULE", multiple=True, shell_complete=shell_completion.rules,
@@ -192,7 +192,7 @@ DOMAIN = (
 OF_FILE = (
     click.option(
         "--domain", "names", metavar="DOMAIN", multiple=True, shell_complete=shell_completion.domains,
-        help="Domain of the tasks; repeat it for a domain of several files.  [default: the one that each task names]",
+        help="Domain of the tasks; repeat it for a domain of several files.  [default: that of each task]",
     ),
     *PROGRAM,
 )  # fmt: skip

@@ -13,7 +13,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from threading import current_thread, main_thread
+from threading import Timer, current_thread, main_thread
 from time import monotonic
 from typing import TYPE_CHECKING
 
@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from types import FrameType
 
     from prag_asp.space.limits import Limits
+
+AGAIN = 0.01
+"""Seconds until a signal is sent again, after the callback that dropped its exception has ended."""
 
 LONGEST_REPORT = 1000
 """The maximum number of bytes of a report: fewer than the 4096 bytes that a pipe accepts atomically."""
@@ -104,15 +107,26 @@ def running() -> Iterator[None]:
 def _on_signal(number: int, frame: FrameType | None) -> None:
     """Raise the exception of a signal, once: Ctrl-C reaches the command twice, from the terminal and the supervisor.
 
-    From then on Python reports no errors from objects that the exception left incomplete.
+    From then on Python reports no errors from objects that the exception left incomplete. An exception that Python
+    drops, because it was raised in a finalizer or a callback of a weak reference, is raised again.
     """
     if _state.signal is not None and _state.pipe is not None:
         return
     _state.signal = number
     _report(SIGNALLED)
     if _state.pipe is not None:
-        sys.unraisablehook = lambda dropped: None
+        sys.unraisablehook = _raise_again
     raise SIGNALS[number]
+
+
+def _raise_again(dropped: sys.UnraisableHookArgs) -> None:
+    """Send the signal again soon if Python dropped its exception; ignore any other dropped error."""
+    number = _state.signal
+    if number is not None and dropped.exc_type is SIGNALS[number]:
+        _state.signal = None
+        again = Timer(AGAIN, os.kill, (os.getpid(), number))
+        again.daemon = True
+        again.start()
 
 
 def interrupted() -> bool:

@@ -80,11 +80,11 @@ def add_limits(command: click.Command) -> None:
     elif not any(each.name == "memory" for each in command.params):
         click.option(
             "--time", metavar="TIME", expose_value=False, is_eager=True, callback=_set_limit,
-            help="Time limit, such as 60s or 5m; what is known by then is printed.  [default: no limit]",
+            help="Time limit, such as 60s or 5m; partial results are printed.  [default: no limit]",
         )(command)  # fmt: skip
         click.option(
             "--memory", metavar="SIZE", expose_value=False, is_eager=True, callback=_set_limit,
-            help=f"Memory limit of all processes together, such as 4GB.  [default: {SHARE} % of the machine's]",
+            help=f"Memory limit of all processes together, such as 4GB.  [default: {SHARE} % of the machine's memory]",
         )(command)  # fmt: skip
 
 
@@ -94,7 +94,7 @@ by_level = click.option(
 )  # fmt: skip
 prefix = click.option(
     "--prefix", metavar="A,B,...", shell_complete=shell_completion.prefix,
-    help="Only tasks that begin with these actions, or names of actions.",
+    help="Only tasks that begin with these actions, or with actions of these names.",
 )  # fmt: skip
 output = click.option(
     "-o", "--output", metavar="FILE", shell_complete=shell_completion.files,

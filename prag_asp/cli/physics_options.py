@@ -94,7 +94,7 @@ physics_options_without_folder = grouped("validation", PhysicsOptions, OPTIONS[:
 
 ray = click.option(
     "--on", type=click.Choice(["ray"]),
-    help="Validate tasks on the nodes of a Ray cluster: the one at RAY_ADDRESS, or this machine alone.",
+    help="Validate tasks on the nodes of a Ray cluster: the cluster at RAY_ADDRESS, or this machine alone.",
 )  # fmt: skip
 max_draws = click.option(
     "--max-draws",
@@ -157,7 +157,7 @@ camera_options = grouped(
             help="Cameras of the scene that record each demonstration: colour, depth and segmentation.",
         ),
         click.option(
-            "--size", metavar="WxH", help="Pixels of the images of --cameras.  [default: as each camera says]"
+            "--size", metavar="WxH", help="Pixels of the images of --cameras.  [default: the size of each camera]"
         ),
         click.option("--rate", type=int, metavar="N", help="Images of --cameras per second.  [default: 10]"),
         click.option(

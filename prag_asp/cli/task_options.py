@@ -84,7 +84,7 @@ task_selection = grouped(
     (
         click.option(
             "--plan", metavar="'A B ...'", shell_complete=shell_completion.plan,
-            help="Actions of the task to write; its goal is what is known of its final state.",
+            help="Actions of the task to write; its goal is the known part of its final state.",
         ),
         click.option(
             "-n", "--length", "of_length", type=parse_length, metavar="N", help="Number of actions, for --index."
@@ -155,7 +155,7 @@ def _read_plans(file: str, space: TaskSpace) -> Mapping[str, tuple[str, ...]]:
 
 def _task(space: TaskSpace, plan: tuple[str, ...], place: str) -> Task:
     if plan not in space:
-        raise QueryError(f"{place}: no task of {space.title}: {' '.join(plan)}; prag-asp explain says why")
+        raise QueryError(f"{place}: no task of {space.title}: {' '.join(plan)}; see prag-asp explain")
     return next(space.tasks_of_plans([plan]))
 
 
@@ -222,7 +222,7 @@ def format_options(form: Decorator) -> Decorator:
             form,
             click.option(
                 "--language", metavar="LANGUAGE", shell_complete=shell_completion.languages,
-                help="Language of instructions: en, or another one that the domain has words for, such as de.  "
+                help="Language of instructions: en, or another language for which the domain has words, such as de.  "
                 "[default: en]",
             ),
             click.option(
@@ -235,6 +235,6 @@ def format_options(form: Decorator) -> Decorator:
 
 LINE_FORMAT = click.option(
     "--format", "form", type=click.Choice(FORMS), default="text", show_default=True,
-    help="Actions; sentences by the domain's [language]; instructions for a person who sees the scene; all that is "
-    "known of a task; or its scenario id, of which prag-asp scenario makes the task again.",
+    help="Actions; sentences by the domain's [language]; instructions for a person who sees the scene; all known "
+    "data of a task; or its scenario id, from which prag-asp scenario reproduces the task.",
 )  # fmt: skip

@@ -58,5 +58,5 @@ def generate(
     if spec is None:
         spec = DatasetSpec.of(space.domain, excluded=excluded_ranks(space, excluded), **request)
     elif request:
-        raise TypeError(f"a spec is given, so {', '.join(request)} cannot be; change the spec")
+        raise TypeError(f"a spec is given with {', '.join(request)}; change the spec instead")
     return DatasetRun(space, Path(folder), spec, snapshot_of(space.domain), executor, progress, max_draws).done()

@@ -117,7 +117,7 @@ def _with_faults(records: Iterable[Record], space: TaskSpace) -> Iterator[Checke
         expected = space.tasks_of_plans(plans)
         for record, is_plan in zip(batch, valid, strict=True):
             other = foreign(record, space.domain)
-            fault = f"its plan is none of {space.domain.name}{f'; {other}' if other else ''}"
+            fault = f"it is not a plan of {space.domain.name}{f'; {other}' if other else ''}"
             yield record, _fault(record.task, next(expected)) if is_plan else fault
 
 

@@ -42,7 +42,7 @@ def named_domain(own: str, place: str, folder: Path) -> str:
             if own and is_inside(name, base):
                 domain_folder(name)
                 return name
-    raise QueryError(f"{place}: a task of {own!r}; no such domain is shipped or lies here; say where with --domain")
+    raise QueryError(f"{place}: a task of {own!r}; no such domain is shipped or in this folder; name it with --domain")
 
 
 def foreign(record: Record, domain: Domain) -> str:

@@ -32,7 +32,7 @@ def write_new_domain(name: str, parent: Path = Path(), *, plain: bool = False, l
     if folder.exists():
         raise DomainError(f"{folder}: exists already; choose another name, or remove it first")
     if like is not None and plain:
-        raise DomainError("a copy of a shipped domain is as it is; leave --plain or --from out")
+        raise DomainError("--plain does not apply to a copy of a shipped domain; leave --plain or --from out")
     files = _small_domain(folder.name, plain=plain) if like is None else _shipped_files(like)
     with new_folder(folder) as part:
         for file, content in files.items():

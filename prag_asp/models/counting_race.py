@@ -63,7 +63,7 @@ def count_by_race(compiled: CompiledProgram) -> int | None:
     installed = [turn for turn in turns if isinstance(turn.engine, OwnEngine) or has_counter(turn.engine)]
 
     def begins(counter: Counter) -> None:
-        compiled.note(f"{counter.name} counts as well, because compiling takes long; the first answers")
+        compiled.note(f"{counter.name} also counts, because compilation takes long; the first result is used")
 
     own = {
         OwnEngine.CLINGO: enumeration.count_within,

@@ -55,7 +55,7 @@ def new_folder(folder: Path) -> Iterator[Path]:
 def _require_new(folder: Path) -> None:
     """Check that a folder does not exist, or is empty."""
     if os.path.lexists(folder) and (folder.is_symlink() or not folder.is_dir() or any(folder.iterdir())):
-        raise OutputError(f"{folder}: is there already; remove it, or give a new folder")
+        raise OutputError(f"{folder}: already exists; remove it, or give a new folder")
 
 
 def make_folder(folder: str | Path) -> Path:

@@ -94,11 +94,11 @@ def weight_of_cost(factor: Fraction, cost: Decimal) -> Decimal:
         QueryError: the cost is not an integer, negative or above `MOST_COST`, or the weight has too many digits.
     """
     if cost < 0:
-        raise QueryError(f"cost {cost}: negative costs become no weights; add the same number to all")
+        raise QueryError(f"cost {cost}: negative costs cannot become weights; add the same number to all")
     if cost != cost.to_integral_value():
         raise QueryError(f"cost {cost}: only integer costs become weights; multiply all costs by the same number")
     if cost > MOST_COST:
-        raise QueryError(f"cost {cost:.6g}: costs above {MOST_COST} become no weights; divide all by one number")
+        raise QueryError(f"cost {cost:.6g}: costs above {MOST_COST} cannot become weights; divide all by one number")
     exact = Context(prec=DIGITS)
     base = exact.divide(Decimal(factor.numerator), Decimal(factor.denominator))
     if Fraction(base) != factor:

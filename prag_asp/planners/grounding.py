@@ -144,7 +144,7 @@ def outcomes_of(task: Task, facts: Facts) -> Outcomes:
                 continue
             if outcomes.setdefault((action, fluent), values[fluent]) != values[fluent]:
                 problem = f"{action} occurs twice, and {fluent} is true after one and false after the other"
-                raise DomainError(f"{problem}, which PDDL cannot say; choose another task")
+                raise DomainError(f"{problem}, which PDDL cannot express; choose another task")
     return outcomes
 
 
@@ -173,7 +173,7 @@ def _strips_action(action: clingo.Symbol, facts: Facts, outcomes: Outcomes | Non
     after: dict[clingo.Symbol, bool] = {}
     for fluent, value in facts.postconditions.get(action, ()):
         if value == "unknown" and outcomes is None:
-            problem = f"{action} leaves {fluent} unknown, which PDDL cannot say"
+            problem = f"{action} leaves {fluent} unknown, which PDDL cannot express"
             raise DomainError(f"{problem}; let the action make it true or false, or export a task")
     stated = facts.postconditions.get(action, ())
     for fluent, value in (each for each in stated if each[1] != "unknown"):

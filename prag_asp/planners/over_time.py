@@ -75,7 +75,7 @@ def ground_over_time(
         place = error.place if error.place in places else places[0] if places else domain.name
         why = error.what if error.place in ("", place) else f"{error.place}: {error.what}"
         hint = "leave it out, or export without it"
-        raise DomainError(f"{place}: PDDL cannot say this rule over time: {why}; {hint}") from None
+        raise DomainError(f"{place}: PDDL cannot express this rule over time: {why}; {hint}") from None
 
 
 class _Step:

@@ -10,6 +10,8 @@ from clingo.ast import ASTType
 
 from prag_asp.errors import DomainError
 from prag_asp.integers import TOLD, shortened, too_large
+from prag_asp.program.finite.checks import out_of_range
+from prag_asp.program.finite.constants_in_range import operation_out_of_range, term_of
 from prag_asp.program.parse import parse_sources
 from prag_asp.program.problem import raise_problems
 from prag_asp.program.sources import Source
@@ -37,6 +39,9 @@ def parse_constants(constants: Mapping[str, Constant]) -> dict[str, str]:
         for _, digits in too_large(blanked(text)) if readable else ():
             raise DomainError(f"constant {name}: the number {shortened(digits)} is out of range: {TOLD}")
         try:
+            wrong = operation_out_of_range(term_of(text), {}) if readable else None
+            if wrong is not None:
+                raise DomainError(f"constant {name}: {out_of_range(wrong)}")
             term = clingo.parse_term(text, logger=lambda *_: None) if readable else None
         except RuntimeError:
             term = None

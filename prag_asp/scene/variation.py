@@ -110,7 +110,7 @@ def variation_of(text: str) -> Variation:
             raise QueryError(f'varied.colours.{entity}: needs a colour like "#e4572e"; got {color!r}')
     for name, camera in form.cameras.items():
         if math.dist(camera.at, camera.look_at) == 0.0:
-            raise QueryError(f"varied.cameras.{name}: looks at where it is")
+            raise QueryError(f"varied.cameras.{name}: its target equals its position")
     if form.light is not None and not any(form.light):
         raise QueryError("varied.light: has no direction")
     cameras = {name: (camera.at, camera.look_at) for name, camera in form.cameras.items()}

@@ -269,7 +269,7 @@ class TaskSpace:
         rank = WordSet(self.engines, "task", self.length).rank(tuple(map(str, plan)))
         if rank is None:
             message = f"no task of {self.title}: {' '.join(map(str, plan))}"
-            raise QueryError(f"{message}; prag-asp explain says why it is no plan, where it is none")
+            raise QueryError(f"{message}; prag-asp explain shows why a sequence is not a plan")
         return rank
 
     def action_texts(self, by: Level = "task") -> tuple[str, ...]:

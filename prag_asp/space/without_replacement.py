@@ -143,7 +143,7 @@ def ordered_parts(
     sampling = space.sampling(weights=weights)
     whole = nonempty_sets(sampling)
     if weights and evenly:
-        raise QueryError("lengths come evenly where tasks are sampled uniformly; give --uniform (weights={}) as well")
+        raise QueryError("lengths come evenly only with uniform sampling; add --uniform (weights={})")
     sets = _sets(space, whole, division, seed)
     orders = {
         name: order_of([words.count() for words in sets[name]], division, name, seed, evenly=evenly)

@@ -68,6 +68,13 @@ def test_distances_of_the_paper_are_exact() -> None:
     assert float(mean_hamming(space.at(1000), "skeleton")) == pytest.approx(798.8839, abs=1e-4)
 
 
+def test_engines_that_list_no_states_give_the_same_pairs() -> None:
+    domain = load_domain("blocks")
+    expected = hamming_distribution(TaskSpace(domain, 3)).pairs
+    for engine in ("symbolic", "clingo", "sat"):
+        assert hamming_distribution(TaskSpace(domain, 3, engine=engine)).pairs == expected
+
+
 def test_what_cannot_be_compared_is_refused_in_one_line() -> None:
     space = TaskSpace(load_domain("blocks"), 3)
     with pytest.raises(QueryError, match=r"there is no task of blocks of length 3, where .* to compare"):

@@ -66,7 +66,7 @@ def test_the_names_of_interchangeable_entities_do_not_matter() -> None:
     space = TaskSpace(load_domain("prag"), 2)
     one = ["grasp(panda,apple_1)", "rotate(panda,apple_1,straight)"]
     swapped = [action.replace("apple_1", "apple_2") for action in one]
-    assert vendi_score(space, [one, swapped]).score == 1
+    assert vendi_score(space, [one, swapped]).score == pytest.approx(1)
     assert vendi_score(space, [one, ["grasp(panda,can_1)", "drop(panda,can_1)"]]).score == pytest.approx(2)
 
 

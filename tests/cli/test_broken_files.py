@@ -137,7 +137,7 @@ def test_a_recording_that_was_cut_off_is_told_with_the_task_and_the_file(tmp_pat
     done = run("render", str(file), "--recordings", str(tmp_path), "-o", str(tmp_path / "one.png"))
     assert done.returncode == 2 and done.stderr == (
         f"{file}:2: {tmp_path}/000001.npz: this is not a demonstration: "
-        "it is another file than a .npz, or was cut off; record it again with --demonstrate\n"
+        "it is not a .npz file, or is truncated; record it again with --demonstrate\n"
     )
 
 
@@ -145,7 +145,7 @@ def test_tasks_of_another_domain_are_told_with_both_names(tmp_path: Path, whole:
     file = written(tmp_path, whole, {"": lambda w: None})
     told = "the file says that it is of 'tabletop', but it is read as one of 'prag'"
     done = run("validate", str(file), "--domain", "prag")
-    assert done.stdout == f"1\tinvalid\tits plan is none of prag; {told}\n"
+    assert done.stdout == f"1\tinvalid\tit is not a plan of prag; {told}\n"
     done = run("render", str(file), "--domain", "prag", "-o", str(tmp_path / "one.png"))
     assert done.returncode == 2 and told in done.stderr and done.stderr.count("\n") == 1
     whole = {**whole, "domain": "nowhere"}
@@ -153,7 +153,7 @@ def test_tasks_of_another_domain_are_told_with_both_names(tmp_path: Path, whole:
     for command in ("validate", "render"):
         done = run(command, str(file), cwd=tmp_path)
         assert done.returncode == 2 and done.stderr == (
-            f"{file}:1: a task of 'nowhere'; no such domain is shipped or lies here; say where with --domain\n"
+            f"{file}:1: a task of 'nowhere'; no such domain is shipped or in this folder; specify it with --domain\n"
         )
 
 

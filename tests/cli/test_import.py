@@ -114,7 +114,7 @@ def test_tasks_are_exported_by_rank_and_from_files(tmp_path: Path, monkeypatch: 
         ),
         (["--where", "loop-free"], "--where is for tasks; select some with --plan, --index or --tasks"),
         (["--tasks", "other"], "other:1: the file says that it is of 'hanoi', but it is read as one of 'blocks'"),
-        (["--tasks", "wrong"], "wrong:1: no task of blocks of length 1: put_down(a); prag-asp explain says why"),
+        (["--tasks", "wrong"], "wrong:1: no task of blocks of length 1: put_down(a); see prag-asp explain"),
         (["--tasks", "empty"], "empty: no task; write some with prag-asp sample --format jsonl"),
         (["--tasks", "missing"], "missing: "),
     ],

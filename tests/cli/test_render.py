@@ -84,7 +84,7 @@ def test_recordings_are_drawn_as_they_were_performed(tmp_path: Path) -> None:
         assert done.returncode == 2 and f"{folder}/000001.npz does not show this task" in done.stderr
     kept = (tmp_path / "tasks.jsonl").read_bytes()
     again = run(*sampled, "--seed", "5", "-o", "tasks.jsonl", cwd=tmp_path)
-    assert again.returncode == 4 and "recorded: is there already; remove it, or give a new folder" in again.stderr
+    assert again.returncode == 4 and "recorded: already exists; remove it, or give a new folder" in again.stderr
     assert (tmp_path / "tasks.jsonl").read_bytes() == kept
     missing = run(*shared, "elsewhere", "-o", "shown.png", cwd=tmp_path)
     assert missing.returncode == 2 and "elsewhere/000001.npz" in missing.stderr and missing.stderr.count("\n") == 1

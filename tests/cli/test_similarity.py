@@ -85,6 +85,8 @@ def test_all_tasks_of_a_file_are_compared_and_written(kitchen: tuple[Path, TaskS
     ("words", "message"),
     [
         (["3", "4"], "3: a rank needs --domain and --length"),
+        (["a:b", "c:d", "--where", "uses x"], "--where 'uses x' is for ranks and datasets"),
+        (["a.jsonl", "--where", "uses x"], "--where 'uses x' is for ranks and datasets"),
         (["nothing", "4"], "nothing: no such file, and neither a rank nor a scenario id"),
         (["a", "b", "c"], "a b c: give two tasks, or one dataset or file"),
         (["a", "b", "-o", "m.npz"], "m.npz: files are written for a dataset or a file of tasks"),

@@ -122,7 +122,7 @@ def test_a_task_names_no_domain_that_lies_elsewhere(here: Path, tmp_path: Path, 
     (here / "link").symlink_to("../outside")
     changed_task(here, domain=str(tmp_path / "outside") if name == "ABSOLUTE" else name)
     line = one_line(run("validate", "one.jsonl", "--witness-only", cwd=here))
-    assert line.startswith("one.jsonl:1: a task of ") and "no such domain is shipped or lies here" in line
+    assert line.startswith("one.jsonl:1: a task of ") and "no such domain is shipped or in this folder" in line
 
 
 @pytest.mark.parametrize("name", ["../../secret", "/etc/passwd", "link.npz", "a\x1b[31m\n.npz", ""])

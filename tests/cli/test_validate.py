@@ -76,7 +76,7 @@ def test_a_file_of_a_domain_that_is_a_folder_is_checked_from_anywhere(tmp_path: 
     moved = elsewhere / "tasks.jsonl"
     (home / "tasks.jsonl").rename(moved)
     done = run("validate", str(moved), cwd=elsewhere)
-    assert done.returncode == 2 and "say where with --domain" in done.stderr and "mine" in done.stderr
+    assert done.returncode == 2 and "name it with --domain" in done.stderr and "mine" in done.stderr
     assert len(done.stderr.splitlines()) == 1
     assert ok("validate", str(moved), "--domain", str(home / "mine"), cwd=elsewhere).count("feasible") == 2
 

@@ -240,7 +240,7 @@ def test_all_tasks_of_a_space_are_a_dataset_and_one_more_is_reported_missing(
         return generate(kitchen, tmp_path / "all", tasks=tasks, weights={}, physics=False, trivial=True)
 
     assert make(14).count() == 14 and {*make(14).tasks()} == {*make(14).tasks()}
-    with pytest.raises(NotFound, match="only 14 of 15 tasks for train found in 14 draws, which are all that there are"):
+    with pytest.raises(NotFound, match="only 14 of 15 tasks for train found in 14 draws, the whole space"):
         make(15)
     assert Dataset.open(tmp_path / "all").count() == 14
 
@@ -301,7 +301,7 @@ def test_a_wrong_request_is_refused_in_one_line(kitchen: TaskSpace, numbers: Pat
     (tmp_path / "mine" / "letter.txt").write_text("dear")
     refused("holds letter.txt, and is not a dataset; give a new folder", tmp_path / "mine")
     refused("cannot be made", Path("/dev/null/folder"))
-    refused("is no folder; give a new one", numbers / "dataset.json")
+    refused("is not a folder; name a new folder", numbers / "dataset.json")
     with pytest.raises(OutputError, match="is a dataset of kitchen, not of blocks"):
         generate(TaskSpace(load_domain("blocks"), 2), numbers, tasks=1)
 

@@ -29,10 +29,10 @@ def test_a_folder_is_there_in_one_stroke(tmp_path: Path) -> None:
 def test_an_empty_folder_becomes_it_and_any_other_is_left_alone(tmp_path: Path) -> None:
     (tmp_path / "out").mkdir()
     grow(tmp_path / "out")
-    with pytest.raises(OutputError, match="is there already"):
+    with pytest.raises(OutputError, match="already exists"):
         grow(tmp_path / "out")
     (tmp_path / "link").symlink_to(tmp_path / "nowhere")
-    with pytest.raises(OutputError, match="is there already"):
+    with pytest.raises(OutputError, match="already exists"):
         grow(tmp_path / "link")
 
 

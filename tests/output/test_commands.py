@@ -107,7 +107,7 @@ def test_recordings_are_not_mixed_with_what_is_there(tmp_path: Path, physics: Ph
     (tmp_path / "rec").mkdir()
     (tmp_path / "rec" / "000002.npz").write_bytes(b"old")
     done = run(*SAMPLE, "--count", "6", cwd=tmp_path)
-    assert done.returncode == OUTPUT and "rec: is there already; remove it, or give a new folder" in done.stderr
+    assert done.returncode == OUTPUT and "rec: already exists; remove it, or give a new folder" in done.stderr
     assert physics.asked == [] and content(tmp_path) == {"rec/000002.npz": b"old"}
 
 

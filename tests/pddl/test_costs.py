@@ -24,7 +24,7 @@ def test_weights_are_powers_of_the_factor() -> None:
         (Fraction(1, 2), Decimal("0.5"), "cost 0.5: only integer costs become weights"),
         (Fraction(1, 2), Decimal(9999), "factor 1/2: its power 9999 has 9,999 digits, more than the limit of 2,000"),
         (Fraction(1, 3), Decimal(2), "factor 1/3: its power 2 has no finite decimal expansion"),
-        (Fraction(1, 2), Decimal(10**20), "cost 1.00000e.20: costs above 10000 become no weights; divide all by one"),
+        (Fraction(1, 2), Decimal(10**20), "cost 1.00000e.20: costs above 10000 cannot become weights; divide all"),
     ],
 )
 def test_costs_that_are_no_exact_weights_are_refused(factor: Fraction, cost: Decimal, message: str) -> None:

@@ -40,7 +40,7 @@ def test_stable_baselines3_finds_nothing_wrong(
 def test_processes_of_stable_baselines3_see_what_one_process_sees(chance: Chance) -> None:
     from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
 
-    space = TaskSpace(load_domain("tabletop"), length=2)
+    space = TaskSpace(load_domain("prag"), length=2)
     make = partial(gymnasium.make, "prag_asp.rl:prag_asp/Task-v0", space=space, steps=3, curriculum=ReverseCurriculum())
     found = [followed(made, chance) for made in (DummyVecEnv([make] * 2), SubprocVecEnv([make] * 2, "spawn"))]
     assert found[0] == found[1]

@@ -87,7 +87,7 @@ def test_what_was_drawn_is_what_the_scene_then_has(drawn):
         ('{"colours": {"cube_1": "red"}}', r"varied\.colours\.cube_1: needs a colour"),
         (
             '{"cameras": {"top": {"at": [0, 0, 1], "look_at": [0, 0, 1]}}}',
-            r"varied\.cameras\.top: looks at where it is",
+            r"varied\.cameras\.top: its target equals its position",
         ),
     ],
 )

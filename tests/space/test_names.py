@@ -33,7 +33,7 @@ def test_a_name_that_is_an_action_too_means_all_of_its_name_in_prefixes_and_cond
 def test_after_a_name_an_interchangeable_entity_is_refused_and_after_an_action_it_is_not() -> None:
     space = TaskSpace(domain_of(TEXT), 2)
     assert space.count("task", prefix=["q", "p(y)"]) == 1
-    with pytest.raises(QueryError, match=r"^p\(x\) names the interchangeable x, but it comes after a mere name"):
+    with pytest.raises(QueryError, match=r"^p\(x\) names the interchangeable x, but follows an action name"):
         space.count("task", prefix=["p", "p(x)"])
     with pytest.raises(QueryError, match=r"^no action 'p\(z\)', or it can never occur; did you mean"):
         space.count("task", prefix=["p(z)"])

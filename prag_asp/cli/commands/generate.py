@@ -217,6 +217,6 @@ def print_parts(dataset: Dataset) -> None:
         tell_line(f"only {found} of {plural(wanted, 'initial state')} have a witness; see the column starts")
     left_out = sum(tally.trivial for part in manifest.parts for tally in part.lengths)
     if left_out:
-        tell_line(f"{plural(left_out, 'trivial task')} left out: {TRIVIAL}; keep them by --trivial")
+        tell_line(f"{plural(left_out, 'trivial task')} left out: {TRIVIAL}; keep them with --trivial")
     for reason, count in rejected.most_common():
         tell_line(f"{plural(count, 'task')} rejected: {reason}")

@@ -34,6 +34,8 @@ def read_pair(words: Sequence[str], request: DomainOptions, up_to: str) -> Compa
     Raises:
         QueryError: a word names no task, or the tasks are of different domains.
     """
+    if request.where and not any(word.isdecimal() for word in words):
+        raise QueryError(f"--where {request.where[0]!r} is for ranks and datasets; leave it out")
     tasks: list[Task] = []
     domains: list[Domain] = []
     for word in words:
@@ -89,6 +91,8 @@ def read_all(word: str, request: DomainOptions, up_to: str) -> ComparedTasks:
         tasks, groups = [task for task, _ in entries], [part for _, part in entries]
         domain = dataset.domain if up_to == "domain" and not request.names else None
     else:
+        if request.where:
+            raise QueryError(f"--where {request.where[0]!r} is for ranks and datasets; leave it out")
         tasks = [record.task for record in read_tasks(word)]
         groups, domain = [f"{len(task)} actions" for task in tasks], None
     if not tasks:

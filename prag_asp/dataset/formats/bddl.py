@@ -157,5 +157,5 @@ def _word(text: str) -> str:
     """Return a name as a word of BDDL."""
     word = text.translate(BRACKETS)
     if not WORD.fullmatch(word):
-        raise QueryError(f"BDDL has no name {text}: it reads small letters alone, and no blanks or ;; rename it")
+        raise QueryError(f"BDDL has no name {text}: it accepts only lower-case letters, without blanks or ;; rename it")
     return word

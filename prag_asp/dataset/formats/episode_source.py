@@ -203,7 +203,7 @@ class EpisodeSource:
             unknown = [entity for entity in entities if entity not in self.legend]
             if demonstration.robots != self.robots or unknown:
                 what = unknown[0] if unknown else ", ".join(demonstration.robots)
-                raise QueryError(f"{name}: has {what}, of which the scene knows nothing; copy the dataset once more")
+                raise QueryError(f"{name}: has {what}, which the scene does not contain; copy the dataset once more")
             if len(demonstration.ends) != len(entry.task) + 1 or len(entry.subgoals) != len(entry.task):
                 raise QueryError(f"{name}: does not show the states of its task; copy the dataset once more")
             sizes = {camera: video.size for camera, video in footage.videos.items()} if footage else {}

@@ -110,7 +110,7 @@ class InstructionReader:
             plans = [
                 " ".join(map(str, reading.actions)) or str(list(map(str, reading.goal))) for reading in found.values()
             ]
-            raise QueryError(f"{shortened(text)!r} could mean {plans[0]} or {plans[1]}; say it so that one is left")
+            raise QueryError(f"{shortened(text)!r} could mean {plans[0]} or {plans[1]}; make it unambiguous")
         raise QueryError(self._why(view, text))
 
     def _readings(self, view: View, text: str) -> Iterator[Reading]:

@@ -118,7 +118,7 @@ class SentenceWriter:
         if not sentences.known:
             raise QueryError(f"{atom} is no {'fluent' if fact else 'action'} of {domain}; give tasks of that domain")
         raise QueryError(
-            f"no sentence for {atom} that means nothing else; write one that names all that it refers to "
+            f"no unambiguous sentence for {atom}; write one that names all its arguments "
             f"under [language.{language}.{'facts' if fact else 'actions'}]"
         )
 

@@ -299,5 +299,5 @@ def too_few(part: PartManifest, available: TaskOrder, limit: int) -> str:
             f"{summary}, all proved infeasible; {remedy}" if proved == part.draws else f"{summary}; raise --max-draws"
         )
     if part.draws >= available.size:
-        return f"{summary}, which are all that there are"
+        return f"{summary}, the whole space"
     return f"{summary}; those left weigh next to nothing: give other weights, or --uniform"

@@ -280,7 +280,7 @@ class Dataset:
         for row in self._tables.starts(note, table, task):
             if row["start"] == start:
                 return row
-        raise QueryError(f"{self.folder}: task {number} has nothing of the initial state {start} in {table}")
+        raise QueryError(f"{self.folder}: task {number} has no row for the initial state {start} in {table}")
 
     def _starts(self, table: str) -> Iterator[tuple[DatasetEntry, Mapping[str, Any]]]:
         """Yield tasks with each of their rows in a table of initial states."""

@@ -79,8 +79,8 @@ def write_snapshot(folder: Path, files: dict[str, bytes]) -> None:
             replace_file(path, content, follow=False)
 
 
-def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False) -> Domain:
-    """Load the domain of a dataset from its folder alone.
+def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False, note: str = "dataset.json") -> Domain:
+    """Load the domain of a dataset from its folder alone; `note` is the file there with the record.
 
     Raises:
         DomainError: a file is missing, differs from its record in dataset.json, or is read without a record there.
@@ -97,7 +97,7 @@ def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False
         except OSError as error:
             raise DomainError(f"{path}: cannot be read: {error.strerror}; {MEND}") from None
         if sha256(content).hexdigest() != file.sha256:
-            raise DomainError(f"{path}: is not what dataset.json says; {MEND}")
+            raise DomainError(f"{path}: differs from its record in {note}; {MEND}")
     domain = load_domain(
         folder / DOMAIN, constants=snapshot.constants, encodings=folder / ENCODINGS, flat=snapshot.flat, trust=trust
     )
@@ -107,7 +107,7 @@ def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False
     files += [settings.path] if settings.text else []
     for path in (*files, *scene_files(settings.scene, settings.path.parent)):
         if path.resolve() not in recorded:
-            raise DomainError(f"{path}: is none of the files that dataset.json names; {MEND}")
+            raise DomainError(f"{path}: is not listed in {note}; {MEND}")
     return replace(domain, name=snapshot.name)
 
 

@@ -103,7 +103,7 @@ def _row_errors(row: Mapping[str, Any]) -> Iterator[None]:
     try:
         yield
     except (TypeError, ValueError, KeyError) as error:
-        raise QueryError(f"draw {row.get('draw')}: a value of the row is none of a task: {error}") from None
+        raise QueryError(f"draw {row.get('draw')}: a value of the row is invalid: {error}") from None
 
 
 def _state(facts: Sequence[Mapping[str, Any]]) -> FrozenDict[Atom, bool]:

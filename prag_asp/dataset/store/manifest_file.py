@@ -72,7 +72,7 @@ class ManifestFile(Generic[Contents]):
             OutputError: the folder contains something else.
         """
         if folder.exists() and not folder.is_dir():
-            raise OutputError(f"{folder}: is no folder; give a new one")
+            raise OutputError(f"{folder}: is not a folder; name a new folder")
         if folder.is_dir() and not (folder / self.name).is_file():
             found = sorted({path.name for path in folder.iterdir()} - {f"{self.name}.part", *others})
             if found:

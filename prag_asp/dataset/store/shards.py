@@ -85,6 +85,6 @@ def row_groups(
         file = shard.files[table]
         with open_shard(folder, table, file) as opened:
             if digest and not group and digest_of(folder / file.path) != file.sha256:
-                raise QueryError(f"{folder / file.path}: is not what dataset.json says; {MEND}")
+                raise QueryError(f"{folder / file.path}: differs from its record in dataset.json; {MEND}")
             rows = opened.read_row_group(group, columns=None if columns is None else [*columns])
         yield rows

@@ -95,7 +95,7 @@ def record_part(folder: Path, part: SuitePartManifest) -> None:
     """
     manifest, path = DATASET.read(folder / part.name), folder / part.name / DATASET.name
     if manifest is None:
-        raise QueryError(f"{path}: is missing; the same command, once more, makes it")
+        raise QueryError(f"{path}: is missing; run the same command again")
     part.tasks = manifest.rows("tasks")
     part.dataset = FileRecord(f"{part.name}/{DATASET.name}", path.stat().st_size, digest_of(path))
 

@@ -253,7 +253,7 @@ class _SuiteReader:
         if other is not None:
             raise QueryError(f"{name} has the tasks of {source.name}; leave {other} out")
         if table.tasks > source.tasks:
-            raise QueryError(f"{name} has tasks of {source.name}, which has {source.tasks}; ask for no more")
+            raise QueryError(f"{name} has tasks of {source.name}, which has {source.tasks}; request at most that many")
         part = replace(source, name=name, tasks=table.tasks, of=source.name, about=table.about, shares=())
         part = self._with_phrasings(part, table, source.language, source.phrasings)
         if not part.apart(source):

@@ -62,7 +62,7 @@ def _wrong_suite(path: Path, trust: bool, physics: bool, workers: int, progress:
     note = SUITE.read(path)
     if note is None or not note.complete:
         what = f"is not a suite, because it has no {NAME}" if note is None else "the run that makes it has not ended"
-        raise QueryError(f"{path}: {what}; prag-asp suite makes one, and goes on with it")
+        raise QueryError(f"{path}: {what}; prag-asp suite generates or continues it")
     yield from _wrong_files(path, note)
     try:
         first = Dataset.open(path / note.parts[0].name, trust=trust)

@@ -42,8 +42,10 @@ def wrong_files(folder: Path, manifest: Manifest, recordings: Set[str]) -> Itera
             yield Finding(name, None, "is no file of the dataset")
 
 
-def wrong_file(folder: Path, name: str, sha256: str, size: int | None = None) -> Iterator[Finding]:
-    """Yield findings about a file, given its digest and, if it is known, its size in bytes."""
+def wrong_file(
+    folder: Path, name: str, sha256: str, size: int | None = None, note: str = "dataset.json"
+) -> Iterator[Finding]:
+    """Yield findings about a file, given its digest and, if it is known, its size in bytes; `note` records them."""
     path = folder / name
     if not is_inside(path, folder):
         yield Finding(name, None, "leads out of the dataset")
@@ -51,7 +53,7 @@ def wrong_file(folder: Path, name: str, sha256: str, size: int | None = None) ->
     try:
         bytes_ = path.stat().st_size
         if size is not None and bytes_ != size:
-            yield Finding(name, None, f"has {bytes_:,} bytes; dataset.json says {size:,}")
+            yield Finding(name, None, f"has {bytes_:,} bytes; {note} says {size:,}")
             return
         actual = digest_of(path, at_most=None if size else LARGEST_RECORDING)
     except OSError as error:
@@ -71,4 +73,4 @@ def wrong_card(folder: Path, manifest: Manifest, domain: Domain) -> Iterator[Fin
     derived = deepcopy(manifest)
     derive(derived)
     if card != card_text(derived, domain):
-        yield Finding(CARD, None, "does not say what dataset.json says")
+        yield Finding(CARD, None, "does not match dataset.json")

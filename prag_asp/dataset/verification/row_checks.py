@@ -151,7 +151,7 @@ class RowChecks:
         plan = row["plan"]
         space = self._clingo.get(len(plan))  # independent of the sampler
         if space is None or plan not in space:
-            yield f"its plan is none of {self.domain.name}: {' '.join(plan)}"
+            yield f"it is not a plan of {self.domain.name}: {' '.join(plan)}"
         fixed = {
             "domain": (row["domain"], task.domain), "length": (row["length"], len(task)),
             "rank": (entry.rank, placed.rank), "skeleton": (tuple(row["skeleton"]), tuple(task.skeleton)),

@@ -52,7 +52,7 @@ def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[RuleBody, ...]]) -
         inside = set(members)
         literals = [literal for atom in members for body in bodies[atom] for literal in body.literals]
         if any(-literal in inside for literal in literals):
-            raise EngineError("rules of a step go around through a negation")
+            raise EngineError("rules of a step depend on their own negation")
         strata.append(Stratum(tuple(sorted(members)), any(literal in inside for literal in literals)))
     return strata
 

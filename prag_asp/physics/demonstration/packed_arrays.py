@@ -154,7 +154,7 @@ def read_packed(file: BinaryIO, names: Mapping[str, tuple[tuple[int, ...], str]]
                 result[name] = Packed(shape[0], shape[1:], kind.str, stream, member.CRC, size)
             return result
     except (BadZipFile, struct.error, zlib.error, NotImplementedError, RuntimeError) as error:
-        raise BadArchive("it is another file than a .npz, or was cut off") from error
+        raise BadArchive("it is not a .npz file, or is truncated") from error
 
 
 def _head(shape: tuple[int, ...], kind: np.dtype[Any]) -> bytes:

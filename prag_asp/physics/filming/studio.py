@@ -61,7 +61,7 @@ class Studio:
         for entity in objects:
             if entity not in scene.shapes or not scene.shapes[entity].traits.body:
                 raise SceneError(
-                    f"{entity} is to be filmed; give its class the shape of an object under [scene.shapes]"
+                    f"{entity} has no shape to render; give its class the shape of an object under [scene.shapes]"
                 )
         start_world(client)
         self._robots = {name: robot_of(scene, name) for name in scene.robots}

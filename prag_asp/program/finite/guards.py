@@ -19,6 +19,7 @@ from clingo.ast import AST, AggregateFunction, ASTType, ComparisonOperator, Sign
 from prag_asp.errors import DomainError
 from prag_asp.program.finite.arithmetic import OPERATIONS, divides, leaves, read_expression
 from prag_asp.program.finite.checks import WIDEST, BoundReached, Site, too_wide
+from prag_asp.program.finite.constants_in_range import require_constants_in_range
 from prag_asp.program.finite.endless import EndlessRule, endless_rules
 from prag_asp.program.parse import number_problem, parse_sources
 from prag_asp.program.sources import ADDED, Program, Source, owned
@@ -66,6 +67,7 @@ def guard_program(program: Program) -> Guarded:
     for statement in chain.from_iterable(statements.values()):
         for name in statement.scripts if statement.own else ():  # the functions of the checks are internal
             raise DomainError(str(statement.problem(runs_no_code(name))))
+    require_constants_in_range(chain.from_iterable(statements.values()))
     endless: dict[Statement, list[EndlessRule]] = {}
     for each in endless_rules(chain.from_iterable(statements.values())):
         endless.setdefault(each.rule, []).append(each)

@@ -223,7 +223,7 @@ class SpaceSource:
                 )  # fmt: skip
             rejected += 1
         if trivial == PATIENCE:
-            raise NotFound(f"{PATIENCE} sampled tasks in a row end in their initial state; keep them by trivial=True")
+            raise NotFound(f"{PATIENCE} sampled tasks in a row end in their initial state; keep them with trivial=True")
         raise NotFound(
             f"none of {PATIENCE} sampled tasks in a row is feasible; choose another space, or give a larger budget"
         )

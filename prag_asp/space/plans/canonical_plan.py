@@ -32,7 +32,7 @@ def canonical_prefix(
         new = {entity for entity in used if not symmetries.is_settled(entity, introduced)}
         if new and any(earlier not in actions for earlier in prefix[:place]):
             raise QueryError(
-                f"{item} names the interchangeable {min(map(str, new))}, but it comes after a mere name: "
+                f"{item} names the interchangeable {min(map(str, new))}, but follows an action name without arguments: "
                 "give the actions before it in full, or count plans"
             )
         introduced |= used

@@ -102,7 +102,7 @@ def test_a_dataset_without_recordings_or_without_such_a_task_is_refused(
 def test_a_place_that_is_taken_is_refused_and_untouched(arms: Dataset, tmp_path: Path) -> None:
     (tmp_path / "out").mkdir()
     (tmp_path / "out/mine").write_text("mine")
-    with pytest.raises(OutputError, match="is there already"):
+    with pytest.raises(OutputError, match="already exists"):
         export(arms, "lerobot", tmp_path / "out")
     (tmp_path / "new.part").mkdir()
     (tmp_path / "new.part/mine").write_text("mine")

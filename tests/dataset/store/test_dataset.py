@@ -57,7 +57,7 @@ def test_tasks_drawn_by_weight_are_found_by_rank_too(numbers: Path) -> None:
     for entry in data.entries():
         assert data.by_rank(len(entry.task), entry.rank) == entry
         assert entry.verdict is None and entry.starts == 0 and entry.number is not None
-    with pytest.raises(QueryError, match="nothing of the initial state 0 in witnesses"):
+    with pytest.raises(QueryError, match="no row for the initial state 0 in witnesses"):
         data.witness(0)
 
 
@@ -176,7 +176,7 @@ def test_a_damaged_dataset_is_refused_in_one_line(copied: Path, tmp_path: Path) 
     refused("train-00001.parquet: cannot be read: No such file")
     shard.write_bytes(content)
     (copied / "domain" / "domain.lp").write_text("% mine")
-    refused("domain.lp: is not what dataset.json says")
+    refused("domain.lp: differs from its record in dataset.json")
 
 
 def test_the_columns_are_the_same_for_every_domain_and_other_programs_read_them(small: Dataset, numbers: Path) -> None:

@@ -179,7 +179,7 @@ def edited(name: str, change: Callable[[str], str]) -> Callable[[Path], object]:
 
 FORGERIES: Mapping[str, tuple[Callable[[Path], object], str]] = {
     "a file more": (lambda folder: (folder / "more.txt").write_text("x"), "more.txt: is no file of the suite"),
-    "the card": (edited("README.md", lambda text: text.replace("Apart", "Alike")), "README.md: does not say what"),
+    "the card": (edited("README.md", lambda text: text.replace("Apart", "Alike")), "README.md: does not match"),
     "a size": (
         with_json("suite.json", lambda value: value["parts"][1].update(size="7")),
         "parts, objects: size is not what",
@@ -246,7 +246,7 @@ MISTAKES: Mapping[str, tuple[str, str]] = {
     "a copy of none": (f'{HEAD}[parts.b]\nof = "c"\ntasks = 1\n', r":6: .*\bc\b"),
     "a copy of itself": ('domain = "shelves"\nlengths = 2\n[parts.b]\nof = "b"\ntasks = 1\n', r":4: "),
     "a copy in the same words": (f'{HEAD}[parts.b]\nof = "train"\ntasks = 1\n', r":6: .*shares phrasings with it"),
-    "a copy with more": (f'{HEAD}[parts.b]\nof = "train"\ntasks = 9\nphrasings = "2 of 2"\n', r":6: .*ask for no more"),
+    "a copy with more": (f'{HEAD}[parts.b]\nof = "train"\ntasks = 9\nphrasings = "2 of 2"\n', r":6: .*request at most"),
     "a copy of other lengths": (f'{HEAD}[parts.b]\nof = "train"\ntasks = 1\nlengths = 3\n', r":6: .*leave lengths out"),
     "unknown shares": (f'{HEAD}shares = "b"\n', r":5: .*b"),
     "wrong shares of a split": (f'{HEAD}split = {{ a = 0.5 }}\n', r":5: .*add up"),

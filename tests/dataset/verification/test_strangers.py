@@ -118,11 +118,11 @@ def test_a_run_does_not_go_on_where_dataset_json_has_lost_its_parts(strange: Pat
 
 def test_only_the_files_of_a_domain_that_dataset_json_names_are_read(strange: Path, tmp_path: Path) -> None:
     (strange / "domain" / "learned.lp").write_text("% nothing\n")
-    with pytest.raises(DomainError, match=r"learned\.lp: is none of the files that dataset\.json names"):
+    with pytest.raises(DomainError, match=r"learned\.lp: is not listed in dataset\.json"):
         assert Dataset.open(strange).domain
     (strange / "domain" / "learned.lp").unlink()
     said(lambda told: told["domain"].update(files=[]))(strange)
-    with pytest.raises(DomainError, match=r"domain\.lp: is none of the files that dataset\.json names"):
+    with pytest.raises(DomainError, match=r"domain\.lp: is not listed in dataset\.json"):
         assert Dataset.open(strange).domain
     shutil.move(strange / "domain", tmp_path / "elsewhere")
     (strange / "domain").symlink_to(tmp_path / "elsewhere")

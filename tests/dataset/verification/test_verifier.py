@@ -109,7 +109,7 @@ FILES: dict[str, tuple[Change, str]] = {
     "an edited domain": (with_bytes("domain/domain.lp", lambda text: text + b"\n"), r"domain/domain.lp: has"),
     "an edited encoding": (with_bytes("encodings/step.lp", flipped), r"encodings/step.lp: is not the file"),
     "another picture": (with_bytes("pictures/000.png", flipped), r"pictures/000.png: is not the file"),
-    "an edited card": (with_bytes("README.md", lambda text: text + b"more\n"), r"README.md: does not say what"),
+    "an edited card": (with_bytes("README.md", lambda text: text + b"more\n"), r"README.md: does not match"),
 }
 FIGURES: dict[str, tuple[Change, str]] = {
     "a number of tasks": (noted(lambda told: part_of(told, "train").update(tasks=8)), "train: tasks is not what"),
@@ -139,7 +139,7 @@ ROWS: dict[str, tuple[Change, str]] = {
     "a row twice": (forged(lambda rows: rows.append(rows[0])), rf"{TRAIN}: row 4: draw \d+ is there twice"),
     "rows in another order": (forged(lambda rows: rows.reverse()), rf"{TRAIN}: row 1: draw \d+ stands after draw"),
     "another plan": (forged(lambda rows: rows[1].update(plan=rows[0]["plan"])), rf"{TRAIN}: row 1: its .*plan"),
-    "no plan": (in_row(plan=lambda plan: plan[:1] * len(plan) + plan[:1]), rf"{TRAIN}: row 1: its plan is none of"),
+    "no plan": (in_row(plan=lambda plan: plan[:1] * len(plan) + plan[:1]), rf"{TRAIN}: row 1: it is not a plan of"),
     "no text in a plan": (in_row(plan=lambda plan: ["(", *plan[1:]]), rf"{TRAIN}: row 1: "),
     "words of another task": (in_row(instruction=told_otherwise), rf"{TRAIN}: row 1: its words"),
     "no value": (in_row(goal=lambda facts: [{**facts[0], "fluent": None}]), rf"{TRAIN}: row 1: has no value in goal"),

@@ -172,7 +172,7 @@ def test_files_that_hold_no_episode_are_refused(stacked, tmp_path):
         with pytest.raises(QueryError, match=rf"bad.npz: this is not a demonstration: {message}"):
             Demonstration.load(path)
     np.save(path.with_suffix(".npy"), np.arange(3))
-    with pytest.raises(QueryError, match=r"it is another file than a \.npz, or was cut off"):
+    with pytest.raises(QueryError, match=r"it is not a \.npz file, or is truncated"):
         Demonstration.load(path.with_suffix(".npy"))
     with pytest.raises(QueryError, match="cannot be read: Is a directory"):
         Demonstration.load(tmp_path)

@@ -154,7 +154,7 @@ def test_options_that_are_impossible_are_refused(options, message):
 
 
 def test_an_episode_of_another_scene_is_reported(recorded, prag):
-    with pytest.raises(SceneError, match="bin_1 is to be filmed; give its class the shape of an object"):
+    with pytest.raises(SceneError, match="bin_1 has no shape to render; give its class the shape of an object"):
         render_cameras(recorded, prag, Staging(("front",), (16, 16), rate=1))
     with pytest.raises(SceneError, match="there is no robot panda"):
         render_cameras(recorded, load_scene(load_domain("two_arms")), Staging(("front",), (16, 16), rate=1))

@@ -40,6 +40,9 @@ OUT_OF_RANGE = [
     # places
     ("p(2147483647+1).", r"2147483647\+1 makes"),
     (f"#const n = {MOST}. p(n+1).", r"n\+1 makes"),
+    ("#const n = 2**31. p(n).", r"2\*\*31 makes"),
+    ("#const n = f(1,2**31). p(n).", r"2\*\*31 makes"),
+    ("#const n = m*m. #const m = k-1. #const k = 50000. p(n).", r"m\*m makes"),
     (LARGE + "p(f(a,(X+1,b))) :- q(X).", r"X\+1 makes"),
     (LARGE + "p(Y) :- q(X), Y = X+1.", r"X\+1 makes"),
     (LARGE + "p(Y) :- q(X), X+1 = Y.", r"X\+1 makes"),
