@@ -21,6 +21,7 @@ import sys
 import time
 from collections.abc import Callable
 from functools import partial
+from pathlib import Path
 from statistics import mean, median
 from typing import Any, NamedTuple
 
@@ -137,18 +138,23 @@ def work(kind: str, count: int, seconds: float) -> None:
 def together(kind: str, count: int, seconds: float) -> Done:
     """Return the results of `count` processes of a kind that run in parallel."""
     processes = 1 if kind == IN_STEP else count
-    code = f"import sys; sys.path.insert(0, {sys.path[0]!r}); import beside; beside.work({kind!r}, {count}, {seconds})"
+    here = str(Path(__file__).resolve().parent)
+    code = f"import sys; sys.path.insert(0, {here!r}); import beside; beside.work({kind!r}, {count}, {seconds})"
     environment = {**os.environ, "OMP_NUM_THREADS": "1"}
     start = partial(subprocess.Popen, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment)
     running = [start([sys.executable, "-c", code]) for _ in range(processes)]
     for each in running:
         assert each.stdout is not None
-        each.stdout.readline()
+        while (line := each.stdout.readline()) != "there\n":  # a package may print on import
+            if not line:
+                sys.exit(
+                    f"the process for {kind} ended before it was ready, with code {each.wait()}; see its error above"
+                )
     for each in running:
         assert each.stdin is not None
         each.stdin.write("go\n")
         each.stdin.flush()
-    outputs = [each.communicate()[0].split() for each in running]
+    outputs = [each.communicate()[0].split()[-2:] for each in running]
     return Done(sum(float(rate) for rate, _ in outputs), mean(float(each) for _, each in outputs))
 
 

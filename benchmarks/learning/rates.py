@@ -107,14 +107,14 @@ def main(blocks: int, steps: int, rounds: int, seconds: float) -> None:
     for env in envs.values():
         with suppress(Exception):
             env.close()
-    side_by_side = beside.measured(rounds, seconds)
-    enough, message = beside.verdict(
-        *(beside.ratio(side_by_side[kind]) for kind in (beside.ENVIRONMENT, beside.PHYSICS))
-    )
     console = Console()
     console.print(table)
     for line in missing:
         console.print(line, markup=False)
+    side_by_side = beside.measured(rounds, seconds)
+    enough, message = beside.verdict(
+        *(beside.ratio(side_by_side[kind]) for kind in (beside.ENVIRONMENT, beside.PHYSICS))
+    )
     console.print(beside.table(side_by_side))
     console.print(message, highlight=False)
     slow = PICK in rates and rates[OURS] < LEAST_TIMES * rates[PICK]

@@ -144,7 +144,8 @@ def _begin(ray: Any) -> None:
             socket.create_connection((place[1], int(place[2])), timeout=PATIENCE).close()
         ray.init(address=address, log_to_driver=False, **options)
     except Exception as error:  # Ray has no common error class for this
-        raise WorkerError(f"no Ray cluster at {address}: {_line(error)}; see RAY_ADDRESS") from None
+        remedy = "see RAY_ADDRESS, and give all nodes and this run one RAY_AUTH_TOKEN if the cluster asks for a token"
+        raise WorkerError(f"no Ray cluster at {address}: {_line(error)}; {remedy}") from None
 
 
 def _processors(ray: Any) -> int:
