@@ -42,11 +42,15 @@ SETUP = {
     ".venv/bin/python benchmarks/learning/beside.py",
     ".venv/bin/python benchmarks/learning/lasting.py",
     "python -m tests.fuzz --count 10000 --seed 7",
+    "prag-asp evaluate act/checkpoints/last/pretrained_model --data data --part test -o act_results",
 }
 """Commands that need a fresh machine, in what the tests run already, or hours; tests/rl/test_learning.py shortens."""
 
 SHORTENED = DOCS / "guides" / "train_and_evaluate.md"
 """A page whose commands take minutes or a GPU; tests/rl/test_train_and_evaluate.py runs them, shortened."""
+
+ON_A_GPU = DOCS / "guides" / "other_programs.md"
+"""A page whose commands train with another program on a GPU."""
 
 
 def name_of(page: Path) -> str:
@@ -82,7 +86,7 @@ def test_no_block_escapes_the_tests() -> None:
         text = page.read_text(encoding="utf-8")
         assert len(re.findall(r"^[ >]*(?:```|~~~)", text, re.MULTILINE)) == 2 * len(FENCE.findall(text)), page
     assert [str(block) for block in BLOCKS if block.language not in known and not block.title] == []
-    apart = [block for block in BLOCKS if block.language == "sh" and block.page != SHORTENED]
+    apart = [block for block in BLOCKS if block.language == "sh" and block.page not in (SHORTENED, ON_A_GPU)]
     assert {line for block in apart for line in block.text.splitlines()} <= SETUP
 
 
@@ -96,6 +100,7 @@ def test_sessions_and_examples_import_public_names_alone() -> None:
         "prag_asp.audit",
         "prag_asp.dataset",
         "prag_asp.evaluation",
+        "prag_asp.evaluation.lerobot_view",
         "prag_asp.pddl",
         "prag_asp.physics",
         "prag_asp.rl",
