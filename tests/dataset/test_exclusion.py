@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from prag_asp.errors import NotFound
 from prag_asp.space.parts.ranked_tasks import RankRange, ShuffledRanks
 from prag_asp.space.parts.shuffle import Shuffle
 from prag_asp.space.sampling.rank_order import EvenOrder, RemainingOrder
+from tests.chance import Chance
 from tests.commands import ok, run
 
 HALVES = {"train": "1/2", "test": "1/2"}
@@ -29,9 +29,9 @@ def words(data: Dataset) -> list[str]:
     return [str(task) for task in data.tasks()]
 
 
-def test_an_order_without_some_numbers_is_the_rest_in_the_same_order() -> None:
-    rng = random.Random(7)
-    for _ in range(20):
+def test_an_order_without_some_numbers_is_the_rest_in_the_same_order(chance: Chance) -> None:
+    rng = chance.generator(7)
+    for _ in range(chance.examples(20)):
         sizes = [rng.randint(1, 6) for _ in range(3)]
         order = EvenOrder(
             tuple(ShuffledRanks(Shuffle(size, rng.randint(0, 9)), RankRange(range(size))) for size in sizes)
