@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from prag_asp.analysis.dendrogram import Dendrogram, dendrogram_of
     from prag_asp.analysis.distance_matrix import (
         NearDuplicates,
-        NearestTasks,
+        NearestNeighbours,
         SimilarityMatrix,
         near_duplicates,
-        nearest_tasks,
+        nearest_neighbours,
         similarity_matrix,
         without_duplicates,
     )
@@ -42,8 +42,8 @@ __all__ = [
     "Frequency",
     "FrequencyTest",
     "NearDuplicates",
+    "NearestNeighbours",
     "NearestTask",
-    "NearestTasks",
     "PairDistances",
     "Series",
     "SimilarityMatrix",
@@ -57,8 +57,8 @@ __all__ = [
     "hamming_distribution",
     "mean_hamming",
     "near_duplicates",
+    "nearest_neighbours",
     "nearest_task",
-    "nearest_tasks",
     "pair_distances",
     "similarity_matrix",
     "task_map",
@@ -76,8 +76,8 @@ _HOMES = {
     "prag_asp.analysis.dendrogram": ("Dendrogram", "dendrogram_of"),
     "prag_asp.analysis.all_pairs": ("PairDistances", "pair_distances"),
     "prag_asp.analysis.distance_matrix": (
-        "NearDuplicates", "NearestTasks", "SimilarityMatrix", "near_duplicates", "nearest_tasks", "similarity_matrix",
-        "without_duplicates",
+        "NearDuplicates", "NearestNeighbours", "SimilarityMatrix", "near_duplicates", "nearest_neighbours",
+        "similarity_matrix", "without_duplicates",
     ),
     "prag_asp.analysis.task_scaling": ("TaskMap", "task_map"),
     "prag_asp.analysis.vendi": ("VendiScore", "vendi_score"),

@@ -161,7 +161,7 @@ def stripes_of(given: SimilarityMatrix | PairDistances) -> Stripes:
 
 
 @dataclass(frozen=True)
-class NearestTasks:
+class NearestNeighbours:
     """The nearest other tasks of each task, nearest first; among equal distances, those of smaller numbers first.
 
     `tasks` and `distances` have shape (tasks, k).
@@ -182,7 +182,7 @@ class NearestTasks:
         save_columns(file, task=task, other=self.tasks.ravel(), distance=self.distances.ravel())
 
 
-def nearest_tasks(given: SimilarityMatrix | PairDistances, count: int = 5) -> NearestTasks:
+def nearest_neighbours(given: SimilarityMatrix | PairDistances, count: int = 5) -> NearestNeighbours:
     """Return the nearest other tasks of each task, at most `count`."""
     denominator = (given if isinstance(given, SimilarityMatrix) else given.table).denominator or 1
     tasks, distances = [], []
@@ -193,7 +193,7 @@ def nearest_tasks(given: SimilarityMatrix | PairDistances, count: int = 5) -> Ne
             tasks.append(near)
             distances.append(row[near] / float(denominator))
     shape = (len(tasks), max(min(count, len(tasks) - 1), 0))
-    return NearestTasks(np.array(tasks, np.intp).reshape(shape), np.array(distances, np.float64).reshape(shape))
+    return NearestNeighbours(np.array(tasks, np.intp).reshape(shape), np.array(distances, np.float64).reshape(shape))
 
 
 @dataclass(frozen=True)

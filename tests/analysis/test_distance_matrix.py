@@ -15,7 +15,7 @@ from prag_asp.analysis import (
     SimilarityMatrix,
     dendrogram_of,
     near_duplicates,
-    nearest_tasks,
+    nearest_neighbours,
     pair_distances,
     similarity_matrix,
     task_map,
@@ -53,7 +53,7 @@ def test_files_hold_the_matrix_and_the_neighbours(matrix: SimilarityMatrix, tmp_
     rows = read_table(tmp_path / "m.parquet").to_pylist()
     assert len(rows) == 11 * 10 // 2
     assert all(row["distance"] == matrix.distances[row["task"], row["other"]] for row in rows)
-    near = nearest_tasks(matrix, 3)
+    near = nearest_neighbours(matrix, 3)
     near.save(tmp_path / "n.parquet")
     assert read_table(tmp_path / "n.parquet")["other"].to_pylist() == near.tasks.ravel().tolist()
     with pytest.raises(QueryError, match=r"ends in \.npz or \.parquet"):
@@ -66,7 +66,7 @@ def test_neighbours_and_duplicates_are_those_of_a_search_with_and_without_a_matr
     distances = matrix.distances
     pairs = pair_distances(random_tasks("levenshtein", chance), "levenshtein", Known)
     for given in (matrix, pairs):
-        near = nearest_tasks(given, 3)
+        near = nearest_neighbours(given, 3)
         for task, row in enumerate(distances):
             others = sorted((distance, other) for other, distance in enumerate(row) if other != task)[:3]
             assert [*zip(near.distances[task], near.tasks[task], strict=True)] == others
@@ -119,6 +119,6 @@ def test_no_task_and_one_task_have_a_matrix_a_tree_and_a_map(chance: Chance) -> 
     tasks = random_tasks("levenshtein", chance)
     for count in (0, 1):
         few = similarity_matrix(tasks[:count], "levenshtein", within=Known)
-        assert few.units.shape == (count, count) and nearest_tasks(few).tasks.shape == (count, 0)
+        assert few.units.shape == (count, count) and nearest_neighbours(few).tasks.shape == (count, 0)
         assert dendrogram_of(few.distances).leaves == tuple(range(count))
         assert task_map(few.distances).points.shape == (count, 2)

@@ -77,10 +77,10 @@ class SimilarityFiles:
         title: str,
     ) -> None:
         """Write the requested files."""
-        from prag_asp.analysis.distance_matrix import SimilarityMatrix, nearest_tasks
+        from prag_asp.analysis.distance_matrix import SimilarityMatrix, nearest_neighbours
 
         if self.nearest is not None:
-            nearest_tasks(compared, neighbours).save(self.nearest)
+            nearest_neighbours(compared, neighbours).save(self.nearest)
         if self.duplicates is not None:
             duplicates.save(self.duplicates)
         if not isinstance(compared, SimilarityMatrix):
