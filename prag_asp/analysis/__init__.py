@@ -29,6 +29,7 @@ if TYPE_CHECKING:
         without_duplicates,
     )
     from prag_asp.analysis.distant_tasks import tasks_apart
+    from prag_asp.analysis.farthest_first import DiverseChoice, diverse_choice
     from prag_asp.analysis.frequencies import Frequency, FrequencyTest, compare_frequencies
     from prag_asp.analysis.hamming import DistanceDistribution, hamming_distribution, mean_hamming
     from prag_asp.analysis.neighbours import NearestTask, count_neighbours, nearest_task
@@ -39,6 +40,7 @@ __all__ = [
     "Curve",
     "Dendrogram",
     "DistanceDistribution",
+    "DiverseChoice",
     "Frequency",
     "FrequencyTest",
     "NearDuplicates",
@@ -53,6 +55,7 @@ __all__ = [
     "count_neighbours",
     "counts_by_length",
     "dendrogram_of",
+    "diverse_choice",
     "draw_curve",
     "hamming_distribution",
     "mean_hamming",
@@ -73,6 +76,7 @@ _HOMES = {
     "prag_asp.analysis.hamming": ("DistanceDistribution", "hamming_distribution", "mean_hamming"),
     "prag_asp.analysis.neighbours": ("NearestTask", "count_neighbours", "nearest_task"),
     "prag_asp.analysis.distant_tasks": ("tasks_apart",),
+    "prag_asp.analysis.farthest_first": ("DiverseChoice", "diverse_choice"),
     "prag_asp.analysis.dendrogram": ("Dendrogram", "dendrogram_of"),
     "prag_asp.analysis.all_pairs": ("PairDistances", "pair_distances"),
     "prag_asp.analysis.distance_matrix": (

@@ -67,6 +67,11 @@ class PairDistances:
         return len(self.place)
 
     @property
+    def denominator(self) -> int:
+        """The number of units in a distance of 1; 0 if distances are floats."""
+        return self.table.denominator
+
+    @property
     def features(self) -> int:
         """The number of different features."""
         return self.groups[-1][0].stop if self.groups else 0
@@ -74,7 +79,7 @@ class PairDistances:
     @property
     def kind(self) -> type[Any]:
         """The type of distances in arrays."""
-        return small_type(self.table.largest) if self.table.denominator else np.float32
+        return small_type(self.table.largest) if self.denominator else np.float32
 
     @cached_property
     def plain(self) -> Numbers:
@@ -109,6 +114,14 @@ class PairDistances:
                     values[columns.start : columns.stop, first:last] = block.T
                 left = 1 - last / self.features
                 so_far(f"{1 - left**2:.0%} of {self.count:,} x {self.count:,} tasks")
+        return values
+
+    def row(self, task: int) -> Values:
+        """Return the distances of one task to all tasks, in units."""
+        feature = int(self.place[task])
+        images = next(images for own, images in self.groups if feature in own)
+        blocks = [self.block(np.array([feature]), images, columns)[0] for columns in self._columns(images, 0)]
+        values: Values = np.concatenate(blocks)[self.place]
         return values
 
     def stripes(self) -> Iterator[tuple[range, Values]]:

@@ -43,6 +43,16 @@ class SimilarityMatrix:
     pairs: PairDistances = field(repr=False)
 
     @property
+    def count(self) -> int:
+        """The number of tasks."""
+        return len(self.units)
+
+    def row(self, task: int) -> Values:
+        """Return the distances of one task to all tasks, in units."""
+        row: Values = self.units[task]
+        return row
+
+    @property
     def distances(self) -> NDArray[np.float64]:
         """The distances as floats."""
         values: NDArray[np.float64] = self.units / float(self.denominator or 1)
@@ -155,9 +165,8 @@ def stripes_of(given: SimilarityMatrix | PairDistances) -> Stripes:
     """Return the distances of all tasks from a matrix, or computed without one."""
     if isinstance(given, PairDistances):
         return given.stripes()
-    count = len(given.units)
-    step = max(STRIPE // max(count, 1), 1)
-    return ((range(at, min(at + step, count)), given.units[at : at + step]) for at in range(0, count, step))
+    step = max(STRIPE // max(given.count, 1), 1)
+    return ((range(at, min(at + step, given.count)), given.units[at : at + step]) for at in range(0, given.count, step))
 
 
 @dataclass(frozen=True)
@@ -184,7 +193,7 @@ class NearestNeighbours:
 
 def nearest_neighbours(given: SimilarityMatrix | PairDistances, count: int = 5) -> NearestNeighbours:
     """Return the nearest other tasks of each task, at most `count`."""
-    denominator = (given if isinstance(given, SimilarityMatrix) else given.table).denominator or 1
+    denominator = given.denominator or 1
     tasks, distances = [], []
     for numbers, values in stripes_of(given):
         for number, row in zip(numbers, values, strict=True):
@@ -230,7 +239,7 @@ def near_duplicates(given: SimilarityMatrix | PairDistances, at_most: float = 0.
     """
     if not isfinite(at_most):
         raise QueryError(f"near-duplicates at a distance of at most {at_most}: give a number, such as 0.5")
-    denominator = (given if isinstance(given, SimilarityMatrix) else given.table).denominator
+    denominator = given.denominator
     limit = floor(Fraction(str(at_most)) * denominator) if denominator else at_most
     found = []
     for numbers, values in stripes_of(given):
@@ -252,5 +261,4 @@ def without_duplicates(given: SimilarityMatrix | PairDistances, at_most: float =
     for first, second, _ in near_duplicates(given, at_most):
         if first not in out:
             out.add(second)
-    count = given.count if isinstance(given, PairDistances) else len(given.units)
-    return [number for number in range(count) if number not in out]
+    return [number for number in range(given.count) if number not in out]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from prag_asp.domain.templates import PLAIN_LOGIC, PLAIN_SETTINGS, ROBOT_LOGIC, ROBOT_SETTINGS
 from prag_asp.errors import DomainError
-from prag_asp.output import new_folder, replace_file
+from prag_asp.output import make_folder, new_folder, replace_file
 from prag_asp.program.paths import shipped_domains
 from prag_asp.wording import did_you_mean
 
@@ -36,8 +36,8 @@ def write_new_domain(name: str, parent: Path = Path(), *, plain: bool = False, l
     files = _small_domain(folder.name, plain=plain) if like is None else _shipped_files(like)
     with new_folder(folder) as part:
         for file, content in files.items():
-            (part / file).parent.mkdir(parents=True, exist_ok=True)
-            replace_file(part / file, content, follow=False)
+            home = part if "/" not in file else make_folder((part / file).parent)
+            replace_file(home / Path(file).name, content, follow=False)
     return folder
 
 
@@ -57,4 +57,4 @@ def _shipped_files(name: str) -> dict[str, bytes]:
     if name not in shipped:
         raise DomainError(f"{name}: no such shipped domain; {did_you_mean(name, shipped, ', '.join(shipped))}")
     paths = sorted(path for path in shipped[name].rglob("*") if path.is_file() and path.name != "counts.toml")
-    return {str(path.relative_to(shipped[name])): path.read_bytes() for path in paths}
+    return {path.relative_to(shipped[name]).as_posix(): path.read_bytes() for path in paths}

@@ -74,7 +74,7 @@ def with_size(folder: Path) -> None:
         (with_lines(lambda lines: [*lines[:-1], str(TEST[0])], "train.txt"), "train.txt: row 19: is no task of train"),
         (with_size, "split.json: parts, test: size is 7, but there are"),
         (lambda folder: (folder / "train.txt").unlink(), "train.txt: cannot be read"),
-        (lambda folder: (folder / "domain" / "domain.lp").write_text(""), "is not what split.json says"),
+        (lambda folder: (folder / "domain" / "domain.lp").write_text(""), "differs from its record in split.json"),
     ],
 )
 def test_what_is_wrong_is_found(spoil: Callable[[Path], None], found: str, made: Path, tmp_path: Path) -> None:

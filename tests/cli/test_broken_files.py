@@ -153,7 +153,7 @@ def test_tasks_of_another_domain_are_told_with_both_names(tmp_path: Path, whole:
     for command in ("validate", "render"):
         done = run(command, str(file), cwd=tmp_path)
         assert done.returncode == 2 and done.stderr == (
-            f"{file}:1: a task of 'nowhere'; no such domain is shipped or in this folder; specify it with --domain\n"
+            f"{file}:1: a task of 'nowhere'; no such domain is shipped or in this folder; name it with --domain\n"
         )
 
 

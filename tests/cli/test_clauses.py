@@ -84,7 +84,7 @@ def test_explain_refuses_what_does_not_go_together() -> None:
         (["prag", "--length", "2", "--step", "1"], "name the action"),
         (["prag", "--length", "2", "--why-not", "fly"], "no action 'fly'"),
         (["prag", "--length", "2", "--smallest", "--fewest-changes"], "leave one of them out"),
-        (["prag", "--length", "1..2"], "a range"),
+        (["prag", "--length", "1..2"], "several lengths"),
     ):
         done = run("explain", *words)
         assert done.returncode == 2 and told in done.stderr and done.stderr.count("\n") == 1, words

@@ -44,7 +44,7 @@ def test_what_is_held_out_is_in_the_test_part_alone(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "code", "line"),
     [
-        (("--tasks", "15", "--uniform", "--trivial"), 1, "14 of 15 tasks for train found in 14 draws, which are all"),
+        (("--tasks", "15", "--uniform", "--trivial"), 1, "14 of 15 tasks for train found in 14 draws, the whole space"),
         (("--tasks", "13", "--uniform"), 1, "only 12 of 13 tasks for train found in 14 draws, 2 of them trivial"),
         (("--tasks", "1", "--split", "train"), 2, "--split train: write different names with their shares"),
         (("--tasks", "1", "--split", "a=0.5,a=0.5"), 2, "write different names"),

@@ -98,3 +98,19 @@ def test_all_tasks_of_a_file_are_compared_and_written(kitchen: tuple[Path, TaskS
 def test_a_wrong_request_is_answered_in_one_line(words: list[str], message: str) -> None:
     found = run("similarity", *words)
     assert found.returncode == 2 and found.stderr.startswith(message) and found.stderr.count("\n") == 1
+
+
+def test_tasks_far_apart_are_chosen_and_written(kitchen: tuple[Path, TaskSpace], tmp_path: Path) -> None:
+    file, space = kitchen
+    tasks = tmp_path / "tasks.jsonl"
+    tasks.write_text("".join(f"{write_line(Record(task))}\n" for task in space))
+    words = ("similarity", str(tasks), "--domain", str(file), "--metric", "levenshtein", "--diverse", "2")
+    chosen = tmp_path / "chosen.jsonl"
+    lines = ok(*words, "--chosen", str(chosen)).splitlines()[-2:]
+    numbers = [int(word) for word in lines[0].removeprefix("chosen tasks  ").split()]
+    assert lines[1].startswith("they are at least 2 apart; all others are within ")
+    written = [json.loads(line)["actions"] for line in chosen.read_text().splitlines()]
+    assert written == [json.loads(tasks.read_text().splitlines()[number])["actions"] for number in numbers]
+    assert json.loads(ok(*words, "--format", "json"))["diverse"]["tasks"] == numbers
+    assert "choose at least 1 and at most" in run(*words[:-1], "99").stderr
+    assert "say how many tasks to choose with --diverse K" in run(*words[:-2], "--chosen", str(chosen)).stderr

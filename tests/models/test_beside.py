@@ -119,5 +119,5 @@ def test_a_program_that_is_not_tight_is_counted_by_whoever_is_done_first(monkeyp
     found = answer_sets(text=text, tell=notes.append)
     assert found.count() == expected
     assert waited == [True] and "_diagram" not in found.__dict__
-    assert any("Ganak counts as well" in note for note in notes)
+    assert any("Ganak also counts" in note for note in notes)
     assert sum(found.marginals().values()) > 0

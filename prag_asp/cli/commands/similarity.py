@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import asdict
 from itertools import islice
 from typing import TYPE_CHECKING, Any, cast
 
@@ -48,12 +49,13 @@ SHOWN = 5
     "-k", "--neighbours", type=whole(1), default="5", show_default=True, metavar="K",
     help="Nearest tasks of each, for --nearest.",
 )  # fmt: skip
+@click.option("--diverse", type=whole(1), metavar="K", help="Choose K tasks that are far apart.")
 @FILE_OPTIONS
 @click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True,
               help="Text, or JSON with exact fractions.")  # fmt: skip
 def similarity(
     *, request: DomainOptions, words: tuple[str, ...], metric: str, up_to: str, at_most: float, neighbours: int,
-    files: SimilarityFiles, form: str,
+    diverse: int | None, files: SimilarityFiles, form: str,
 ) -> None:  # fmt: skip
     """Compare two tasks, or all tasks of a set, up to renaming of interchangeable entities.
 
@@ -66,6 +68,10 @@ def similarity(
     metric_of(metric)
     if len(words) > 2:
         raise QueryError(f"{' '.join(words)}: give two tasks, or one dataset or file")
+    if diverse is not None and len(words) == 2:
+        raise QueryError("--diverse chooses from a dataset or a file of tasks, not from two tasks")
+    if (files.chosen is not None) > (diverse is not None):
+        raise QueryError(f"--chosen {files.chosen}: say how many tasks to choose with --diverse K")
     files.check(one_set=len(words) == 1)
     for file in files.names:
         require_writable(file)
@@ -75,7 +81,7 @@ def similarity(
             lines = _json(found) if form == "json" else _text(found)
         else:
             given = read_all(words[0], request, up_to)
-            lines = _summary(given, metric, up_to, at_most, neighbours, files, form)
+            lines = _summary(given, metric, up_to, at_most, neighbours, diverse, files, form)
         for line in lines:
             say(line)
 
@@ -171,13 +177,21 @@ def _json(found: TaskComparison) -> Iterator[str]:
 
 
 def _summary(
-    given: ComparedTasks, metric: str, up_to: str, at_most: float, neighbours: int, files: SimilarityFiles, form: str
+    given: ComparedTasks,
+    metric: str,
+    up_to: str,
+    at_most: float,
+    neighbours: int,
+    diverse: int | None,
+    files: SimilarityFiles,
+    form: str,
 ) -> Iterator[str]:
     """Write the requested files, and yield a summary."""
     import json
 
     from prag_asp.analysis.all_pairs import pair_distances
     from prag_asp.analysis.distance_matrix import fits, matrix_of, near_duplicates, stripes_of, without_duplicates
+    from prag_asp.analysis.farthest_first import diverse_choice
 
     pairs = pair_distances(given.tasks, metric, given.space, _names(up_to))
     compared = matrix_of(pairs) if files.needs_matrix or fits(pairs) else pairs
@@ -186,10 +200,13 @@ def _summary(
     mean = total / denominator / max(count * (count - 1), 1)
     duplicates = near_duplicates(compared, at_most)
     distinct = len(without_duplicates(compared))
-    files.write(compared, given, duplicates, neighbours, f"{metric} of {count:,} tasks")
+    choice = None if diverse is None else diverse_choice(compared, diverse)
+    files.write(compared, given, duplicates, neighbours, choice, f"{metric} of {count:,} tasks")
     if form == "json":
-        values = {"tasks": count, "distinct": distinct, "metric": metric, "mean": mean, "at_most": at_most,
-                  "near_duplicates": list(duplicates)}  # fmt: skip
+        values: dict[str, Any] = {"tasks": count, "distinct": distinct, "metric": metric, "mean": mean,
+                                  "at_most": at_most, "near_duplicates": list(duplicates)}  # fmt: skip
+        if choice is not None:
+            values["diverse"] = asdict(choice)
         yield json.dumps(values, indent=2)
         return
     yield from aligned(
@@ -204,3 +221,6 @@ def _summary(
         yield f"  {first} and {second}: {_number(distance)}"
     if len(duplicates) > SHOWN:
         yield f"  and {len(duplicates) - SHOWN} more; --duplicates FILE writes all"
+    if choice is not None:
+        yield f"chosen tasks  {' '.join(map(str, choice.tasks))}"
+        yield f"they are at least {_number(choice.separation)} apart; all others are within {_number(choice.radius)}"

@@ -1,4 +1,4 @@
-"""Files that ``prag-asp similarity`` writes: a matrix, neighbours, near-duplicates, a dendrogram and a map."""
+"""Files that ``prag-asp similarity`` writes: matrix, neighbours, near-duplicates, chosen tasks, dendrogram and map."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from prag_asp.errors import PicturesMissingError, QueryError
 if TYPE_CHECKING:
     from prag_asp.analysis.all_pairs import PairDistances
     from prag_asp.analysis.distance_matrix import NearDuplicates, SimilarityMatrix
+    from prag_asp.analysis.farthest_first import DiverseChoice
 
 PICTURES = (".png", ".svg", ".pdf")
 JSON = ".json"
@@ -32,13 +33,14 @@ class SimilarityFiles:
     output: str | None = None
     nearest: str | None = None
     duplicates: str | None = None
+    chosen: str | None = None
     dendrogram: str | None = None
     map: str | None = None
 
     @property
     def names(self) -> list[str]:
         """The files to write."""
-        given = (self.output, self.nearest, self.duplicates, self.dendrogram, self.map)
+        given = (self.output, self.nearest, self.duplicates, self.chosen, self.dendrogram, self.map)
         return [file for file in given if file is not None]
 
     @property
@@ -74,15 +76,21 @@ class SimilarityFiles:
         given: ComparedTasks,
         duplicates: NearDuplicates,
         neighbours: int,
+        choice: DiverseChoice | None,
         title: str,
     ) -> None:
         """Write the requested files."""
         from prag_asp.analysis.distance_matrix import SimilarityMatrix, nearest_neighbours
+        from prag_asp.dataset.jsonl import Record, write_line
+        from prag_asp.output import replace_file
 
         if self.nearest is not None:
             nearest_neighbours(compared, neighbours).save(self.nearest)
         if self.duplicates is not None:
             duplicates.save(self.duplicates)
+        if self.chosen is not None and choice is not None:
+            lines = (write_line(Record(given.tasks[number])) for number in choice.tasks)
+            replace_file(self.chosen, "".join(f"{line}\n" for line in lines).encode())
         if not isinstance(compared, SimilarityMatrix):
             return
         if self.output is not None:
@@ -133,6 +141,10 @@ FILE_OPTIONS = grouped(
         click.option(
             "--duplicates", metavar="FILE", shell_complete=shell_completion.files,
             help="Write the pairs of near-duplicates to FILE, a .npz or .parquet.",
+        ),
+        click.option(
+            "--chosen", metavar="FILE", shell_complete=shell_completion.files,
+            help="With --diverse: write the chosen tasks to FILE as JSON lines.",
         ),
         click.option(
             "--dendrogram", metavar="FILE", shell_complete=shell_completion.files,

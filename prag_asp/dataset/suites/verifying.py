@@ -107,7 +107,7 @@ def _wrong_files(folder: Path, note: SuiteManifest) -> Iterator[Finding]:
         yield Finding(CARD, None, f"cannot be read: {error.strerror or error}")
         return
     if card != card_text(note):
-        yield Finding(CARD, None, f"does not say what {NAME} says")
+        yield Finding(CARD, None, f"does not match {NAME}")
 
 
 def _wrong_note(suite: Suite, note: SuiteManifest, progress: Progress) -> Iterator[Finding]:

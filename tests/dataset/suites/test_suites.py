@@ -189,7 +189,7 @@ FORGERIES: Mapping[str, tuple[Callable[[Path], object], str]] = {
         "shared is not what",
     ),
     "the suite": (edited("suite.toml", lambda text: text.replace('"jar_1"', '"jar"')), "suite.toml: has "),
-    "a dataset": (lambda folder: (folder / "pairs" / "README.md").write_text("x"), "pairs/README.md: does not say"),
+    "a dataset": (lambda folder: (folder / "pairs" / "README.md").write_text("x"), "pairs/README.md: does not match"),
     "a task of another part": (
         lambda folder: (shutil.rmtree(folder / "objects"), shutil.copytree(folder / "train", folder / "objects")),
         "objects: row 0: has the task of train, row 0",
