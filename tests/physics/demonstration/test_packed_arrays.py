@@ -52,7 +52,7 @@ def test_an_archive_of_another_form_is_refused(chance):
     ):
         with pytest.raises(BadArchive):
             read_packed(file, {name: (shape, kind)})
-    with pytest.raises(BadArchive, match="not a .npz file"):
+    with pytest.raises(BadArchive, match=r"not a \.npz file"):
         read_packed(BytesIO(file.getvalue()[:-30]), {"film": (array.shape, "u1")})
 
 
