@@ -84,12 +84,14 @@ def test_its_metadata_let_every_python_from_3_10_on_install_it(wheel: Path) -> N
         "docs",
         "formats",
         "learning",
+        "lerobot",
         "meshes",
         "pictures",
         "ray",
         "rl",
         "servers",
         "sharp",
+        "similarity",
     }
     assert set(told.get_all("Provides-Extra", [])) == {*extras, "test"}
 
