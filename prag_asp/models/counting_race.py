@@ -96,9 +96,9 @@ def count_unless_compiled(
 ) -> int | None:
     """Return the number of models by the first engine to finish, or None if the compiler finished first.
 
-    `compile_formula` receives a function that it calls periodically, and propagates its errors. `begins` receives each
-    counter that first starts in parallel. `own` holds the engines of this process, each a function of its time limit in
-    seconds.
+    `compile_formula` receives a function that it calls periodically, and propagates its errors. `begins` is called
+    with each counter that has no turn of its own, when it starts to run alongside the compiler. `own` holds the engines
+    of this process, each a function of its time limit in seconds.
     """
     looks = count()
     with ExitStack() as stack:

@@ -116,8 +116,8 @@ def test_subsets_of_a_size_are_binomials_and_their_elements_equally_likely() -> 
 
 
 def test_sums_over_many_atoms_are_counted_by_what_they_lack() -> None:
-    text = "{ in(1..60) }. :- #sum { I : in(I) } != 900."
-    ways = [1] + 900 * [0]
-    for weight in range(1, 61):
+    text = "{ in(1..30) }. :- #sum { I : in(I) } != 200."
+    ways = [1] + 200 * [0]
+    for weight in range(1, 31):
         ways = [old + (ways[total - weight] if total >= weight else 0) for total, old in enumerate(ways)]
-    assert answer_sets(text=text, engine="diagram").count() == ways[900]
+    assert answer_sets(text=text, engine="diagram").count() == ways[200]

@@ -30,7 +30,10 @@ def read(folders: Mapping[str, Path]) -> Iterator[AuditedProblem | FailedRead]:
 
 
 def task_problem(task: Task, name: str, language: str = "") -> GroundProblem:
-    """Return a task as a problem: its goal, or if it has none, the facts that differ between its ends."""
+    """Return a task as a problem: its goal or, if it has none, the facts that its plan changes.
+
+    These are the facts that differ between its initial and final states.
+    """
     changed = (
         {fact: value for fact, value in task.states[-1].items() if task.initial.get(fact) != value}
         if task.states
