@@ -99,7 +99,7 @@ class Findings:
         self._culprits: dict[tuple[str, str], _Culprit] = {}
 
     def assigned(self, predicate: str, rows: Iterable[list[Symbol]]) -> None:
-        """Check the rows of a predicate that assigns values: undeclared actions and fluents, wrong values."""
+        """Check the rows of a predicate that assigns values, for undeclared actions and fluents and wrong values."""
         fluents, actions, allowed = self._fluents, self._actions, VALUES.get(predicate, BOOLEAN)
         wrong = (
             row

@@ -49,7 +49,7 @@ class ImpliedValues:
     def units(
         self, clauses: Iterable[Sequence[Value]]
     ) -> tuple[dict[Proposition, bool], tuple[tuple[Value, ...], ...]]:
-        """Return the values from unit propagation, and the remaining clauses; an empty clause is a contradiction."""
+        """Return the values that unit propagation yields, and the remaining clauses; an empty clause contradicts."""
         before: dict[Proposition, bool] = {}
         left = [*dict.fromkeys(map(tuple, clauses))]
         while True:

@@ -215,7 +215,7 @@ def _through_negation(rules: Sequence[Statement]) -> Statement | None:
 
 
 def _nodes(atom: AtomNode) -> list[Node]:
-    """Return the nodes that an atom may belong to: true and false initial values are separate nodes."""
+    """Return the graph nodes to which an atom may belong; true and false initial values have separate nodes."""
     if atom.signature != ("initially", 2):
         return [(atom.signature, "")]
     value_term = atom.arguments[1]

@@ -58,7 +58,7 @@ class Touch(NamedTuple):
     depth: float = 0.0
 
     def sentence(self) -> str:
-        """Return a sentence for the contact."""
+        """Return a sentence that describes the contact."""
         deep = f", {1000 * self.depth:.1f} mm deep" if self.depth > DEEPEST else ""
         return f"{_named(self.one)} presses on {_named(self.two)} with {self.force:.1f} N{deep}"
 
@@ -76,7 +76,7 @@ class IntendedContacts:
 
 
 def intended_contacts(physical: PhysicalTask, number: int, *around: Situation) -> IntendedContacts:
-    """Return the contacts that a task intends during an action; actions count from 1, and 0 is before the first one.
+    """Return the contacts that a task intends during an action; actions count from 1, and 0 means before action 1.
 
     `around` are the situations before and after the action.
     """
@@ -176,5 +176,5 @@ def _part(body: str) -> tuple[str, str]:
 
 
 def _named(body: str) -> str:
-    """Return the name of a body for a sentence."""
+    """Return the name of a body for use in a sentence."""
     return f"the {body}" if _part(body)[0] or body == BOARD else body

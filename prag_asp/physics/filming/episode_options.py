@@ -48,11 +48,11 @@ class Staging:
             raise QueryError(f"a camera's picture has {low} to {high} pixels a side; got {width}x{height}")
 
     def sample_variation(self, scene: Scene, objects: Sequence[str], seeds: Sequence[int]) -> Variation | None:
-        """Return a random variation for a demonstration with the given objects, None if nothing varies."""
+        """Return a random variation for a demonstration with the given objects, or None if nothing varies."""
         return draw_variation(scene, self.vary, objects, seeds) if self.vary else None
 
     def cameras_of(self, scene: Scene) -> dict[str, Camera]:
-        """Return the cameras that record in a scene by name, with the requested image size.
+        """Return the cameras that record in a scene, by name, with the requested image size.
 
         Raises:
             QueryError: the scene lacks one of the cameras.

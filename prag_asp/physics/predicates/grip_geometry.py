@@ -29,7 +29,7 @@ PAD_OVERLAP = 0.002
 
 
 def grip_width(situation: Situation, entity: str, robot: str, tool: Pose | None = None) -> float:
-    """Return the width in metres of what is between the pads of a gripper when they close on an object.
+    """Return the width in metres of the material between the pads of a gripper when they close on an object.
 
     The width is 0 if there is nothing between them. `tool` replaces the pose of the tool, for a body without a model.
     """
@@ -61,7 +61,7 @@ def is_flat(robot: Robot, height: float) -> bool:
 
 
 def rise_over_flat(robot: Robot, height: float) -> float:
-    """Return the maximum height in metres of the tool above the top of a grasped object; 0 for one that is not flat."""
+    """Return the maximum height in metres of the tool above the top of a grasped object; 0 if it is not flat."""
     return max(0.0, min(TIP_ROOM + robot.fingertip - height, robot.fingertip - PAD_OVERLAP))
 
 

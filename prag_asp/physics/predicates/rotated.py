@@ -1,4 +1,4 @@
-"""``rotated``: the yaw of a body is that of a named rotation of the scene, within `TOLERANCE`."""
+"""``rotated``: the yaw of a body equals the yaw of a named rotation of the scene, within `TOLERANCE`."""
 
 from __future__ import annotations
 

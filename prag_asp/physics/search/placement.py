@@ -46,11 +46,11 @@ EDGE = 0.02  # metres to the edge of the table
 
 
 class Neighbour(NamedTuple):
-    """A body that another can meet: where the other's origin has boxes with the same centre, seen from above.
+    """A body that a placed object can meet, and the object's origin if the boxes of both have the same centre.
 
-    `dx` and `dy` are the distances from there along x and y at which the boxes touch. If one of the two has a model,
-    `parts` returns whether their parts are nearer than a spacing with the other at a place, because boxes alone do not
-    decide. All lengths are in metres.
+    `dx` and `dy` are the distances from that origin along x and y at which the boxes touch, seen from above. If the
+    body or the object has a model, `parts` returns whether their parts are nearer than a spacing with the object at a
+    place, because boxes do not decide this. All lengths are in metres.
     """
 
     x: float

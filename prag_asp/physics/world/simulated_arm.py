@@ -111,7 +111,7 @@ class SimulatedArm:
         return posture.overlap
 
     def flange(self) -> Pose:
-        """Return the pose of the flange from the simulator's own forward kinematics."""
+        """Return the pose of the flange, which the simulator computes by forward kinematics."""
         return read_flange(self.client, self.body, self.robot)
 
 
@@ -149,7 +149,7 @@ def set_joints(client: int, body: int, robot: Robot, joints: Joints, width: floa
 
 
 def read_flange(client: int, arm: int, robot: Robot) -> Pose:
-    """Return the pose of an arm's flange from the simulator's own forward kinematics.
+    """Return the pose of an arm's flange, which the simulator computes by forward kinematics.
 
     The quaternion is normalized, because the rounded angles of the URDF make it deviate by up to 1e-7.
     """

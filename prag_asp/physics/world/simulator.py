@@ -106,7 +106,7 @@ class Simulator:
         return self.arms[self.acting]
 
     def turn_to(self, robot: str) -> None:
-        """Make another robot the acting one."""
+        """Make another robot the acting robot."""
         self.acting = robot
 
     def pose_arm(self, joints: Joints, width: float) -> None:
@@ -129,7 +129,7 @@ class Simulator:
         return min((point[8] for point in points), default=0.0)
 
     def flange(self) -> Pose:
-        """Return the pose of the flange of the acting arm from the simulator's own forward kinematics."""
+        """Return the pose of the acting arm's flange, which the simulator computes by forward kinematics."""
         return self.arm.flange()
 
     def read(self, entity: str) -> Pose:
