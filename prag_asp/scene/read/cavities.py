@@ -52,7 +52,7 @@ STEEP = 0.2
 
 
 def find_cavity(triangles: Floats) -> Cavity | None:
-    """Return the largest cavity of a body, given by triangles (n, 3, 3) in metres, None if there is none.
+    """Return the largest cavity of a body, given by triangles (n, 3, 3) in metres, or None if there is none.
 
     Bodies above `MAX_LENGTH` are not searched, because they are refused, and their grids would not fit into memory.
     """

@@ -61,7 +61,7 @@ def read_urdf(path: Path, folder: Path) -> Shape:
 
     The centre of the bounding box of the solids becomes the origin. A link whose ``<inertial>`` has no ``<origin>`` has
     its centre of mass at the centroid of its solids; an inertia that is impossible for a body of this size and mass is
-    replaced by that of uniform solids.
+    replaced by the inertia of uniform solids.
 
     Raises:
         SceneError: a file is missing, malformed or outside the folder, or does not describe one rigid body.
