@@ -48,7 +48,7 @@ def effect_problems(control: clingo.Control, facts: Facts, origins: Origins) -> 
 
 
 def action_problems(facts: Facts, statements: Iterable[Statement], origins: Origins) -> Iterator[Problem]:
-    """Yield the problem of a domain without actions: an error if no rule states one, a warning if none fires."""
+    """Report a domain without actions: as an error if no rule states an action, as a warning if no such rule fires."""
     if facts.actions:
         return
     own = [each for each in statements if each.own]

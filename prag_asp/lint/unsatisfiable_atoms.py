@@ -223,7 +223,7 @@ class _NameMakers:
                 self._of_name.setdefault(name, set()).add(rule)
 
     def roots(self, unmet: Sequence[NameDemand]) -> Iterator[NameDemand]:
-        """Yield the demands that no rule can meet, without those that follow from others.
+        """Yield the demands that no rule can meet, except demands that are unmet only because others are.
 
         Only a rule whose own demands are met can meet a demand. If only dead rules would meet a demand, it follows from
         their demands, unless they demand the same name.

@@ -205,7 +205,7 @@ class AnswerSets:
         return facets_of_diagram(diagram.diagram, self._compiled.formula.printed, diagram.marginals(), diagram.total)
 
     def explain(self) -> Conflict | None:
-        """Return lines of the program that together exclude every answer set, or None if there is an answer set."""
+        """Return lines of the program that together exclude every answer set, or None if the program has one."""
         return find_conflict(self.given, self.ground)
 
     def __iter__(self) -> Iterator[AnswerSet]:

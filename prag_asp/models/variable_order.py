@@ -139,7 +139,7 @@ def _eliminate(graph: dict[int, set[int]]) -> tuple[list[tuple[int, set[int]]], 
 
 
 def _depths(eliminated: Sequence[tuple[int, set[int]]], core: set[int]) -> dict[int, int]:
-    """Return the distance of the nearest bag of each variable from the centre of the tree."""
+    """Return, for each variable, the distance from the centre of the tree to the nearest bag that contains it."""
     place = {variable: number for number, (variable, _) in enumerate(eliminated)}
     last = len(eliminated)  # the bag of the remaining variables joins all trees
     bags = [{variable, *neighbours} for variable, neighbours in eliminated] + [core]

@@ -49,7 +49,7 @@ class ImpliedValues:
     def units(
         self, clauses: Iterable[Sequence[Value]]
     ) -> tuple[dict[Proposition, bool], tuple[tuple[Value, ...], ...]]:
-        """Return the values that unit propagation yields, and the remaining clauses; an empty clause contradicts."""
+        """Propagate units; return the values and the remaining clauses, of which one is empty on a contradiction."""
         before: dict[Proposition, bool] = {}
         left = [*dict.fromkeys(map(tuple, clauses))]
         while True:

@@ -106,7 +106,7 @@ def joined(action: Schema, functions: Collection[str]) -> Schema:
 
 
 def read_functions(domain: DomainFile, problem: ProblemFile) -> set[str]:
-    """Return the functions that comparisons read, and those that changes of such functions read."""
+    """Return the functions that comparisons read, and the functions that changes to these functions read."""
     formulas = [problem.goal, *(each.formula for each in domain.derived)]
     for action in domain.actions:
         formulas += [action.precondition, *(each.condition for each in action.effects)]

@@ -31,7 +31,7 @@ class ValueBounds(NamedTuple):
 
 @dataclass(frozen=True)
 class _RememberedChange:
-    """A predicate that records changes of a function, with the positions of the arguments that are the function's.
+    """A predicate that records changes of a function, and the positions of the function's terms in its arguments.
 
     `weight` is the size of a change: a number, or a function and the arguments of the predicate that are its terms.
     """
