@@ -138,7 +138,7 @@ def physical_task(task: Task, scene: Scene) -> PhysicalTask:
 
 
 def _facts(scene: Scene, state: State, cache: dict[tuple[Atom, bool], Fact | None]) -> tuple[Fact, ...]:
-    """Return the spatial facts of a state; `cache` caches the meaning of fluents."""
+    """Return the spatial facts of a state; `cache` stores the meanings of fluents."""
     for item in state.items():
         if item not in cache:
             cache[item] = _fact(scene, *item)
@@ -147,7 +147,7 @@ def _facts(scene: Scene, state: State, cache: dict[tuple[Atom, bool], Fact | Non
 
 
 def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
-    """Return the fact of a fluent, None if it is not spatial."""
+    """Return the fact that a fluent states, or None if the fluent is not spatial."""
     name = scene.meaning(atom)
     if name is None:
         return None
@@ -174,7 +174,7 @@ def of_robot(state: Iterable[Fact], robot: str | None) -> list[Fact]:
 def _acting(scene: Scene, subgoal: tuple[Fact, ...]) -> str | None:
     """Return the robot that an action moves: the robot that grasps an object, else the first robot in the subgoal.
 
-    None if the subgoal concerns no gripper and there are several robots.
+    The result is None if the subgoal concerns no gripper and there are several robots.
     """
     grippers = [fact for fact in subgoal if fact.predicate.of_gripper]
     ranked = sorted(grippers, key=lambda fact: (not fact.value, fact.predicate.gripper is not Gripper.HOLDS))
@@ -183,7 +183,7 @@ def _acting(scene: Scene, subgoal: tuple[Fact, ...]) -> str | None:
 
 
 def _giver(subgoal: Iterable[Fact], robot: str | None, thing: str | None, all_held: Mapping[str, str]) -> str | None:
-    """Return the other robot that releases the object which a robot grasps, None if there is none."""
+    """Return the other robot, which releases the object that a robot grasps, or None if there is none."""
     for fact in subgoal:
         other = fact.arguments[0]
         lets_go = fact.predicate.gripper is Gripper.HOLDS and not fact.value and fact.arguments[1] == thing

@@ -138,7 +138,7 @@ def locate_message(program: Program, message: str) -> str:
 
 
 def _remark(program: Program, message: str) -> Problem:
-    """Return clingo's message about an atom that no rule derives as a warning, without the checks in its arguments."""
+    """Turn clingo's message about an atom that no rule derives into a warning, without the checks in arguments."""
     place = re.search(POSITION, message)
     path, line = program.locate(int(place["line"])) if place else (ADDED, 0)
     words = " ".join(re.sub(POSITION, "", message).split())

@@ -46,7 +46,7 @@ Representatives = Mapping[clingo.Symbol, clingo.Symbol]
 class EntityBound:
     """The largest numbers of entities of a group that are named together.
 
-    They are named by one action, by one invariant or fluent, by one fluent, or by all facts that one rule reads.
+    The numbers are for one action, one invariant or fluent, one fluent, and all facts that one rule reads.
     """
 
     action: int
@@ -207,7 +207,7 @@ def named_in(term: clingo.Symbol, entities: Collection[clingo.Symbol]) -> set[cl
 
 
 def _representatives(groups: Iterable[Group], sizes: Iterable[int], settings: Source) -> Representatives:
-    """Return the entities to drop so that each group has its size; entities that the settings name stay."""
+    """Return the entities to drop to reduce each group to a given size; entities that the settings name stay."""
     words = set(re.findall(r"\w+", settings.text))
     representatives: dict[clingo.Symbol, clingo.Symbol] = {}
     for group, size in zip(groups, sizes, strict=True):

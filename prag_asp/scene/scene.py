@@ -152,7 +152,7 @@ STANDARD = Material()
 
 
 class BoxBounds(NamedTuple):
-    """A box by its lowest and its highest corner in metres, which may be infinite."""
+    """A box, given by its lowest and its highest corner in metres; coordinates may be infinite."""
 
     low: tuple[float, float, float]
     high: tuple[float, float, float]
@@ -187,9 +187,9 @@ class Mount(NamedTuple):
 class Ranges(NamedTuple):
     """The ranges of domain randomization.
 
-    `friction` and `mass` are the smallest and the largest factor. The others are the largest changes: `light` of the
-    light direction, in degrees; `camera` of the positions of a camera and of its target, as a share of their distance;
-    `colour` of a colour, as Delta E in CIELAB.
+    `friction` and `mass` are the smallest and the largest factor. The other fields are the largest changes: `light`
+    changes the light direction, in degrees; `camera` changes the positions of a camera and its target, as a share of
+    their distance; `colour` changes a colour, as Delta E in CIELAB.
     """
 
     friction: tuple[float, float] = (0.8, 1.2)

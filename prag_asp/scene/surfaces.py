@@ -225,7 +225,7 @@ class PartOutline(NamedTuple):
 
     @classmethod
     def of(cls, corners: Floats) -> PartOutline:
-        """Return the outline with the corners (n, 2), counter-clockwise."""
+        """Return the outline with given corners (n, 2), which are counter-clockwise."""
         edges = np.roll(corners, -1, 0) - corners
         lengths = np.maximum(np.linalg.norm(edges, axis=1), EDGE)
         return cls(corners, np.stack([edges[:, 1], -edges[:, 0]]) / lengths)

@@ -57,17 +57,17 @@ COMBINED = {
 
 
 def edits_by(cost: Callable[[Background], Cost]) -> Callable[[Background], Measure]:
-    """Return an edit distance with costs."""
+    """Return a function that makes an edit distance with the given costs."""
     return lambda background: EditMeasure(cost(background))
 
 
 def places_by(cost: Callable[[Background], Cost]) -> Callable[[Background], Measure]:
-    """Return a distance place by place with costs."""
+    """Return a function that makes a place-by-place distance with the given costs."""
     return lambda background: PlaceMeasure(cost(background))
 
 
 def strings_by(function: Callable[[], StringDistance], *, bounded: bool) -> Callable[[Background], Measure]:
-    """Return a distance of texts."""
+    """Return a function that makes a distance of texts."""
     return lambda background: StringMeasure(function(), bounded)
 
 
@@ -153,10 +153,10 @@ METRICS = {
 
 
 def metric_of(name: str) -> Metric:
-    """Return the metric with a name.
+    """Return the metric with a given name.
 
     Raises:
-        QueryError: there is none.
+        QueryError: there is no metric with this name.
     """
     if name not in METRICS:
         raise QueryError(unknown(name, tuple(METRICS), "metric"))

@@ -56,7 +56,7 @@ class SetStep:
         return self.diagrams.minus(states, self.diagrams.union(map(values.body, step.final)))
 
     def pieces(self, states: Node, look: Callable[[], None]) -> Iterator[Piece]:
-        """Yield the pieces of a set of states by each action, in order of the actions; `look` is called before each.
+        """Yield the pieces of a set of states for each action, in order; `look` is called before each action.
 
         The pieces of one action are disjoint.
         """

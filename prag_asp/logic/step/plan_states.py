@@ -127,7 +127,7 @@ def _look_up(table: dict[int, Any], keys: Numbers, evaluate: Callable[[list[int]
 
 
 class SolvedPlanStates:
-    """Like `PlanStates`, but by solving the unrolled program of each plan, for steps that cannot be evaluated."""
+    """Like `PlanStates`, but solves the unrolled program of each plan, for steps that cannot be evaluated."""
 
     def __init__(self, program: Program, facts: Facts) -> None:
         self._program = program

@@ -19,7 +19,7 @@ ARMS_APART = 0.01
 class ArmCollision(NamedTuple):
     """The body that the arm collides with, and whether the hand collides.
 
-    If it does, no other configuration for the tool pose helps.
+    If the hand collides, no other configuration for the tool pose helps.
     """
 
     other: str
@@ -98,7 +98,7 @@ def arm_collision(
 
 
 def _meets_object(simulator: Simulator, situation: Situation, name: str, arm: Arm) -> tuple[str, int] | None:
-    """Return an object and the link of an arm that collide, None if none do; fingers may touch a held object."""
+    """Return an object and an arm link that collide, or None if there are none; fingers may touch a held object."""
     simulated = simulator.arms[name]
     robot = simulated.robot
     bodies = situation.bodies

@@ -110,7 +110,7 @@ class Simulator:
         self.acting = robot
 
     def pose_arm(self, joints: Joints, width: float) -> None:
-        """Set seven joint angles of the acting arm in radians, and the opening of its gripper in metres.
+        """Set the seven joint angles of the acting arm in radians, and the opening of its gripper in metres.
 
         Raises:
             SceneError: a number is not finite, or there are not seven joints.
@@ -175,12 +175,12 @@ def start_world(client: int) -> None:
 
 
 def move(client: int, body: int, pose: Pose) -> None:
-    """Move a body; the pose is that of its inertial frame."""
+    """Move a body; the pose is the pose of its inertial frame."""
     pybullet.resetBasePositionAndOrientation(body, pose.position, pose.quaternion, physicsClientId=client)
 
 
 def read_pose(client: int, body: int) -> Pose:
-    """Return the pose of a body: that of its inertial frame."""
+    """Return the pose of a body's inertial frame."""
     position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
     return Pose(tuple(position), tuple(quaternion))
 

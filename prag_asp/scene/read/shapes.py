@@ -76,7 +76,7 @@ def _shapes(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
 
 
 def _from_file(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
-    """Return the shape of a URDF or a mesh, given by its path from the folder of the domain."""
+    """Return the shape that a URDF or a mesh describes, given by its path from the folder of the domain."""
     from prag_asp.scene.read.mesh_body import read_mesh_body  # noqa: PLC0415 - few domains have bodies from files
     from prag_asp.scene.read.urdf import read_urdf  # noqa: PLC0415
 

@@ -162,7 +162,7 @@ def own_points(solid: Solid) -> Iterator[Size]:
 
 
 def rotation(turn: Size) -> Rows:
-    """Return the rotation matrix of roll, pitch and yaw about the fixed axes, in radians."""
+    """Return the rotation matrix for roll, pitch and yaw about the fixed axes, in radians."""
     (a, b), (c, d), (e, f) = ((math.cos(angle), math.sin(angle)) for angle in turn)
     return (
         (e * c, e * d * b - f * a, e * d * a + f * b),

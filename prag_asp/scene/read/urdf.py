@@ -162,7 +162,7 @@ def _frames(
 
 
 def _frame(origin: ElementTree.Element | None) -> Frame:
-    """Return the frame of an origin."""
+    """Return the frame that an ``<origin>`` element describes."""
     at, turn = _origin(origin)
     return Frame(np.array(rotation(turn)), np.array(at))
 
@@ -261,13 +261,13 @@ def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
 
 
 def _origin(origin: ElementTree.Element | None) -> tuple[Size, Size]:
-    """Return the position in metres, and roll, pitch and yaw in radians, of an origin; zeros if it is missing."""
+    """Return the position in metres and roll, pitch and yaw in radians in an ``<origin>``; zeros if it is missing."""
     at, turn = ((ZEROS if origin is None else origin.get(name, ZEROS)) for name in ("xyz", "rpy"))
     return _numbers(at, 3, "the xyz of <origin>"), _numbers(turn, 3, "the rpy of <origin>")
 
 
 def _thick(solid: Solid) -> Solid:
-    """Return a solid after a check that it is thick enough to collide with."""
+    """Check that a solid is thick enough to collide with, and return it."""
     if min(solid.size) < SMALLEST:
         raise SceneError(f"a <{solid.kind}> is {too_thin(min(solid.size))}")
     return solid
