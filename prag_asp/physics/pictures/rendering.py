@@ -147,7 +147,7 @@ def animate(
 
 
 def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
-    """Return the moments of the states of a task in a witness or a demonstration."""
+    """Return the moments in a witness or a demonstration that belong to the states of a task."""
     if isinstance(shown, Witness):
         unfit = count_mismatch(shown, len(task.actions))
         if unfit is not None:
