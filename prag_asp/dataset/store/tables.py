@@ -50,7 +50,7 @@ class TableReader:
             yield from rows.to_pylist()
 
     def by_rank(self, note: PartManifest, length: int, rank: int, draw: int | None) -> Iterator[Row]:
-        """Yield the row of the task of a rank; if its draw is known, only one shard is read.
+        """Yield the row of the task with a given rank; if its draw is known, only one shard is read.
 
         Otherwise the ranks of the part are read once and cached: about a hundred bytes per task.
         """

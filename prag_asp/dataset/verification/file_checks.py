@@ -1,4 +1,4 @@
-"""Check the files of a dataset: all files of dataset.json exist unchanged, and there are no others."""
+"""Check the files of a dataset: all files that dataset.json lists exist unchanged, and there are no others."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def wrong_files(folder: Path, manifest: Manifest, recordings: Set[str]) -> Itera
 def wrong_file(
     folder: Path, name: str, sha256: str, size: int | None = None, note: str = "dataset.json"
 ) -> Iterator[Finding]:
-    """Yield findings about a file, given its digest and, if it is known, its size in bytes; `note` records them."""
+    """Yield findings about a file, given its digest and, if it is known, its size in bytes, which `note` records."""
     path = folder / name
     if not is_inside(path, folder):
         yield Finding(name, None, "leads out of the dataset")
