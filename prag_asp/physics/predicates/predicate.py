@@ -86,9 +86,9 @@ class Predicate:
     Definition: `violations` returns how far a situation is from satisfying each condition, in metres or radians.
     `subject` is the index of the argument that moves to make the predicate true. `volume` is the region of the gripper
     if `of_gripper`, the range of the joint of furniture if `of_joint`, otherwise the region of the subject; with
-    `turns`, it has ranges of yaws. `inverse` names the predicate that holds for the swapped arguments if and only if
-    this one holds; a symmetric predicate names itself. With `looks_around`, the violations may depend on bodies that
-    are not arguments.
+    `turns`, it has ranges of yaws. `inverse` names the predicate that holds for the swapped arguments if this predicate
+    holds; a symmetric predicate names itself. With `looks_around`, the violations may depend on bodies that are not
+    arguments.
 
     Words: `sentence` states the predicate, `robot_sentence` does so in scenes with several robots. Captions state
     predicates in the order of `caption_rank`, and those of infinite rank only if there are no others.
