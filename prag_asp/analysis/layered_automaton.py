@@ -97,7 +97,7 @@ class LayeredAutomaton:
 
 
 def sums_at(values: Objects, places: NDArray[np.int64], size: int) -> Objects:
-    """Return the sums of the values at each of `size` places."""
+    """Return, for each of `size` places, the sum of the values there."""
     order = np.argsort(places, kind="stable")
     held, begins = np.unique(places[order], return_index=True)
     sums = np.zeros(size, dtype=object)

@@ -56,7 +56,7 @@ class ActionEffect:
     """The physical effect of an action.
 
     `grasps`, `releases` and `visits` name the object that the gripper grasps, releases or moves to; `over` names the
-    object over which it moves. `holds` is the object held before and after. The gripper is that of `robot`; `giver` is
+    object over which it moves. `holds` is the object held before and after. The gripper belongs to `robot`; `giver` is
     the other robot in a handover. `leaves` means that the gripper leaves its object, `lifts` that a grasped object
     leaves its support, `stays` that the gripper remains at a released object. `moved` are the objects that the action
     makes the subject of a relation, `turns` is the furniture that it opens or closes, `closes` means that it closes the
@@ -239,11 +239,11 @@ def _effect(
 
 
 def _only(state: Iterable[Fact], does: Gripper) -> str | None:
-    """Return the object of a positive fact about a gripper, None if there is none."""
+    """Return the object in a positive fact about a gripper, or None if there is none."""
     return next((f.arguments[1] for f in state if f.predicate.gripper is does and f.value), None)
 
 
 def _known(state: Iterable[Fact], does: Gripper, entity: str | None) -> bool | None:
-    """Return the value of a fact about a gripper and an object, None if it is unknown."""
+    """Return the value of a fact about a gripper and an object, or None if it is unknown."""
     matching = (f.value for f in state if f.predicate.gripper is does and f.arguments[1] == entity)
     return next(matching, None)

@@ -39,8 +39,8 @@ class TierOutcome(NamedTuple):
 class TierPipeline:
     """Passes witnesses of one scene through the tiers above kinematics; each tier opens its world on first use.
 
-    The bodies in the `simulator` must have the sizes that the witness has (`Simulator.use`). `resources` closes the
-    worlds.
+    The bodies in the `simulator` must have the sizes that the witness has (`Simulator.use`). The worlds are closed with
+    `resources`.
     """
 
     def __init__(self, scene: Scene, simulator: Simulator, resources: ExitStack):

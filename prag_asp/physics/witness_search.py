@@ -151,7 +151,7 @@ def actions_to_blame(physical: PhysicalTask, k: int, faults: Iterable[PhysicsFau
 
 
 def _grasped_before(physical: PhysicalTask, k: int) -> int | None:
-    """Return the action that grasped the body which action `k` moves or puts down, None if there is none."""
+    """Return the action that grasped the body which action `k` moves or puts down, or None if there is none."""
     entity = physical.effects[k].releases or physical.effects[k].holds
     if entity is None:
         return None

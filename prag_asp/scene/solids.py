@@ -30,7 +30,7 @@ def solids(shape: Shape) -> tuple[Solid, ...]:
 
 
 def weight(scene: Scene, entity: str) -> float:
-    """Return the mass of a body in kilograms: that of its model, or volume times density."""
+    """Return the mass of a body in kilograms: the mass of its model, or volume times density."""
     shape = scene.shapes[entity]
     return scene.material(entity).density * volume(solids(shape)) if shape.model is None else shape.model.mass
 

@@ -231,9 +231,9 @@ class PartOutline(NamedTuple):
         return cls(corners, np.stack([edges[:, 1], -edges[:, 0]]) / lengths)
 
     def meets(self, other: PartOutline, offset: Floats, spacing: float) -> bool:
-        """Return whether this outline, moved by an offset (2,), may be within a spacing in metres of another.
+        """Return whether this outline, moved by an offset (2,), may be nearer to another than a spacing in metres.
 
-        It is not if an edge separates them by at least this spacing (separating axis theorem).
+        The outlines are farther apart if an edge separates them by at least this spacing (separating axis theorem).
         """
         normals = np.concatenate([self.normals, other.normals], 1)
         ours, theirs = (self.corners + offset) @ normals, other.corners @ normals

@@ -33,10 +33,10 @@ from prag_asp.wording import unknown
 
 @dataclass(frozen=True)
 class Metric:
-    """A way to compare two tasks: `features` of a task, and a measure of two features.
+    """A way to compare two tasks: `features` extracts the features of a task, and `measure` returns their measure.
 
-    `axioms` is true if it is a metric: zero only for equal features, symmetric, with the triangle inequality. Otherwise
-    it is a dissimilarity. `source` is its publication.
+    `axioms` is true if the measure is a metric: zero only for equal features, symmetric, and subject to the triangle
+    inequality. Otherwise it is a dissimilarity. `source` is the publication that defines it.
     """
 
     name: str

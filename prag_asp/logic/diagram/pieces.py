@@ -24,7 +24,7 @@ Read = Callable[[int], Node]
 
 @dataclass(frozen=True)
 class Piece:
-    """States in which an action, given by number, is valid and has equal effects; `labels` are the true labels."""
+    """States in which an action, given by its number, is valid and has equal effects; `labels` are the true labels."""
 
     letter: int
     states: Node

@@ -24,7 +24,7 @@ LOW = 2**32 - 1
 
 
 class _Rows:
-    """Distinct columns of truth values, by number."""
+    """Distinct, numbered columns of truth values."""
 
     def __init__(self) -> None:
         self._numbers: dict[bytes, int] = {}

@@ -1,7 +1,7 @@
 """The contacts that a task intends, and the unintended contacts in an episode.
 
-The check covers the contacts of robots and of moved bodies: those that a finger touches, and those that rest on them. A
-task intends contacts between
+The check covers the contacts of robots and of moved bodies: bodies that a finger touches, and bodies that rest on them.
+A task intends contacts between
 
 - the fingers of a gripper and the object that it holds, grasps, releases or is at, before or after the action, or the
   furniture that the action opens or closes;
@@ -127,7 +127,7 @@ class HandledContact(NamedTuple):
 
 
 def handled_contacts(touches: Iterable[Touch], intended: IntendedContacts) -> Iterator[HandledContact]:
-    """Yield the contacts of robots and moved bodies: those that fingers touch, and those that rest on them."""
+    """Yield the contacts of robots and moved bodies: bodies that fingers touch, and bodies that rest on these."""
     frames: dict[int, list[Touch]] = {}
     for touch in touches:
         frames.setdefault(touch.frame, []).append(touch)
@@ -157,7 +157,7 @@ def _strongest(touches: Iterable[Touch]) -> list[Touch]:
 def _is_intended(pair: Pair, touched: set[str], moved: set[str], intended: IntendedContacts) -> bool:
     """Return whether a contact of a robot or a moved body is intended.
 
-    `moved` are the bodies `touched` by fingers, and those that rest on them.
+    `moved` are the bodies `touched` by fingers, and the bodies that rest on these.
     """
     (part, robot), (other_part, other_robot) = map(_part, pair)
     if part and other_part:

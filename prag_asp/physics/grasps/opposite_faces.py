@@ -44,7 +44,7 @@ def is_never_spanned(shape: Shape, gripper: ParallelGripper, friction: float) ->
 
 @lru_cache(maxsize=256)
 def _decided(shape: Shape, gripper: ParallelGripper, friction: float, files: tuple[tuple[int, int], ...]) -> bool:
-    """Return the result for a body; the states of its files are part of the cache key."""
+    """Return whether the proof succeeds for a body; the states of its files are part of the cache key."""
     return exceeds_opening(part_surfaces(shape), gripper, friction)
 
 

@@ -119,7 +119,7 @@ class _Cells(NamedTuple):
 
 
 def _cells(points: Angles, limits: JointLimits) -> _Cells | None:
-    """Return the cells of a path, None if it does not move."""
+    """Return the cells of a path, or None if the path does not move."""
     pieces = np.diff(points, axis=0)
     lengths = np.abs(pieces).max(axis=1)
     moving = lengths > STILL

@@ -48,7 +48,7 @@ def plan_transit(task: Task, witness: Witness, scene: Scene) -> Witness | None:
 def _motion(
     simulator: Simulator, effect: ActionEffect, own: Sequence[Waypoint], before: Moment, after: Moment
 ) -> tuple[Waypoint, ...] | None:
-    """Return the waypoints of an action with transit waypoints in between, None if a path is not found."""
+    """Return the waypoints of an action with transit waypoints in between, or None if a path is not found."""
     waypoints_so_far: list[Waypoint] = []
     arms, poses, openings = dict(before.arms), before.poses, before.openings
     if (effect.grasps, effect.releases, effect.holds) == (None, None, None):

@@ -59,9 +59,9 @@ def film_strip(
 ) -> Image.Image:
     """Return a picture of the states of a witness or a demonstration, or of `frames` of them, including first and last.
 
-    They are arranged in rows of at most `columns`; `size` is that of one picture in pixels. Below each are the action
-    and its positive effects in plain words. `headings` that are not None replace the words for the actions; `captions`
-    replace all words by a heading and a text for each state.
+    They are arranged in rows of at most `columns`; `size` is the size of one picture in pixels. Below each picture are
+    the action and its positive effects in plain words. `headings` that are not None replace the words for the actions;
+    `captions` replace all words by a heading and a text for each state.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
@@ -147,7 +147,7 @@ def animate(
 
 
 def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
-    """Return the moments of the states of a task in a witness or a demonstration."""
+    """Return the moments in a witness or a demonstration that belong to the states of a task."""
     if isinstance(shown, Witness):
         unfit = count_mismatch(shown, len(task.actions))
         if unfit is not None:

@@ -42,7 +42,7 @@ def grip_width(situation: Situation, entity: str, robot: str, tool: Pose | None 
 
 
 def contact_at(situation: Situation, entity: str, robot: str) -> PadContact | None:
-    """Return the contact of the pads of a gripper when they close on a body, None if there is nothing between them."""
+    """Return the contact of a gripper's pads when they close on a body, or None if there is nothing between them."""
     tool = compose(invert(situation.pose(entity)), situation.tool(robot))
     return pad_contact(situation.shape(entity), ParallelGripper.of(situation.robot(robot)), tool)
 

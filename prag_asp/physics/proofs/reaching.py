@@ -21,8 +21,8 @@ from prag_asp.scene.scene import Scene
 def out_of_reach(domain: Domain, scene: Scene) -> Iterator[Problem]:
     """Yield a warning for each fixed place, on or in which actions place objects, that no gripper reaches.
 
-    The reach is that of `reachable`, the ring around a robot's base in which its gripper reaches everything from above.
-    For objects in a drawer, the drawer is assumed to be open.
+    The reach is defined as in `reachable`: the ring around a robot's base in which its gripper reaches everything from
+    above. For objects in a drawer, the drawer is assumed to be open.
     """
     facts = domain.facts
     stated = [

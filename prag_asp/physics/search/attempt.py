@@ -146,7 +146,7 @@ class Snapshot:
 
     @property
     def above(self) -> Joints | None:
-        """The joint configuration straight above the acting gripper, None if it is not lowered to an object."""
+        """The joint configuration straight above the acting gripper, or None if it is not lowered to an object."""
         return self.lowered.get(self.acting)
 
     def moment(self) -> Moment:

@@ -69,7 +69,7 @@ def overlap_depth(simulator: Simulator, situation: Situation, one: str, two: str
 def arm_collision(
     simulator: Simulator, situation: Situation, joints: Joints, width: float, touched: str | None
 ) -> ArmCollision | None:
-    """Return the collision of the acting arm at joint angles, None if it is free; its fingers may touch `touched`.
+    """Return the collision of the acting arm at joint angles, or None; the fingers may touch the object `touched`.
 
     The other arms are as in the situation; they must not collide with the objects or with this arm.
     """
@@ -132,7 +132,7 @@ def _meets_arm(simulator: Simulator, name: str, arm: Arm, joints: Joints, width:
 
 
 def _deep(contacts: Iterable[tuple[int, float]]) -> int | None:
-    """Return a link whose contact is a collision, None if there is none."""
+    """Return a link whose contact is a collision, or None if there is none."""
     return next((link for link, gap in contacts if gap < COLLISION), None)
 
 

@@ -65,7 +65,7 @@ def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> 
 
 
 def unsupported(situation: Situation, entities: Iterable[str], needs_margin: bool = False) -> str | None:
-    """Return a body that would fall or tip over, None if all are stable; held bodies are stable, and bear others.
+    """Return a body that would fall or tip over, or None; held bodies are stable, and can bear other bodies.
 
     The centre of mass has to be over the contacts below the body. With `needs_margin`, the distance of the centre of
     mass from their edge has to be at least the margin of the scene or, if that is less, a tenth of the width of the

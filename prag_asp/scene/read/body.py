@@ -63,7 +63,7 @@ def _cavity(solids: Sequence[Solid]) -> Cavity | None:
 
 
 def resting(shape: Shape) -> Shape | None:
-    """Return the shape of a body with a model at rest: unchanged if it stands, None if it does not come to rest.
+    """Return the shape of a body with a model at rest: unchanged if it stands, or None if it does not come to rest.
 
     Raises:
         SceneError: a mesh cannot be read.

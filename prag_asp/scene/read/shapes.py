@@ -26,7 +26,7 @@ STAND_IN = (0.3, 0.3, 0.3)
 
 
 def read_shapes(section: TableEntry, names: DomainNames) -> dict[str, tuple[Shape, ...]]:
-    """Return the possible shapes of every entity, smallest first: those of its class or nearest ancestor."""
+    """Return the possible shapes of every entity, smallest first: the shapes of its class or its nearest ancestor."""
     by_class: dict[str, tuple[Shape, ...]] = {}
     for name, entry in section.entries():
         if names.has_class(entry, name):
@@ -45,7 +45,7 @@ def read_shapes(section: TableEntry, names: DomainNames) -> dict[str, tuple[Shap
 
 
 def _shapes(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
-    """Return the shapes of one class: `SIZES` of them if its table gives a range, otherwise one."""
+    """Return the shapes of one class: `SIZES` shapes if the table gives a range, otherwise one shape."""
     if not entry.is_table('like { kind = "box", size = [0.05, 0.05, 0.05] }'):
         return ()
     kind = entry.value.get("kind")

@@ -61,7 +61,7 @@ def read_urdf(path: Path, folder: Path) -> Shape:
 
     The centre of the bounding box of the solids becomes the origin. A link whose ``<inertial>`` has no ``<origin>`` has
     its centre of mass at the centroid of its solids; an inertia that is impossible for a body of this size and mass is
-    replaced by that of uniform solids.
+    replaced by the inertia of uniform solids.
 
     Raises:
         SceneError: a file is missing, malformed or outside the folder, or does not describe one rigid body.
@@ -168,12 +168,12 @@ def _frame(origin: ElementTree.Element | None) -> Frame:
 
 
 def _composed(outer: Frame, inner: Frame) -> Frame:
-    """Return the composition of two frames, the second relative to the first."""
+    """Compose two frames, the second of which is relative to the first."""
     return Frame(outer.rows @ inner.rows, outer.rows @ inner.at + outer.at)
 
 
 def _moved(solid: Solid, frame: Frame) -> Solid:
-    """Return a solid of a link in the frame of the body."""
+    """Transform a solid from the frame of its link to the frame of the body."""
     rows, at = _composed(frame, Frame(np.array(rotation(solid.turn)), np.array(solid.at)))
     x, y, z = map(float, at)
     return solid._replace(at=(x, y, z), turn=roll_pitch_yaw(rows))

@@ -60,7 +60,7 @@ class Automaton:
         return [(letters[begin:end], targets[begin:end]) for begin, end in pairwise(offsets)]
 
     def step(self, state: int, letter: int) -> int | None:
-        """Return the edge that leaves a state with a letter, or None if there is none."""
+        """Return the edge of a state that has a given letter, or None if there is no such edge."""
         first, last = int(self.offsets[state]), int(self.offsets[state + 1])
         edge = first + int(np.searchsorted(self.letters[first:last], letter))
         return edge if edge < last and self.letters[edge] == letter else None

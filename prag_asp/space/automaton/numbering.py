@@ -29,7 +29,7 @@ class Numbering:
 
     @property
     def rows(self) -> Rows:
-        """All rows, by number, shape (size, words)."""
+        """All rows, in order of their numbers, shape (size, words)."""
         return self._rows[: self._size]
 
     @property

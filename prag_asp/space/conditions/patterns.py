@@ -18,7 +18,7 @@ ANY = "_"
 
 @dataclass(frozen=True)
 class Pattern:
-    """An action, an action name, or an action with ``_`` for any argument; `arguments` is None for a name alone."""
+    """An action, an action name, or an action with ``_`` for any argument; `arguments` is None for a mere name."""
 
     name: str
     arguments: tuple[str, ...] | None = None

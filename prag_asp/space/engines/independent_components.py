@@ -153,7 +153,7 @@ def count_shuffles(counts: Sequence[Sequence[int]], check: LimitCheck = lambda: 
     """Return the number of shuffles of total length n of one word from each part, and None.
 
     `counts` has, for each part, the numbers of words of the lengths 0, 1, ..., n. If `check` reports a limit, the
-    result is that limit and a lower bound computed from the parts shuffled so far.
+    result is a lower bound, computed from the parts shuffled so far, and that limit.
     """
     first, *others = counts
     whole, length = list(first), len(first) - 1

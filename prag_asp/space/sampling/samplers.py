@@ -238,7 +238,7 @@ class SkeletonSampler:
         return path, total
 
     def _sums(self, skeleton: tuple[int, ...]) -> Sums:
-        """Return for each step and state the running sums of the moves, and the weight of all words."""
+        """Return, for each step and state, the running sums of the moves, and the weight of all words."""
         layers: list[set[int]] = [{0}]
         for name in skeleton:
             layers.append({move[1] for state in layers[-1] for move in self._moves[state].get(name, ())})
