@@ -84,10 +84,10 @@ def fisher_critical_values(scenarios: int, totals: Integers, alpha: Fraction) ->
 
 
 def sign_test_critical_values(differing: Integers, alpha: Fraction) -> Integers:
-    """Return the largest numbers of pairs with only one policy's success that McNemar's test rejects as too few, or -1.
+    """Return the largest numbers of pairs won by one policy that McNemar's test rejects as too few, or -1.
 
-    There is one result for each number of differing pairs. Twice the tail of the binomial distribution with probability
-    1/2 must be at most alpha.
+    A policy wins a pair if only it succeeds. There is one result for each number of differing pairs. Twice the tail of
+    the binomial distribution with probability 1/2 must be at most alpha.
     """
     depth = math.ceil(math.sqrt(DEVIATIONS * int(differing[-1]))) + 2
     numbers = differing[:, None] // 2 - np.arange(depth)[::-1]

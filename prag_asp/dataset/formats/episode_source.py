@@ -103,7 +103,7 @@ class ExportEpisode:
 class EpisodeSource:
     """A dataset to export.
 
-    `level` is the level of detail of the instructions, one of `LEVELS`; `action` the convention of actions, one of
+    `level` is the level of detail of the instructions, one of `LEVELS`; `action` is the convention of actions, one of
     `CONTROLS`.
     """
 

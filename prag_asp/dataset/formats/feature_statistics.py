@@ -96,7 +96,7 @@ def as_lists(statistics: Statistics) -> dict[str, Any]:
 
 
 def flattened(features: Mapping[str, Statistics], names: Sequence[str] = NAMES) -> Iterable[tuple[str, Any]]:
-    """Yield the statistics columns of an episode: each name ``stats/FEATURE/NAME`` with its value."""
+    """Yield the name, ``stats/FEATURE/NAME``, and the value of each statistic of an episode."""
     for feature, statistics in features.items():
         values = as_lists(statistics)
         yield from ((f"stats/{feature}/{name}", values[name]) for name in names)

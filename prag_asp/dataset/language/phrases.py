@@ -87,7 +87,7 @@ class NounPhrases:
         return self._written[what, case]
 
     def _modifiers(self, relation: Relation, gender: str = "") -> Iterator[Modifier]:
-        """Yield the modifiers that mean only this relation, for subjects of a gender."""
+        """Yield the modifiers that mean only this relation, for subjects of a given gender."""
         for modifier in self.sentences.modifiers.get((relation.name, len(relation.others) + 1), ()):
             genders = modifier.template.genders
             if gender and genders and gender not in genders:
@@ -101,7 +101,7 @@ class NounPhrases:
 
     @cached_property
     def _modified(self) -> tuple[Template, ...]:
-        """The templates of a noun phrase with a modifier after it."""
+        """The templates of a noun phrase followed by a modifier."""
         found = []
         for text in self.words.table["modified"]:
             spelled = text.replace("{phrase}", "{0}").replace("{where}", "{1}")

@@ -1,6 +1,6 @@
 """Builders of Arrow columns from rows; a task has hundreds of facts, so rows are kept as flat arrays.
 
-Arrays are built from Python values by means of buffers, because `pyarrow.array` imports pandas if it is installed.
+Arrays are built from Python values through buffers, because `pyarrow.array` imports pandas if it is installed.
 """
 
 from __future__ import annotations
@@ -227,7 +227,7 @@ def offsets(sizes: Iterable[int]) -> pa.Buffer:
     """Return the offset of each item and the end of the last item, given the sizes of the items.
 
     Raises:
-        OverflowError: their sum exceeds 32 bits.
+        OverflowError: the sum of the sizes exceeds 32 bits.
     """
     ends = [*accumulate(sizes, initial=0)]
     if ends[-1] > LARGEST:

@@ -34,7 +34,7 @@ class StartResult(msgspec.Struct):
 
     @property
     def text(self) -> str | None:
-        """The witness as JSON, or None without one."""
+        """The witness as JSON, or None if there is no witness."""
         content = bytes(self.witness)
         return None if content == bytes(NOTHING) else content.decode()
 

@@ -102,7 +102,7 @@ class Share(msgspec.Struct):
 
 
 class PartManifest(msgspec.Struct):
-    """A part of the split: its numbers of tasks in the space, requested and in the dataset, and its shards.
+    """A part of the split: the numbers of its tasks in the space, in the request and in the dataset, and its shards.
 
     `tail` is the last shard while rows are still added to it.
     """

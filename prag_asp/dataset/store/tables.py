@@ -40,7 +40,7 @@ class TableReader:
         return result
 
     def rows(self, note: PartManifest, table: str, columns: Sequence[str] | None = None) -> Iterator[Row]:
-        """Yield the rows of a part, with some columns or all."""
+        """Yield the rows of a part, with all columns or only some."""
         for shard in note.shards:
             yield from self.of_shard(table, shard, columns)
 

@@ -118,9 +118,9 @@ class TaskPool:
         return word in self.part
 
     def proposals(self, *, seed: int, length: int | None = None) -> Iterator[Proposal]:
-        """Yield tasks endlessly and independently, with the weights of the domain, only of the given `length`, if any.
+        """Yield independent samples endlessly, by the weights of the domain; a `length` restricts them to that length.
 
-        The probability of a task is its probability among all tasks of the space, or of this length.
+        The probability of a task is its probability among all tasks of the space or, with a `length`, of this length.
 
         Raises:
             QueryError: the pool has no task.
