@@ -112,7 +112,7 @@ def placement_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
 def last_step_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
     """Yield the step rules that read a predicate which rules in ``check(t)`` derive at the same step.
 
-    A step is the same function at every time, so it does not know whether it is the last one: the program is ground
+    A step is the same function at every time, so it does not know whether it is the last one: the program is grounded
     part by part, ``base``, ``step(1)`` to ``step(n)``, then ``check(n)``, and each part reads only atoms that it or an
     earlier part derives.
     """

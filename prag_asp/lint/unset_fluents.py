@@ -1,7 +1,7 @@
 """Find the fluents that a user rule of a step may change without giving them a value.
 
-They are unknown after such a step, like a fluent with the postcondition `unknown`. A step is ground once, in any state
-that satisfies the invariants, and a solver searches for a step that leaves a known fluent without a value. The
+They are unknown after such a step, like a fluent with the postcondition `unknown`. A step is grounded once, in any
+state that satisfies the invariants, and a solver searches for a step that leaves a known fluent without a value. The
 hypotheses are that a fluent is known in every state, and that a user predicate carried from step to step is true of
 given terms in every state. Hypotheses that a step may break are dropped until the rest is inductive (Flanagan and Leino
 2001).

@@ -15,7 +15,7 @@ MOST_FLUENTS, MOST_ACTIONS = 10**6, 10**7
 """The maximum numbers of fluents, and of actions of one name. A fluent takes 3 kB and 0.1 ms, an action takes more."""
 
 LARGE = 10**4
-"""The number of actions of one name above which only actions with relaxed-reachable preconditions are ground."""
+"""The number of actions of one name above which only actions with relaxed-reachable preconditions are grounded."""
 
 Kinds = Iterable[tuple[str, ...]]
 

@@ -29,7 +29,7 @@ FEWEST = 16
 MANY = 20_000
 """The minimum number of fluents, actions, conditions, effects and invariants for a reduction.
 
-A smaller program is ground completely, because the complete program answers every query.
+A smaller program is grounded completely, because the complete program answers every query.
 """
 
 FIRST = 3
@@ -91,7 +91,7 @@ class Reduction:
         return with_entities(self.facts, self._representatives([bound.least for bound in self.bounds]))
 
     def whole_facts(self) -> Facts:
-        """Return the facts of the whole program, which is ground on first use, with a note to the user."""
+        """Return the facts of the whole program, which is grounded on first use, with a note to the user."""
         program, settings = self.program, self.settings
         groups = ", ".join(f"{len(group):,} like {group[0]}" for group in self.groups)
 

@@ -36,7 +36,7 @@ def weight(scene: Scene, entity: str) -> float:
 
 
 def walls(shape: Shape, above: float = 0.0) -> tuple[Solid, ...]:
-    """Return the walls of a container; they begin twice `above` metres above the ground, to leave room for a floor."""
+    """Return the walls of a container; they start 2 * `above` metres above its bottom, to leave room for a floor."""
     x, y, z = shape.half
     thin, inner, tall = shape.wall / 2, y - shape.wall, z - above
     return boxes(

@@ -28,7 +28,7 @@ UNSEEN = (".git", ".cache", ".gitattributes")
 def wrong_files(folder: Path, manifest: Manifest, recordings: Set[str]) -> Iterator[Finding]:
     """Yield findings about the files that dataset.json lists, and about files that do not belong to the dataset.
 
-    `recordings` are the files in the tables of recordings, which have their digests.
+    `recordings` are the files listed in the recording tables, which also hold the digests of these files.
     """
     expected = {NAME, CARD, *recordings}
     listed: list[FileRecord | ShardFile] = [*manifest.domain.files, *manifest.domain.encodings, *manifest.pictures]
