@@ -1,4 +1,4 @@
-"""Read archives written by `numpy.savez`: only the expected arrays, and no more bytes than their headers state.
+"""Read archives written by `numpy.savez`: only the expected arrays, and no more bytes than their headers declare.
 
 An archive of a few kilobytes can hold many gigabytes, and an array can be a pickle, which runs code. Therefore the
 sizes in the directory of the archive are checked before anything is unpacked, the header of each array before it is
@@ -50,7 +50,7 @@ def read_arrays(file: BinaryIO, names: Collection[str], at_most: int) -> dict[st
 
 
 def _members(archive: ZipFile, names: Collection[str]) -> Mapping[str, ZipInfo]:
-    """Return the members of an archive by the names of their arrays.
+    """Return the members of an archive, keyed by array name.
 
     Raises:
         BadArchive: two members have the same name.
@@ -67,7 +67,7 @@ def _members(archive: ZipFile, names: Collection[str]) -> Mapping[str, ZipInfo]:
 
 
 def _array(archive: ZipFile, name: str, member: ZipInfo) -> NDArray[Any]:
-    """Return an array of an archive.
+    """Read one array from an archive.
 
     Raises:
         BadArchive: the array holds neither numbers nor valid texts, or its size differs from its header.

@@ -84,7 +84,7 @@ def split_terms(text: str) -> list[str]:
 
 
 def split_actions(*texts: str) -> list[str]:
-    """Return the actions in some texts, in order; blanks or commas separate them.
+    """Return the actions listed in texts, in order; within a text, blanks or commas separate them.
 
     Raises:
         QueryError: an action is empty, or its parentheses do not match.

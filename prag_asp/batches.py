@@ -10,7 +10,7 @@ Item = TypeVar("Item")
 
 
 def growing_ranges(most: int) -> Iterator[tuple[int, int]]:
-    """Yield endlessly the first number and the size of batches of 1, 2, 4, ... numbers, at most `most` each."""
+    """Yield the start and the size of endless consecutive batches; sizes double from 1 up to `most`."""
     first, size = 0, 1
     while True:
         yield first, size
@@ -20,7 +20,7 @@ def growing_ranges(most: int) -> Iterator[tuple[int, int]]:
 def growing_batches(
     items: Iterable[Item], most: int | Callable[[Item], int], *, first: int = 1
 ) -> Iterator[list[Item]]:
-    """Yield items in batches of `first` items, then twice as many, and so on, at most `most` each.
+    """Yield items in batches; the first batch has `first` items, and sizes double up to `most`.
 
     `most` may depend on the first item of the previous batch.
     """

@@ -41,7 +41,7 @@ def plain(text: str) -> str:
 
 
 def one_line(text: str) -> str:
-    """Return a text as one line of a message: `plain`, with its middle replaced if it is too long."""
+    """Return a text as one line of a message: made `plain`, with the middle cut out if it is too long."""
     line = plain(text)
     return line if len(line) <= LONGEST else f"{line[:HEAD]}{CUT}{line[HEAD + len(CUT) - LONGEST :]}"
 
@@ -70,7 +70,7 @@ class QueryError(PragError):
 
 
 class EngineError(PragError):
-    """An engine cannot express the domain: `what` is wrong, at a `place` (``file:line``) if it is known."""
+    """An engine cannot express the domain: `what` states the problem; `place` is ``file:line``, if known."""
 
     def __init__(self, what: str, *, place: str = "", remedy: str = "") -> None:
         super().__init__(f"{f'{place}: ' if place else ''}{what}{f'; {remedy}' if remedy else ''}")
@@ -80,7 +80,7 @@ class EngineError(PragError):
 
 
 class LimitReached(EngineError):
-    """A limit was reached, given by `reason`; the exact count is at least `at_least`."""
+    """A limit was reached; `reason` says which, and the exact count is at least `at_least`."""
 
     def __init__(self, message: str, at_least: int, reason: StopReason) -> None:
         super().__init__(message)
@@ -100,7 +100,7 @@ class MissingError(PragError):
 
 
 class PhysicsMissingError(MissingError):
-    """Physics needs PyBullet, and the panda also frankik."""
+    """Physics needs PyBullet; for the panda robot, it also needs frankik."""
 
 
 class PicturesMissingError(MissingError):
@@ -108,7 +108,7 @@ class PicturesMissingError(MissingError):
 
 
 class DatasetsMissingError(MissingError):
-    """Datasets need pyarrow, and their export formats further packages."""
+    """Datasets need pyarrow; their export formats need further packages."""
 
 
 class LearningMissingError(MissingError):
@@ -116,7 +116,7 @@ class LearningMissingError(MissingError):
 
 
 class RayMissingError(MissingError):
-    """Work on a cluster needs Ray."""
+    """Running on a cluster needs Ray."""
 
 
 class SimilarityMissingError(MissingError):

@@ -1,4 +1,4 @@
-"""Exact numbers that authors write, as fractions, without expanding exponents of any size."""
+"""Parse the exact numbers that authors write into fractions, without expanding huge exponents."""
 
 from __future__ import annotations
 

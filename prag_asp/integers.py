@@ -29,7 +29,7 @@ def fits(number: int) -> bool:
 
 
 def too_large(text: str) -> Iterator[tuple[int, str]]:
-    """Yield the position and text of each number too large for a program, in a text without comments and strings."""
+    """Yield the position and text of each number that is too large; the text has no comments or strings."""
     for match in SPELLED.finditer(text):
         digits = match[0]
         if len(digits) > LONGEST or not fits(int(digits, 0 if digits[1:2].isalpha() else 10)):
@@ -37,12 +37,12 @@ def too_large(text: str) -> Iterator[tuple[int, str]]:
 
 
 def shortened(digits: str) -> str:
-    """Return a number in the form that messages use."""
+    """Return a number as text for messages, shortened if it is long."""
     return digits if len(digits) <= 24 else f"{digits[:20]}... ({len(digits)} digits)"
 
 
 def with_short_numbers(text: str) -> str:
-    """Return a text of the user with its long numbers as messages show them."""
+    """Return a text from the user with its long numbers shortened, as messages show them."""
     return re.sub(r"\d{40,}", lambda number: shortened(number[0]), text)
 
 
@@ -72,7 +72,7 @@ def digits_of(number: int) -> str:
 
 
 def number_of(digits: str) -> int:
-    """Return the number that any number of decimal digits spell; Python's `int` accepts only a few thousand digits.
+    """Return the number written as decimal digits, however many; Python's `int` accepts only a few thousand.
 
     Raises:
         ValueError: the text has a character that is not a decimal digit.

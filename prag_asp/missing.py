@@ -1,7 +1,7 @@
 """Optional packages: import them, or raise an error that says how to install them.
 
-PyBullet and frankik may be missing because their wheels follow a new Python late; pyarrow, Gymnasium and the packages
-of dataset formats, because few users need them.
+PyBullet and frankik may be missing because their wheels appear long after a new version of Python; pyarrow, Gymnasium
+and the packages for dataset formats may be missing because few users need them.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def require_gymnasium() -> ModuleType:
 
 
 def require_packages(form: str, packages: Iterable[str]) -> None:
-    """Check that the packages of a dataset format are installed.
+    """Check that the packages for a dataset format are installed.
 
     Raises:
         DatasetsMissingError: a package is not installed, or cannot be loaded.
@@ -112,7 +112,7 @@ def advice(version: tuple[int, int]) -> str:
 
 
 def _origin() -> str:
-    """Return the folder or file from which prag_asp was installed, otherwise its name."""
+    """Return the folder or file from which prag_asp was installed, or the package name if it is unknown."""
     import json  # noqa: PLC0415 - only errors need these
     from importlib.metadata import PackageNotFoundError, distribution  # noqa: PLC0415
     from urllib.parse import urlsplit  # noqa: PLC0415

@@ -1,4 +1,4 @@
-"""Random bits by position: the same for a seed on every machine, in requests of any size.
+"""Random bits addressed by position: a seed gives the same bits on every machine, whatever the size of the requests.
 
 The generator is Philox4x64-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011): a published
 function from a key and a counter to four 64-bit words. Draw i has its own counters, so it does not need earlier draws.
@@ -33,13 +33,13 @@ class Bits(Protocol):
         ...
 
     def further(self, draw: int, step: int) -> Iterator[int]:
-        """Yield more words for a step of a draw, for the rare case that 64 bits do not decide it."""
+        """Yield more words for one step of a draw, in the rare case that 64 bits do not decide it."""
         ...
 
 
 @dataclass(frozen=True)
 class SeededBits:
-    """The random words of a seed; words for different purposes are independent."""
+    """The random words derived from a seed; words for different purposes are independent."""
 
     seed: int
     purpose: str = ""
@@ -56,11 +56,11 @@ class SeededBits:
         return drawn[:, :each]
 
     def further(self, draw: int, step: int) -> Iterator[int]:
-        """Yield more words for a step of a draw, from counters that `words` never reaches."""
+        """Yield more words for one step of a draw, from counters that `words` never uses."""
         return self._stream(1, draw, step)
 
     def randrange(self, below: int) -> int:
-        """Return a number from 0 to `below` - 1, each with exactly the same probability."""
+        """Draw a number from 0 to `below` - 1 with exactly uniform probability."""
         return uniform_below(below, self._numbers)
 
     @cached_property
@@ -74,7 +74,7 @@ class SeededBits:
 
 
 def uniform_below(below: int, words: Iterator[int]) -> int:
-    """Return a number from 0 to `below` - 1, each with exactly the same probability, by rejection."""
+    """Draw a number from 0 to `below` - 1 with exactly uniform probability, by rejection sampling."""
     size = below.bit_length()
     while True:
         number = 0

@@ -55,9 +55,9 @@ def read_bytes(path: str | Path, *, within: str | Path | None = None, at_most: i
 
 
 def open_binary(path: str | Path, *, within: str | Path | None = None, at_most: int | None = None) -> BinaryIO:
-    """Open a file for reading; `within` is as in `read_bytes`, and its size has no limit if `at_most` is None.
+    """Open a file for reading; `within` is as in `read_bytes`, and without `at_most` the file may have any size.
 
-    A pipe without a writer does not block, and no device is opened. A pipe that was open before, such as
+    A pipe without a writer does not block, and no device is opened. A pipe that is already open, such as
     ``<(command)``, is read if the user named it.
 
     Raises:

@@ -20,7 +20,7 @@ class StopKind(Enum):
 
 @dataclass(frozen=True)
 class StopReason:
-    """A kind, and the value of the limit: seconds of a time limit, bytes of a memory limit, otherwise None."""
+    """The kind of a reason, and the limit: in seconds for time, in bytes for memory, otherwise None."""
 
     kind: StopKind
     limit: float | None = None

@@ -24,7 +24,7 @@ Value = TypeVar("Value", bound=Hashable)
 class FrozenDict(dict[Key, Value]):
     """An immutable, hashable dictionary, which equals any dictionary with the same items.
 
-    It is a subclass of `dict`, so it is read as fast, and a copy of it (``dict(frozen)``) is a plain dictionary.
+    It is a subclass of `dict`, so lookups are as fast as in a `dict`; ``dict(frozen)`` copies it to a plain dictionary.
     """
 
     __slots__ = ("_hash",)
@@ -57,11 +57,11 @@ class FrozenDict(dict[Key, Value]):
 
 
 class KnownDomain(Protocol):
-    """What knows the classes and the interchangeable entities of tasks; a task space does."""
+    """An object that knows the classes and the interchangeable entities of tasks, such as a task space."""
 
     @property
     def background(self) -> Background:
-        """What comparisons of tasks use."""
+        """The knowledge about the domain that comparisons of tasks use."""
 
 
 @dataclass(frozen=True)
@@ -98,13 +98,13 @@ class Task:
 
     @property
     def trivial(self) -> bool:
-        """Whether the known facts of the final state are those of the initial state, so that waiting achieves it."""
+        """Whether the initial and final states have the same known facts, so that doing nothing achieves the goal."""
         return not self.states or dict(self.states[-1]) == dict(self.initial)
 
     def distance(
         self, other: Trace, metric: str = "combined", *, within: KnownDomain | None = None, up_to: UpTo = "names"
     ) -> Distance:
-        """Return the distance of two tasks by a metric, the least over renamings of interchangeable entities.
+        """Return the distance between two tasks: the smallest over all renamings of interchangeable entities.
 
         `metric` is a name in `prag_asp.similarity.METRICS`. `within` is a task space of the domain. Without it, classes
         have no hierarchy, what an action needs is guessed from what it changes, and entities match by their names, or
@@ -119,7 +119,7 @@ class Task:
     def compare(
         self, other: Trace, metric: str = "combined", *, within: KnownDomain | None = None, up_to: UpTo = "names"
     ) -> TaskComparison:
-        """Return the comparison that `distance` makes: also the edits, the renaming, and a similarity from 0 to 1."""
+        """Compare two tasks like `distance`, and also return the edits, the renaming, and a similarity from 0 to 1."""
         from prag_asp.similarity.task_comparison import compare  # noqa: PLC0415 - a task alone needs no metrics
 
         return compare(self, other, metric, None if within is None else within.background, up_to)

@@ -19,7 +19,7 @@ LISTED = 8
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name that is most similar to another, or None if no name is similar."""
+    """Return the known name that is most similar to `name`, other than `name` itself, or None if none is similar."""
     import difflib  # noqa: PLC0415 - slow to import, and most names are right
 
     near = difflib.get_close_matches(name, sorted({*known} - {name}), n=1, cutoff=SIMILAR)
@@ -40,7 +40,7 @@ def is_misspelt(name: str, known: Iterable[str]) -> bool:
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
-    """Return ``did you mean ...?`` with a similar name; if no name is similar, `otherwise` or the known names."""
+    """Return ``did you mean ...?`` with a similar name; without one, return `otherwise` or list the known names."""
     names = {*known}
     near = nearest(name, names)
     return f"did you mean {near}?" if near else otherwise or f"known are {listed(names)}"
@@ -67,7 +67,7 @@ def unknown(text: str, known: Iterable[str], kind: str) -> str:
 
 @contextmanager
 def not_too_deep(text: str) -> Iterator[None]:
-    """Parse a nested text, quoted in the error if it is nested too deeply.
+    """Turn a `RecursionError` in the block, which parses a text, into an error that quotes the text.
 
     Raises:
         QueryError: the text is nested too deeply.

@@ -1,4 +1,4 @@
-"""Plot counts by length, and compute distances, neighbours and diversity over whole task spaces, exactly.
+"""Plot counts by length, and compute exact distances, neighbours and diversity of whole task spaces.
 
 >>> from prag_asp import TaskSpace, load_domain
 >>> from prag_asp.analysis import counts_by_length

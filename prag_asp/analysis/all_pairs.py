@@ -1,9 +1,9 @@
-"""Distances of all pairs of tasks, up to renaming, in blocks of bounded memory.
+"""Compute the distances of all pairs of tasks, up to renaming, in blocks of bounded memory.
 
     tasks -> features, each once -> renamed features (one for each renaming that matters) -> table of codes
           -> block of rows x renamed columns -> least of each column's renamings -> matrix, neighbours, ...
 
-The relevant renamings depend on the entities of the row alone, so rows are grouped by their entities.
+The relevant renamings depend only on the entities of the row, so rows are grouped by their entities.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ STRIPE = 1 << 23
 
 @dataclass(frozen=True)
 class Images:
-    """The renamed features of all features against one group of rows: `starts[k]` is the first one of feature k."""
+    """All features in each renaming that matters for a group of rows; `starts[k]` is the first image of feature k."""
 
     numbers: Numbers
     starts: Numbers
@@ -83,7 +83,7 @@ class PairDistances:
 
     @cached_property
     def plain(self) -> Numbers:
-        """The number in the table of each feature without renaming."""
+        """The number of each feature in the table, without renaming."""
         return np.array([images.numbers[images.starts[at]] for own, images in self.groups for at in own], dtype=np.intp)
 
     def block(self, rows: Numbers, images: Images, columns: range) -> Values:
@@ -179,10 +179,10 @@ def _images(
     fixed: frozenset[str],
     numbers: dict[Feature, int],
 ) -> Images:
-    """Return the images of features that matter against rows with the entities `fixed`; `numbers` numbers them.
+    """Return the images of features that matter for rows with the entities `fixed`; `numbers` holds their numbers.
 
     Raises:
-        QueryError: there are too many.
+        QueryError: there are too many images.
     """
     renamers: dict[tuple[str, ...], list[Any]] = {}
     allowed = MOST_IMAGES - len(numbers)

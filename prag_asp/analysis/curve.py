@@ -1,6 +1,7 @@
-"""Plot the numbers of plans, tasks, skeletons, and all sequences of names, by length, as in the paper.
+"""Plot the numbers of plans, tasks, skeletons and all sequences of names against the length, as in the paper.
 
-Counts exceed the range of floats, so their decimal logarithms are plotted, exact to far more digits than a pixel.
+Counts exceed the range of floats, so their decimal logarithms are plotted, with far more exact digits than a picture
+can show.
 """
 
 from __future__ import annotations
@@ -131,7 +132,7 @@ def figure(curve: Curve) -> Figure:
 
 
 def saved(drawn: Figure, kind: str) -> bytes:
-    """Return a figure as a reproducible picture of some format."""
+    """Return a figure as a reproducible picture in a given format."""
     from matplotlib import rc_context  # noqa: PLC0415 - heavy
 
     buffer = BytesIO()

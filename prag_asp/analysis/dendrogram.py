@@ -32,7 +32,7 @@ COLOR = "#0072b2"
 class Dendrogram:
     """Merges of clusters, lowest first: the two clusters, the mean distance of their tasks, and the size of the union.
 
-    Clusters below `count` are tasks; the cluster of merge k has the number `count` + k.
+    Clusters with numbers below `count` are tasks; the cluster of merge k has the number `count` + k.
     """
 
     count: int
@@ -65,7 +65,7 @@ class Dendrogram:
 
 
 def dendrogram_of(distances: NDArray[np.float64]) -> Dendrogram:
-    """Return the clustering by average distance (UPGMA, Sokal and Michener 1958), shape (tasks, tasks) given.
+    """Cluster tasks by average distance (UPGMA, Sokal and Michener 1958), given distances of shape (tasks, tasks).
 
     Chains of nearest neighbours find it in quadratic time (Murtagh 1983).
 
@@ -103,7 +103,10 @@ def dendrogram_of(distances: NDArray[np.float64]) -> Dendrogram:
 
 
 def _numbered(found: Sequence[tuple[int, int, float]], count: int) -> tuple[tuple[int, int, float, int], ...]:
-    """Return merges in order of height, with the numbers of their clusters; in `found`, one task stands for each."""
+    """Return merges in order of height, with the numbers of their clusters.
+
+    In `found`, one task stands for each cluster.
+    """
     above = list(range(count))
     cluster_of, sizes = {task: task for task in range(count)}, dict.fromkeys(range(count), 1)
 
@@ -125,7 +128,7 @@ def _numbered(found: Sequence[tuple[int, int, float]], count: int) -> tuple[tupl
 
 
 def dendrogram_figure(dendrogram: Dendrogram, labels: Sequence[str], title: str) -> Figure:
-    """Return the dendrogram as a matplotlib figure; few tasks have their labels."""
+    """Return the dendrogram as a matplotlib figure; tasks are labelled if there are few."""
     from matplotlib.collections import LineCollection  # noqa: PLC0415 - heavy
     from matplotlib.figure import Figure  # noqa: PLC0415 - heavy
 

@@ -34,8 +34,8 @@ SUFFIXES = (".npz", ".parquet")
 class SimilarityMatrix:
     """The distances of all pairs of tasks, shape (tasks, tasks).
 
-    `units` are integers, and `denominator` of them are a distance of 1; they are exact. If `denominator` is 0, they are
-    floats of 32 bits.
+    `units` are exact integers, and a distance of 1 is `denominator` units. If `denominator` is 0, `units` are 32-bit
+    floats.
     """
 
     units: Values
@@ -60,7 +60,7 @@ class SimilarityMatrix:
 
     @property
     def similarities(self) -> NDArray[np.float32]:
-        """1 less the distances between 0 and 1."""
+        """1 minus the normalised distances, which lie between 0 and 1."""
         numbers = self.pairs.plain[self.pairs.place]
         values: NDArray[np.float32] = 1 - self.pairs.table.normalised(self.units, numbers, numbers)
         return values
@@ -71,7 +71,7 @@ class SimilarityMatrix:
         Raises:
             QueryError: the file has another ending.
             OutputError: the file cannot be written.
-            DatasetsMissingError: pyarrow is not installed, for Parquet.
+            DatasetsMissingError: the file is a .parquet, and pyarrow is not installed.
         """
         check_suffix(file)
         if Path(file).suffix == ".parquet":
@@ -100,7 +100,7 @@ def save_columns(file: str | Path, **columns: NDArray[Any]) -> None:
     Raises:
         QueryError: the file has another ending.
         OutputError: the file cannot be written.
-        DatasetsMissingError: pyarrow is not installed, for Parquet.
+        DatasetsMissingError: the file is a .parquet, and pyarrow is not installed.
     """
     check_suffix(file)
     buffer = BytesIO()
@@ -162,7 +162,7 @@ Stripes = Iterable[tuple[range, Values]]
 
 
 def stripes_of(given: SimilarityMatrix | PairDistances) -> Stripes:
-    """Return the distances of all tasks from a matrix, or computed without one."""
+    """Return the distances of all tasks, taken from a matrix or computed without one."""
     if isinstance(given, PairDistances):
         return given.stripes()
     step = max(STRIPE // max(given.count, 1), 1)
@@ -185,7 +185,7 @@ class NearestNeighbours:
         Raises:
             QueryError: the file has another ending.
             OutputError: the file cannot be written.
-            DatasetsMissingError: pyarrow is not installed, for Parquet.
+            DatasetsMissingError: the file is a .parquet, and pyarrow is not installed.
         """
         task = np.repeat(np.arange(len(self.tasks)), self.tasks.shape[1])
         save_columns(file, task=task, other=self.tasks.ravel(), distance=self.distances.ravel())
@@ -226,7 +226,7 @@ class NearDuplicates:
         Raises:
             QueryError: the file has another ending.
             OutputError: the file cannot be written.
-            DatasetsMissingError: pyarrow is not installed, for Parquet.
+            DatasetsMissingError: the file is a .parquet, and pyarrow is not installed.
         """
         save_columns(file, task=self.tasks, other=self.others, distance=self.distances)
 

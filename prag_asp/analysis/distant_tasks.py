@@ -1,4 +1,4 @@
-"""The tasks of a space that are at least some edits apart from all tasks of another part of it, exactly.
+"""Find all tasks of a space that are at least a given number of edits away from every task of another part.
 
 A row holds the numbers of edits that turn a prefix of a plan into some prefix that leads to each state of the other
 part; numbers of at least the distance are treated as equal. Rows are states of a deterministic automaton for the
@@ -76,7 +76,7 @@ class TasksApart:
         return tuple(self.letters[letter] for letter in self.ranking.unrank(rank))
 
     def tasks_of_plans(self, plans: Iterable[Sequence[str]]) -> Iterator[Task]:
-        """Yield the tasks of plans given in this form."""
+        """Yield the tasks of plans that are given as texts of actions."""
         return self.space.tasks_of_plans(plans)
 
     def index(self, task: Task) -> int:

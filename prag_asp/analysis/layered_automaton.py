@@ -1,6 +1,6 @@
 """The words of one length as the paths of a smallest automaton with one layer of states for each step.
 
-States are merged from the last layer to the first if they have the same words before them, which gives the smallest
+States are merged from the last layer to the first if the same words lead from them to the end, which gives the smallest
 automaton of a finite set of words (Revuz 1992). All sums over a space are sums over its layers.
 """
 
@@ -97,7 +97,7 @@ class LayeredAutomaton:
 
 
 def sums_at(values: Objects, places: NDArray[np.int64], size: int) -> Objects:
-    """Return the sums of the values at each of `size` places."""
+    """Return, for each of `size` places, the sum of the values there."""
     order = np.argsort(places, kind="stable")
     held, begins = np.unique(places[order], return_index=True)
     sums = np.zeros(size, dtype=object)

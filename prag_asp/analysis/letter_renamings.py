@@ -56,7 +56,7 @@ def plan_images(space: TaskSpace, plan: Sequence[clingo.Symbol]) -> list[tuple[c
     """Return the distinct images of a plan under the renamings of a space; the plan itself comes first.
 
     Raises:
-        QueryError: there are more than `MOST`.
+        QueryError: there are more than `MOST` images.
     """
     renamings = list(swaps(space.symmetries))
     images = {tuple(plan): None}

@@ -1,4 +1,4 @@
-"""The number of tasks of a space within an edit distance of a given task, and the nearest task, without a list.
+"""The number of tasks of a space within an edit distance of a given task, and the nearest task, without listing tasks.
 
 A row of the table of Wagner and Fischer (1974) holds the numbers of edits that turn a prefix of a word into each prefix
 of the given plan. Numbers above the radius are capped, so that few different rows remain: they are the states of a

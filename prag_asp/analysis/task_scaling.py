@@ -26,14 +26,14 @@ COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#77
 
 @dataclass(frozen=True)
 class TaskMap:
-    """Points of tasks, shape (tasks, 2), and the share of the sum of positive eigenvalues that they show."""
+    """One point for each task, shape (tasks, 2), and the share of the sum of positive eigenvalues that they show."""
 
     points: NDArray[np.float64]
     share: float
 
 
 def task_map(distances: NDArray[np.float64]) -> TaskMap:
-    """Return the classical scaling of distances, shape (tasks, tasks) given (Torgerson 1952).
+    """Return the classical scaling (Torgerson 1952) of distances, which have shape (tasks, tasks).
 
     The sign of each axis is such that its largest coordinate is positive.
 
@@ -59,7 +59,7 @@ def task_map(distances: NDArray[np.float64]) -> TaskMap:
 
 
 def map_figure(placed: TaskMap, groups: list[str], title: str) -> Figure:
-    """Return the map as a matplotlib figure; `groups` names the group of each task, which has a colour."""
+    """Return the map as a matplotlib figure; `groups` names the group of each task, and each group has a colour."""
     from matplotlib.figure import Figure  # noqa: PLC0415 - heavy
 
     drawn = Figure(figsize=(INCHES, INCHES), dpi=DOTS, layout="constrained")

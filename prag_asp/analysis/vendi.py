@@ -79,5 +79,5 @@ def score_of(moments: Moments, *, bag: bool = False) -> VendiScore:
 
 
 def rounded(number: float) -> float:
-    """Return a number with the digits that do not depend on the machine and its threads."""
+    """Return a number, rounded to the digits that do not depend on the machine and its threads."""
     return float(f"{number:.{DIGITS}g}")

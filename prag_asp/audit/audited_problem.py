@@ -41,7 +41,7 @@ class AuditedProblem:
 
     @cached_property
     def goal_form(self) -> Form:
-        """The form of the goal, up to renaming of the objects of a class; other objects do not matter."""
+        """The form of the goal, up to renaming objects within a class; objects not named in the goal do not matter."""
         structure = _Structure(self.problem)
         structure.add_goal()
         return structure.form()
@@ -56,7 +56,7 @@ class AuditedProblem:
 
     @cached_property
     def goal_facts(self) -> tuple[Relation, ...]:
-        """The conjuncts of the goal as relations of objects; the label of one that is not a fact is its form."""
+        """The conjuncts of the goal as relations of objects; the label of a conjunct that is not a fact is its form."""
         structure = _Structure(self.problem)
         rows = []
         for each in conjuncts(self.problem.goal):
@@ -117,7 +117,7 @@ class _Structure:
 
 
 def moved_pairs(problem: GroundProblem) -> Iterator[tuple[str, str]]:
-    """Yield pairs of the class of an object that a goal moves and its target: a relation with a class or a region."""
+    """Yield the class and the target of each object that a goal moves: a target is a relation to a class or region."""
     for each in fact_values(problem.goal):
         if len(each.fact.arguments) == 2 and each.value:
             yield pair_of(problem, each.fact)

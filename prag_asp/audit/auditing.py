@@ -17,7 +17,7 @@ Progress = Callable[[str, int, int], None]
 
 @dataclass(frozen=True)
 class SuiteCounts:
-    """A suite: the number of its files, of the problems read, and of distinct goals and tasks."""
+    """A suite: the numbers of its files, of the problems read, and of distinct goals and tasks."""
 
     suite: str
     files: int
@@ -65,7 +65,7 @@ class Combinations:
 
     @property
     def possible(self) -> int:
-        """The number of pairs by types."""
+        """The number of all pairs of a class and a target."""
         return len(self.classes) * len(self.targets)
 
 
@@ -90,10 +90,10 @@ def audit_problems(
     reach: bool = True,
     progress: Progress = lambda *_: None,
 ) -> BenchmarkAudit:
-    """Audit the problems of suites, with the findings about files that could not be read, by suite.
+    """Audit the problems of suites; `unreadable` has a suite and a finding for each file that could not be read.
 
-    The nearest problem of a problem is a problem of the suites `train`, or of all other suites. With `reach`, the
-    domain of each distinct task is loaded to find goals that no plan reaches.
+    For each problem, the nearest problem is searched for in the suites `train` or, by default, in all other suites.
+    With `reach`, the domain of each distinct task is loaded to find goals that no plan reaches.
     """
     names = list(dict.fromkeys([*(each.suite for each in problems), *(suite for suite, _ in unreadable)]))
     by_suite = {name: [each for each in problems if each.suite == name] for name in names}
@@ -147,7 +147,7 @@ def _task_form(each: AuditedProblem) -> Form:
 def _nearest(
     problems: Sequence[AuditedProblem], by_suite: dict[str, list[AuditedProblem]], train: Sequence[str]
 ) -> Iterable[NearestProblem]:
-    """Yield the nearest problem of each problem whose suite is not in `train`; ties prefer the same initial state."""
+    """For each problem outside `train`, yield the problem with the nearest goal; ties prefer the same initial state."""
     distances: dict[tuple[Form, Form], int] = {}
     for each in problems:
         others = [

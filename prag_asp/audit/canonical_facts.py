@@ -35,7 +35,7 @@ def canonical_form(colours: Mapping[Any, str], relations: Iterable[Relation]) ->
 def _form(
     colours: Mapping[int, object], relations: Sequence[tuple[str, tuple[object, ...]]], depth: int, *, greedy: bool
 ) -> Form:
-    """Return the form of a part; objects are numbers, distinguished objects tokens. `greedy` takes first choices."""
+    """Return the form of a part; objects are numbers, or tokens if distinguished. `greedy` tries only first choices."""
     ranks = _refined(colours, relations)
     cells: dict[int, list[int]] = {}
     for each, rank in ranks.items():

@@ -1,4 +1,4 @@
-"""Splits whose later parts are at least some edits from the whole first part, their manifest, and its verification."""
+"""Splits whose later parts are at least a given distance from the first part; their manifests and verification."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ SPLIT = ManifestFile(NAME, SplitManifest, "prag_asp split", 1, "split")
 def record_split(
     folder: Path, space: TaskSpace, request: DistantSplit, sizes: Mapping[str, int], files: Mapping[str, Path]
 ) -> None:
-    """Write split.json and the files of the domain; `sizes` and `files` have the size and the file of each part.
+    """Write split.json and the files of the domain; `sizes` and `files` hold the size and the file of each part.
 
     Raises:
         OutputError: a file cannot be written.

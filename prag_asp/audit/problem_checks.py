@@ -1,4 +1,4 @@
-"""Mistakes of problems: in their initial states, goals and language."""
+"""Mistakes in the initial states, goals and language of problems."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ SHORTEST = 3
 
 @dataclass(frozen=True)
 class AuditFinding:
-    """A mistake of a problem: its kind, its place, and a description."""
+    """A mistake in a problem: its kind, its place, and a description."""
 
     kind: str
     place: str
@@ -41,7 +41,7 @@ class AuditFinding:
 
 
 def problem_findings(each: AuditedProblem) -> Iterator[AuditFinding]:
-    """Yield the mistakes of a problem that its facts show; for the reachability of its goal, see `reach_findings`."""
+    """Yield the mistakes that the facts of a problem show; for the reachability of its goal, see `reach_findings`."""
     problem = each.problem
     for remark in each.remarks:
         place, _, text = remark.partition(": ")
@@ -92,7 +92,7 @@ def contradictions(problem: GroundProblem) -> Iterator[str]:
 
 
 def reach_findings(each: AuditedProblem, warnings: Iterator[str] | list[str]) -> Iterator[AuditFinding]:
-    """Yield the mistake of a goal that no plan reaches, given the reasons why its domain has no plan."""
+    """Yield a finding about a goal that no plan reaches, given the reasons why its domain has no plan."""
     for text in islice(warnings, 1):
         yield AuditFinding("unreachable-goal", each.place, text)
 

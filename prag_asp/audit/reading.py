@@ -25,7 +25,7 @@ FORMATS: Mapping[str, str] = {
 
 
 def read_suites(folders: Sequence[str | Path]) -> tuple[list[AuditedProblem], list[FailedRead]]:
-    """Return the problems of some folders, each a suite named after its folder, and the files that cannot be read.
+    """Read each folder as a suite with the folder's name; return the problems, and the files that cannot be read.
 
     Raises:
         QueryError: a folder does not exist, or has no problems of a known format.
@@ -51,10 +51,10 @@ def read_suites(folders: Sequence[str | Path]) -> tuple[list[AuditedProblem], li
 def audit(
     *folders: str | Path, train: Sequence[str] = (), reach: bool = True, progress: Progress = lambda *_: None
 ) -> BenchmarkAudit:
-    """Audit folders of problems, each a suite named after its folder.
+    """Audit folders of problems, each as a suite with the folder's name.
 
-    The nearest problem of each problem is a problem of the suites `train`, or of all other suites. Without `reach`,
-    goals are not checked for reachability, which is faster.
+    For each problem, the nearest problem is searched for in the suites `train` or, by default, in all other suites.
+    Without `reach`, goals are not checked for reachability, which is faster.
 
     Raises:
         QueryError: a folder has no problems, or there is no such suite.

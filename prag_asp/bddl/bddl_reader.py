@@ -60,13 +60,13 @@ Item = Expression | Word
 
 
 def bddl_files(folder: Path) -> list[Path]:
-    """Return the files of BDDL in a folder and its folders, without those of domains."""
+    """Return the BDDL files in a folder and its subfolders, except files that define domains."""
     files = sorted(folder.rglob(f"*{BDDL}"))
     return [each for each in files if not DOMAIN_FILE.match(each.read_bytes()[:LONGEST_HEAD])]
 
 
 def read_bddl(path: str | Path) -> BddlProblem:
-    """Read a problem from a file of BDDL.
+    """Read a problem from a BDDL file.
 
     Raises:
         DomainError: the file cannot be read or is not a BDDL problem; the message names the line.
@@ -76,7 +76,7 @@ def read_bddl(path: str | Path) -> BddlProblem:
 
 
 def parse_bddl(text: str, path: str | Path = "<bddl>") -> BddlProblem:
-    """Return the problem that a text of BDDL describes; `path` is named in messages.
+    """Return the problem that a BDDL text describes; messages name `path` as its file.
 
     Raises:
         DomainError: the text is not a BDDL problem; the message names the line.
@@ -169,7 +169,7 @@ class _Reading:
         return classes
 
     def declare(self, classes: dict[str, str], names: Sequence[Word], of_class: str) -> None:
-        """Add names of a class; a name may be repeated with the same class."""
+        """Add names that belong to a class; a name may be repeated with the same class."""
         for each in names:
             name = self.name(each)
             if classes.setdefault(name, of_class) != of_class:
@@ -206,7 +206,7 @@ class _Reading:
         return Region(self.name(item.head), target, ranges, yaw, item.line)
 
     def rows(self, item: Item) -> list[Expression]:
-        """Return the rows of numbers in a list of rows, or of the only row without a list around it."""
+        """Return the rows of numbers in a list of rows; a single row may stand without a list around it."""
         whole = self.list(item)
         return (
             [whole]
@@ -294,14 +294,14 @@ class _Reading:
         return Quantifier(kind, tuple(variables), part, number)
 
     def whole_number(self, item: Item) -> int:
-        """Return a number, which may stand in a list."""
+        """Return a number; it may stand in parentheses."""
         words = [item] if isinstance(item, Word) else list(item.all_words)
         if len(words) != 1 or not re.fullmatch(r"[0-9]{1,6}", words[0]):
             raise self.error(item.line, "a number of objects is needed here; write it as (2)")
         return int(words[0])
 
     def term(self, item: Item, scope: Mapping[str, str]) -> str:
-        """Return a term: ``?`` and the name of a variable of the scope, or the name of an object."""
+        """Return a term: ``?`` and the name of a variable in scope, or the name of an object."""
         name = self.name(item).lstrip("?")
         return f"?{name}" if name in scope else name
 

@@ -38,7 +38,7 @@ def logic_text() -> str:
 
 @dataclass(frozen=True)
 class SuiteDomain:
-    """The domain of some problems, by their file names: one program, in which a constant selects the problem.
+    """A domain for several problems, keyed by file name: one program, in which a constant selects the problem.
 
     A kind of objects holds objects, opens or is switched if an object of this kind does so in any of the problems.
     """
@@ -72,7 +72,7 @@ class SuiteDomain:
         return "\n".join([*head, logic_text(), *self._union_of(name), "", *self._problem(name, "")]) + "\n"
 
     def _union_of(self, name: str) -> list[str]:
-        """Return what the suite shows of the kinds of one problem."""
+        """Return what any problem of the suite shows about the kinds that occur in one problem."""
         kinds = {self._kinds[each] for each in self.problems[name].kinds.values()}
         return [line for line in self._rules if set(KIND.findall(line)) <= kinds]
 
@@ -117,7 +117,7 @@ class SuiteDomain:
         return {ours: given for given, ours in predicates}, {ours: given for given, ours in objects}
 
     def own_fact(self, fluent: clingo.Symbol) -> Atom:
-        """Return a fluent of the program as a fact of BDDL; what BDDL does not know keeps its name."""
+        """Return a fluent of the program as a BDDL fact; a name that BDDL does not know is kept."""
         predicates, objects = self._given_names
         names = (str(each) for each in fluent.arguments)
         return Atom(predicates.get(fluent.name, fluent.name), tuple(objects.get(each, each) for each in names))

@@ -1,4 +1,4 @@
-"""Rules for goals that are not conjunctions of facts, by the number of their parts that are true in the final state."""
+"""Write rules for goals that are not conjunctions of facts: they count the parts that are true in the final state."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from prag_asp.pddl.program_text import statement
 
 
 def goal_rules(formulas: Sequence[GroundFormula], fluent: Callable[[Atom], str], body: str, problem: str) -> list[str]:
-    """Return rules under ``#program check(t).`` that require formulas in the end if the condition `body` holds."""
+    """Return rules for ``#program check(t).`` that require formulas at the end if the condition `body` holds."""
     if not formulas:
         return []
     writer = _GoalRules(fluent, problem)
@@ -32,7 +32,7 @@ class _GoalRules:
     numbers: Iterator[int] = field(default_factory=lambda: count(1))
 
     def atom(self, formula: GroundFormula) -> str:
-        """Return an atom that is true if a formula is, and add its rules."""
+        """Return an atom that is true if a formula is true, and add the rules that define the atom."""
         if isinstance(formula, FactValue):
             return f"holds({self.fluent(formula.fact)},{str(formula.value).lower()},t)"
         if formula not in self.atoms:
@@ -42,7 +42,7 @@ class _GoalRules:
         return self.atoms[formula]
 
     def rules(self, head: str, formula: Threshold, number: int) -> list[str]:
-        """Return the rules for a number of parts; in `true_parts(P,N,I,J,t)`, J of the first I parts are true."""
+        """Return the rules that count true parts: in `true_parts(P,N,I,J,t)`, J of the first I parts are true."""
         parts = [self.atom(each) for each in formula.parts]
         if formula.low == formula.high == len(parts):
             return [statement(head, parts)]

@@ -66,7 +66,7 @@ def negation(formula: GroundFormula) -> GroundFormula:
 
 
 def at_least(number: int, parts: tuple[GroundFormula, ...]) -> GroundFormula:
-    """Return the formula that at least a number of the parts are true."""
+    """Return the formula which states that at least a given number of parts are true."""
     if number >= len(parts) > 0:
         return every(*parts) if number == len(parts) else some()
     return some(*parts) if number == 1 else Threshold(number, len(parts), parts)
@@ -117,7 +117,7 @@ def ground_goal(problem: BddlProblem) -> GroundFormula:
 
 
 def _ground(formula: BddlFormula, scope: Mapping[str, str], members: Mapping[str, list[str]]) -> GroundFormula:
-    """Return a formula with the objects of `scope` for its free variables; `members` are the objects of a class."""
+    """Replace the free variables of a formula by the objects in `scope`; `members` gives the objects of a class."""
     if isinstance(formula, BddlFact):
         terms = tuple(scope[term[1:]] if term.startswith("?") else term for term in formula.terms)
         return literal_of(BddlFact(formula.predicate, terms))
@@ -147,7 +147,7 @@ def _exactly(number: int, parts: tuple[GroundFormula, ...]) -> GroundFormula:
 def _pairs(
     formula: Quantifier, objects: list[list[str]], part_with: Callable[[str, str], GroundFormula]
 ) -> GroundFormula:
-    """Return the formula that enough objects of each class are in a pair; an object does not pair with itself."""
+    """Return a formula: enough objects of each class are in a pair; an object does not pair with itself."""
     first, second = objects
     number = min(len(first), len(second)) if formula.number is None else formula.number
     rows = tuple(some(*(part_with(one, other) for other in second if one != other)) for one in first)

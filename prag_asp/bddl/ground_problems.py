@@ -21,8 +21,8 @@ LOCATIONS = {"on": False, "ontop": False, "in": True, "inside": True}
 class GroundProblem:
     """A problem of a benchmark, whatever its format.
 
-    `kinds` are the classes of all objects; the kind of a region consists of the kind of its target and its own name.
-    `parts` are the regions, each with its target and its own name. `movable` are the objects that can be carried.
+    `kinds` are the classes of all objects; the kind of a region consists of its target's kind and its name.
+    `parts` are the regions, each with its target and its name. `movable` are the objects that can be carried.
     """
 
     name: str

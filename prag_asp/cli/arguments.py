@@ -45,7 +45,7 @@ def parse_constant_options(options: Sequence[str]) -> dict[str, str]:
     """Return the constants set by options of the form NAME=VALUE.
 
     Raises:
-        QueryError: an option is of another form, or a constant is set twice.
+        QueryError: an option does not have this form, or a constant is set twice.
     """
     constants: dict[str, str] = {}
     for option in options:

@@ -37,7 +37,7 @@ def body_lines(scene: Scene) -> Iterator[str]:
 
 
 def grasps_text(scene: Scene, entity: str) -> str:
-    """Return as text the numbers of grasps found for a body with a model, by the direction of the hand."""
+    """Describe how many grasps were found for a body that has a model, for each direction of the hand."""
     from prag_asp.physics.grasps.antipodal import SIDEWAYS, SLANTED
     from prag_asp.physics.grasps.body_grasps import body_grasps
     from prag_asp.physics.grasps.pads import ParallelGripper
@@ -80,7 +80,7 @@ def tilted(domain: Domain, scene: Scene) -> Iterator[Problem]:
 
 
 def _shape_line(domain: Domain, entity: str) -> int:
-    """Return the line of domain.toml with the shape of an entity."""
+    """Return the number of the line in domain.toml that gives an entity its shape."""
     line = ancestors(domain.facts.entity_names[entity], domain.facts.class_names)
     owner = next(name for name in line if name in domain.settings.scene["shapes"])
     return domain.settings.line_of("scene", "shapes", owner)
@@ -92,7 +92,7 @@ def rest_text(model: BodyModel) -> str:
 
 
 def _models(scene: Scene) -> Mapping[Shape, list[str]]:
-    """Return the entities of each shape from a file."""
+    """Return the entities of each shape that is loaded from a file."""
     models: dict[Shape, list[str]] = {}
     for entity, shape in scene.shapes.items():
         if shape.model is not None:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 class DomainOptions:
     """The domain and the task space defined by a command line.
 
-    `recorded` is a task of a file with constants for the domain; constants of the command line override these.
+    `recorded` is a task read from a file, with constants for the domain; constants on the command line override these.
     """
 
     names: tuple[str, ...] = ()
@@ -49,7 +49,7 @@ class DomainOptions:
     recorded: Record | None = None
 
     def of(self, record: Record, folder: Path) -> DomainOptions:
-        """Return the options for a task of a file in a folder: its domain if none is named, and its constants."""
+        """Return the options for a task read from a file: its constants, and its domain unless the options name one."""
         from prag_asp.dataset.task_origin import named_domain
 
         recorded = record if record.task.constants else None
@@ -57,7 +57,7 @@ class DomainOptions:
         return replace(self, names=names, recorded=recorded)
 
     def of_scenario(self, scenario: Scenario) -> DomainOptions:
-        """Return the options for a scenario: its domain if none is named, and its constants."""
+        """Return the options for a scenario: its constants, and its domain unless the options name one."""
         from prag_asp.dataset.task_origin import named_domain
 
         names = self.names or (named_domain(scenario.domain, f"scenario {scenario}", Path()),)
@@ -68,7 +68,7 @@ class DomainOptions:
         """Load the domain; with `tell`, print the number of warnings about it.
 
         Raises:
-            DomainError: the domain is wrong, or the constants of a task of a file are.
+            DomainError: the domain has errors, or a task read from a file has wrong constants.
         """
         from prag_asp.domain.load import load_domain
 
@@ -98,11 +98,11 @@ class DomainOptions:
         return domain
 
     def space(self, tell: Callable[[str], None] | None = None, domain: Domain | None = None) -> TaskSpace:
-        """Return the task space of the domain, or of another one; `tell` receives its progress."""
+        """Return the task space of the requested domain or of a given one; `tell` receives progress reports."""
         return self._space_of(domain or self.domain(), self.one_length, tell)
 
     def spaces(self, tell: Callable[[str], None] | None = None) -> TaskSpace:
-        """Return the task space of all lengths."""
+        """Return the task space of all requested lengths."""
         return self._space_of(self.domain(), self.length, tell)
 
     def _space_of(self, domain: Domain, length: int | Sequence[int], tell: Callable[[str], None] | None) -> TaskSpace:
@@ -130,7 +130,7 @@ class DomainOptions:
 
 
 def domain_options(*options: Decorator) -> Decorator:
-    """Give a command these options, as one value `request`."""
+    """Add these options to a command, which receives them as one argument `request`."""
     return grouped("request", DomainOptions, options)
 
 
@@ -145,7 +145,7 @@ def _note_unread_settings(names: Sequence[str]) -> None:
 
 
 def source_of(name: str) -> str | Source:
-    """Return the source of a program by its name; standard input is read once, even if it is loaded several times."""
+    """Return the program with a name as a source; standard input is read once, even if it is loaded repeatedly."""
     if name != STANDARD_INPUT:
         return name
     from prag_asp.program.sources import standard_input

@@ -1,4 +1,4 @@
-"""The end of a command by a result, an error, a signal, or a limit: one line on stderr and an exit code.
+"""End a command after a result, an error, a signal or a limit, with at most one line on stderr and an exit code.
 
 On Linux the command runs as the child of a supervisor (`prag_asp.cli.supervision`). It reports its limits, its stage
 and its end through a pipe, so that the supervisor can print the line where the command itself cannot.
@@ -105,9 +105,9 @@ def running() -> Iterator[None]:
 
 
 def _on_signal(number: int, frame: FrameType | None) -> None:
-    """Raise the exception of a signal, once: Ctrl-C reaches the command twice, from the terminal and the supervisor.
+    """Raise the exception for a signal once: Ctrl-C arrives twice, from the terminal and from the supervisor.
 
-    From then on Python reports no errors from objects that the exception left incomplete. An exception that Python
+    From then on Python does not report errors from objects that the exception left incomplete. An exception that Python
     drops, because it was raised in a finalizer or a callback of a weak reference, is raised again.
     """
     if _state.signal is not None and _state.pipe is not None:
@@ -199,7 +199,7 @@ def finish(code: int) -> None:
 
 
 def while_(stage: str) -> str:
-    """Return `` while STAGE`` for a message, or nothing without a stage."""
+    """Return `` while STAGE`` for a message, or an empty text if there is no stage."""
     return f" while {stage}" if stage else ""
 
 

@@ -94,7 +94,7 @@ def _stream(output: str | None) -> Iterator[_StreamWriter]:
 
 @contextmanager
 def recordings_folder(folder: str | None) -> Iterator[Path | None]:
-    """Yield a folder for recordings, which is written atomically, or None without a name.
+    """Yield a folder for recordings, which is written atomically, or None if no folder is named.
 
     Raises:
         OutputError: the folder exists and is not empty, or cannot be written.
@@ -107,7 +107,7 @@ def recordings_folder(folder: str | None) -> Iterator[Path | None]:
 
 
 def require_writable(output: str | None) -> None:
-    """Check that a file can be written, without changing it; None is stdout.
+    """Check that a file can be written, without changing it; None stands for stdout.
 
     Raises:
         OutputError: the file cannot be written.

@@ -37,7 +37,7 @@ def whole(least: int, most: int = MOST) -> Callable[[Any], int]:
 
 
 def grouped(name: str, kind: Any, options: Sequence[Decorator]) -> Decorator:
-    """Return a decorator that gives a command some options, and passes their values as one dataclass."""
+    """Return a decorator that adds options to a command, which receives their values as one dataclass."""
 
     def decorate(function: Function) -> Function:
         @wraps(function)
@@ -73,7 +73,7 @@ def _set_limit(context: click.Context, parameter: click.Parameter, text: str | N
 
 
 def add_limits(command: click.Command) -> None:
-    """Add the options of limits to a command, or to each command of a group, once."""
+    """Add the options for limits to a command, or to each command of a group, unless they are already there."""
     if isinstance(command, click.Group):
         for each in command.commands.values():
             add_limits(each)
@@ -109,7 +109,7 @@ trust = click.option("--trust", is_flag=True, help="Run the Python files that do
 
 @dataclass(frozen=True)
 class Approximation:
-    """Options of an estimate: whether to estimate, and how precisely."""
+    """Options for estimates: whether to estimate, and how precisely."""
 
     approximate: bool
     epsilon: float | None
@@ -117,10 +117,10 @@ class Approximation:
     seed: int | None
 
     def arguments(self, engine: str) -> dict[str, Any] | None:
-        """Return the arguments of an estimate, or None for an exact number.
+        """Return the arguments for an estimate, or None if an exact number is requested.
 
         Raises:
-            QueryError: an option of estimates is given without --approximate, or an engine with it.
+            QueryError: an option for estimates is given without --approximate, or an engine is given with it.
         """
         options = {"epsilon": self.epsilon, "delta": self.delta, "seed": self.seed}
         options = {name: value for name, value in options.items() if value is not None}
@@ -153,7 +153,7 @@ approximation = grouped(
 
 @dataclass(frozen=True)
 class WeightOptions:
-    """Options of the weights for sampling."""
+    """Options that set the weights for sampling."""
 
     weight: tuple[str, ...] = ()
     uniform: bool = False
@@ -190,7 +190,7 @@ def parse_weight_options(options: Sequence[str]) -> dict[str, str]:
     """Return the weights set by options of the form KEY=WEIGHT.
 
     Raises:
-        QueryError: an option is of another form.
+        QueryError: an option does not have this form.
     """
     weights = {}
     for option in options:

@@ -1,4 +1,4 @@
-"""Options of commands that validate tasks by physics: effort, number of processes, and cameras."""
+"""Options of commands that validate tasks by physics simulation: effort, number of processes, and cameras."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ OPTIONS = (
 
 @dataclass(frozen=True)
 class PhysicsOptions:
-    """Options of the validation by physics."""
+    """Options for validation by physics simulation."""
 
     workers: int
     budget: str
@@ -52,10 +52,10 @@ class PhysicsOptions:
     demonstrate: str | None = None
 
     def refuse_without_physics(self, others: Mapping[str, bool]) -> None:
-        """Refuse options of physics if it is off; `others` maps further options to whether each is given.
+        """Refuse physics options if physics is off; `others` maps further options to whether each is given.
 
         Raises:
-            QueryError: an option of physics is given although physics is off.
+            QueryError: a physics option is given although physics is off.
         """
         options = {
             "--demonstrate": self.demonstrate is not None,
@@ -106,7 +106,7 @@ max_draws = click.option(
 
 @dataclass(frozen=True)
 class CameraOptions:
-    """Options of demonstrations: the cameras that record them, and the properties that are randomized."""
+    """Options for demonstrations: the cameras that record them, and the properties that are randomized."""
 
     cameras: str | None = None
     size: str | None = None
@@ -132,7 +132,7 @@ class CameraOptions:
                 raise QueryError(f"{option} {value} is for demonstrations; add --demonstrate")
 
     def staging(self, *scenes: Scene) -> Staging | None:
-        """Return the staging of demonstrations in some scenes, or None if nothing is recorded or randomized.
+        """Return the staging of demonstrations in the given scenes, or None if nothing is recorded or randomized.
 
         Raises:
             QueryError: there is no such camera, size, rate, or property to randomize.
@@ -170,7 +170,7 @@ camera_options = grouped(
 
 
 def _parse_names(option: str, text: str | None) -> tuple[str, ...]:
-    """Return the names that an option lists.
+    """Return the names listed in the value of an option.
 
     Raises:
         QueryError: the list is empty, or a name is empty.

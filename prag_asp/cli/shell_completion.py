@@ -69,7 +69,7 @@ def domains(context: click.Context, parameter: click.Parameter, typed: str) -> I
 
 
 def actions(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
-    """Complete a domain first, then actions of it."""
+    """Complete a domain first, then actions of that domain."""
     domain, others = domain_and_others(context.params.get(parameter.name or "") or ())
     if not domain or (not others and is_file_name(typed)):
         return domains(context, parameter, typed)
@@ -77,7 +77,7 @@ def actions(context: click.Context, parameter: click.Parameter, typed: str) -> I
 
 
 def shares(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
-    """Complete a domain; the user chooses the names of the parts after it."""
+    """Complete a domain; the names of parts that follow it are the user's choice and are not completed."""
     domain, _ = domain_and_others(context.params.get(parameter.name or "") or ())
     return [] if domain and not is_file_name(typed) else domains(context, parameter, typed)
 
@@ -98,7 +98,7 @@ def suites(context: click.Context, typed: str) -> Iterable[str]:
 
 @_completer
 def engines(context: click.Context, typed: str) -> Iterable[str]:
-    """Complete engines."""
+    """Complete the names of engines."""
     from prag_asp.space.engines import AUTO, ENGINES
 
     return (AUTO, *ENGINES)
@@ -128,7 +128,7 @@ def plan(context: click.Context, typed: str) -> Iterable[str]:
 
 @_completer
 def prefix(context: click.Context, typed: str) -> Iterable[str]:
-    """Complete one more action, or name of an action."""
+    """Complete the next action, or the name of an action."""
     actions = _domain(context).facts.actions
     return _after(typed, [*_names_of(actions), *map(str, actions)])
 
@@ -142,7 +142,7 @@ def names(context: click.Context, typed: str) -> Iterable[str]:
 
 @_completer
 def cameras(context: click.Context, typed: str) -> Iterable[str]:
-    """Complete one more camera of the scene."""
+    """Complete the next camera of the scene."""
     from prag_asp.domain.load import load_scene
 
     return _after(typed, load_scene(_domain(context)).cameras)
@@ -150,7 +150,7 @@ def cameras(context: click.Context, typed: str) -> Iterable[str]:
 
 @_completer
 def kinds_that_vary(context: click.Context, typed: str) -> Iterable[str]:
-    """Complete one more property that can vary."""
+    """Complete the next property that can vary."""
     from prag_asp.scene.variation import KINDS
 
     return _after(typed, KINDS)
@@ -173,7 +173,7 @@ def conditions(context: click.Context, typed: str) -> Iterator[str]:
 
 
 def _domain(context: click.Context) -> Domain:
-    """Load the domain of the command line typed so far, which is unparsed if an option still lacks its value."""
+    """Load the domain named so far; click has not parsed the command line if an option still lacks its value."""
     from prag_asp.domain.load import load_domain
 
     sources, _ = domain_and_others(context.params.get("names") or context.params.get("words") or context.args)
@@ -190,7 +190,7 @@ def _names_of(actions: Iterable[Any]) -> list[str]:
 
 
 def _after(typed: str, candidates: Iterable[str]) -> Iterator[str]:
-    """Yield each candidate after the typed text up to its last blank or comma outside parentheses."""
+    """Yield candidates, each appended to the typed text up to its last blank or comma outside parentheses."""
     depth, start = 0, 0
     for position, character in enumerate(typed):
         depth += (character == "(") - (character == ")")
@@ -200,7 +200,7 @@ def _after(typed: str, candidates: Iterable[str]) -> Iterator[str]:
 
 
 def complete(group: click.Group, program: str, variable: str) -> int:
-    """Print the completions that a shell requests by an environment variable, and return the exit code."""
+    """Print the completions that a shell requests through an environment variable, and return the exit code."""
     from click.shell_completion import shell_complete
 
     add_shells()
@@ -208,7 +208,7 @@ def complete(group: click.Group, program: str, variable: str) -> int:
 
 
 def add_shells() -> None:
-    """Adapt click's completion of bash and fish to texts with parentheses and commas, such as actions."""
+    """Adapt click's completion for bash and fish to texts with parentheses and commas, such as actions."""
     from click.shell_completion import BashComplete, FishComplete, add_completion_class
 
     class Bash(BashComplete):
@@ -224,7 +224,7 @@ def add_shells() -> None:
             return super().format_completion(item)
 
     class Fish(FishComplete):
-        """Splits only the type off an item, because its value may contain commas."""
+        """Splits an item only after its type, because its value may contain commas."""
 
         source_template = FishComplete.source_template.replace('split ","', 'split --max 1 ","')
 

@@ -78,7 +78,7 @@ def _table(tally: Tally) -> Table:
 
 
 def described(found: Task, space: TaskSpace, *, false_facts: bool = False) -> list[str]:
-    """Return lines with the rank of a task, its initial state, the effects of its actions, its goal, its readings.
+    """Describe a task in lines: its rank, initial state, the effects of its actions, its goal and its readings.
 
     The states list their true facts, and with `false_facts` also the facts that are known to be false.
     """

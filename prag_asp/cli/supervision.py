@@ -2,7 +2,7 @@
 
     prag-asp ... ── fork ──> the command, with the same streams, folder, terminal and process group
         │       <── pipe ──    │ its limits, its stage, its exit code
-        └── waits, checks limits, passes on signals, and prints the line that the command cannot print any more
+        └── waits, checks limits, passes on signals, and prints the line that the command can no longer print
 
 Native code (clingo's grounder, solvers, PyBullet) reacts neither to Ctrl-C nor to a limit, and may end the process
 without a message. Therefore the supervisor first sends a signal, after which the command should end as after Ctrl-C.

@@ -1,4 +1,4 @@
-"""Options that select tasks (by plan, by rank, or from a file), and options of the format of printed tasks."""
+"""Options that select tasks (by plan, by rank, or from a file), and options for the format of printed tasks."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class TaskSelection:
             raise QueryError("--where is for tasks; select some with --plan, --index or --tasks")
 
     def of(self, space: TaskSpace) -> tuple[list[str], Iterator[Task]]:
-        """Return a suffix for the name of each task, and lazily the tasks, from spaces of any length.
+        """Return a suffix for the name of each task, and a lazy iterator over the tasks, which may differ in length.
 
         Raises:
             OSError: the file of tasks cannot be read.
@@ -100,10 +100,10 @@ task_selection = grouped(
 
 
 def _parse_ranks(text: str) -> range:
-    """Return the ranks in a text.
+    """Parse the ranks in a text.
 
     Raises:
-        QueryError: the text has another form, or too many ranks.
+        QueryError: the text does not have the form of ranks, or has too many.
     """
     match = RANKS.fullmatch(text.strip())
     if match is None:
@@ -117,7 +117,7 @@ def _parse_ranks(text: str) -> range:
 
 
 def task_at(space: TaskSpace, rank: int) -> Task:
-    """Return the task of a rank.
+    """Return the task with a rank.
 
     Raises:
         QueryError: there is no such task.
@@ -129,10 +129,10 @@ def task_at(space: TaskSpace, rank: int) -> Task:
 
 
 def _read_plans(file: str, space: TaskSpace) -> Mapping[str, tuple[str, ...]]:
-    """Return the plans of a file by their lines.
+    """Read the plans in a file, keyed by line number.
 
     Raises:
-        QueryError: a line is not a task, or is a task of another domain, or there are too many tasks.
+        QueryError: a line is not a task, or is a task of a different domain, or there are too many tasks.
     """
     from prag_asp.dataset.jsonl import read_tasks
     from prag_asp.dataset.task_origin import foreign
@@ -174,12 +174,12 @@ class TaskFormat:
     level: str | None
 
     def line(self, space: TaskSpace, seed: int = 0, staging: Staging | None = None) -> Callable[[Record], str]:
-        """Return a function that formats a record of a task of a space as one line.
+        """Return a function that formats the record of a task in a space as one line.
 
         The seed selects the phrasing of instructions; `staging` is the staging of the demonstration of a record.
 
         Raises:
-            QueryError: the domain has no such language, or the options contradict each other.
+            QueryError: the domain does not have the language, or the options contradict each other.
         """
         from prag_asp.dataset.jsonl import write_line
         from prag_asp.dataset.language import instruction, instruction_writer_of
@@ -202,7 +202,7 @@ class TaskFormat:
         return forms[self.form]
 
     def check(self, by: str = "task") -> None:
-        """Check that options of instructions are given only with the format instructions, and that tasks have ids.
+        """Check that options for instructions are given only with that format, and that requested ids exist.
 
         Raises:
             QueryError: such an option is given with another format, or ids of plans are requested.
@@ -215,7 +215,7 @@ class TaskFormat:
 
 
 def format_options(form: Decorator) -> Decorator:
-    """Give a command the options of the format of tasks, as one value `task_format`; `form` is its option --format."""
+    """Add the format options to a command, as one argument `task_format`; `form` is its option --format."""
     return grouped(
         "task_format", TaskFormat,
         (

@@ -50,7 +50,7 @@ def aligned(rows: Iterable[Sequence[str]]) -> Iterator[str]:
 
 
 class Tell(Protocol):
-    """Reports progress: a message and, if they are known, the number done and the total."""
+    """Reports progress: a message and, if known, the number of finished items and the total."""
 
     def __call__(self, words: str, done: float = 0, total: int | None = None) -> None:
         """Report progress."""
@@ -76,14 +76,14 @@ class _Display:
         self._watching.start()
 
     def tell(self, words: str, done: float = 0, total: int | None = None) -> None:
-        """Set the words and, if they are known, the number done and the total."""
+        """Set the message and, if known, the number of finished items and the total."""
         with self._lock:
             self._words, self._done, self._total = _first_line(words), done, total
             if self._bar is not None or self._is_due():
                 self._show()
 
     def hide(self) -> None:
-        """Remove the line of a terminal, before output that may go to the same one."""
+        """Remove the progress line before output that may go to the same terminal."""
         with self._lock:
             if self._on_terminal:
                 self._quiet_since = monotonic()

@@ -1,4 +1,4 @@
-"""Datasets of tasks: filtered by physics, revalidated, written to files, read from them, and exported.
+"""Datasets of tasks: filter tasks by physics, revalidate them, write and read files, and export datasets.
 
 >>> from itertools import islice
 >>> from prag_asp import TaskSpace, load_domain

@@ -43,10 +43,10 @@ LARGEST_SEED = 2**63 - 1
 class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     """The request for a dataset, as passed to `generate` and stored in dataset.json.
 
-    `split` has the exact share of each part. `weights` and `temperature` are exact numbers as text. Without a `budget`,
-    physics is not run. Unless `trivial`, tasks whose final state is the initial state are left out. `part`, such as
-    ``3/64``, selects every 64th draw from the third on; other machines generate the rest.
-    The tasks `excluded`, if any, are left out, by their length and rank.
+    `split` holds the exact share of each part. `weights` and `temperature` are exact numbers as text. Without a
+    `budget`, physics is not run. Unless `trivial`, tasks whose final state is the initial state are left out. `part`,
+    such as ``3/64``, selects every 64th draw from the third on; other machines generate the rest. `excluded` identifies
+    tasks to leave out by their length and rank.
 
     Raises:
         QueryError: a number is out of range.
@@ -98,17 +98,17 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     ) -> DatasetSpec:
         """Return the request for a dataset of `tasks` different feasible tasks of a domain, given its `fields`.
 
-        Tasks are sampled without replacement, by `weights` or those of the domain; lengths occur in exact proportion,
-        or in turn with `evenly`. With `split`, each part gets its share of the tasks, and no two parts have a task
-        (with `skeletons`: a skeleton) in common; with `hold_out`, only ``test`` has the held-out tasks. A witness is
-        searched for from `starts` initial states of each task. Unless `trivial`, tasks whose final state is the initial
-        state are left out. With `demonstrate`, the robot performs each task; `staging` has the cameras that record it
-        and the properties that vary. Without `physics`, the default if the domain has no scene, all sampled tasks are
-        accepted. Instructions are in a `language` of the domain, and use some of its `phrasings`, such as ``1 of 2``. A
-        shard has at most `shard` tasks. With ``part="3/64"``, only every 64th draw from the third on is validated, for
-        a 64th of the tasks.
+        Tasks are sampled without replacement, with `weights` or the weights of the domain; lengths occur in exact
+        proportion, or in turn with `evenly`. With `split`, each part gets its share of the tasks, and no two parts have
+        a task (with `skeletons`: a skeleton) in common; with `hold_out`, only ``test`` has the held-out tasks. For each
+        task, witnesses from `starts` initial states are searched for. Unless `trivial`, tasks whose final state is the
+        initial state are left out. With `demonstrate`, the robot performs each task; `staging` specifies the cameras
+        that record it and the properties that vary. Without `physics`, the default if the domain has no scene, all
+        sampled tasks are accepted. Instructions are in a `language` of the domain, and use some of its `phrasings`,
+        such as ``1 of 2``. A shard has at most `shard` tasks. With ``part="3/64"``, only every 64th draw from the third
+        on is validated, for a 64th of the tasks.
 
-        The tasks `excluded`, pairs of a length and a rank, are left out.
+        `excluded` holds the tasks to leave out, as pairs of a length and a rank.
 
         Raises:
             QueryError: a value is out of range, or two of them contradict each other.
@@ -134,7 +134,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         return msgspec.structs.replace(spec, budget=budget)
 
     def _budget_in(self, domain: Domain, physics: bool) -> Budget | None:
-        """Check the options of physics, and return its budget, with the tier of demonstrations if there are any."""
+        """Check the physics options, and return the budget, with the tier of demonstrations if there are any."""
         from prag_asp.physics import require_physics
 
         if physics:
@@ -173,11 +173,11 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def deal(self) -> Deal:
-        """The draws of this machine among those of all machines."""
+        """Which of all draws this machine validates."""
         return ALL if self.part is None else Deal.parse(self.part)
 
     def tasks_of(self, share: Fraction) -> int:
-        """Return the number of tasks of a part with a share, rounded up: a larger request never yields fewer.
+        """Return the number of tasks of a part with a share, rounded up, so that a larger request never yields fewer.
 
         Each of several machines generates the same number of tasks.
         """

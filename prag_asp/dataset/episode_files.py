@@ -16,12 +16,12 @@ NAME = re.compile(r"(\d{6,})\.npz")
 
 
 def name_of(number: int) -> str:
-    """Return the name of the file for the task on a line, counted from 1."""
+    """Return the name of the file for the task on a given line, counted from 1."""
     return f"{number:06d}.npz"
 
 
 def write_episode(folder: Path | None, number: int, demonstration: Demonstration | None) -> str | None:
-    """Write the demonstration of a task into a folder, and return the file's name; if either is None, do nothing.
+    """Write the demonstration of a task into a folder, and return the file's name; do nothing if an argument is None.
 
     Raises:
         OutputError: the file cannot be written.
@@ -33,7 +33,7 @@ def write_episode(folder: Path | None, number: int, demonstration: Demonstration
 
 
 def remove_after(folder: str | Path, number: int) -> None:
-    """Remove the recordings of lines after a number, which an interrupted run left behind."""
+    """Remove the recordings of all lines after a given line, which an interrupted run left behind."""
     for path in [*Path(folder).glob("*.npz")]:
         match = NAME.fullmatch(path.name)
         if match is not None and int(match[1]) > number:

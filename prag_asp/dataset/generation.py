@@ -38,10 +38,10 @@ def generate(
     task. The tasks of `excluded` scenarios of the same domain and conditions are left out, so the dataset is disjoint
     from earlier ones.
 
-    The same call resumes an interrupted run; a larger number of tasks extends the dataset. Its bytes depend on the
-    request alone, neither on the number of `workers` nor on the machines on which they run: with ``on="ray"``, the
-    nodes of a Ray cluster. With ``part="3/64"``, the folder is one of 64 machine parts, which `merge` combines into the
-    dataset.
+    The same call resumes an interrupted run; a larger number of tasks extends the dataset. The bytes of the dataset
+    depend only on the request, not on the number of `workers` or on the machines that run them; with ``on="ray"``,
+    these are the nodes of a Ray cluster. With ``part="3/64"``, the folder is one of 64 machine parts, which `merge`
+    combines into the dataset.
 
     Raises:
         QueryError: the space is empty, or the request is wrong.

@@ -20,7 +20,7 @@ from prag_asp.task import FrozenDict, Task
 
 @dataclass(frozen=True)
 class Record:
-    """A task with its verdict and witness as plain values, or None without physics.
+    """A task with its verdict and witness as plain values; both are None without physics.
 
     `place` is the source of the record as ``file:line``.
     """

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Learned:
-    """Rules ``impossible(F,G)``, the number of their proofs, the `text` of learned.lp, and the `domain` with them."""
+    """Rules ``impossible(F,G)``, the number of their proofs, the `text` of learned.lp, and the extended `domain`."""
 
     rules: tuple[str, ...]
     proofs: int

@@ -93,7 +93,7 @@ class SearchStart:
 
 @dataclass(frozen=True)
 class Scenario:
-    """A task of a domain, by its rank among those of its length that satisfy the conditions, and its initial state.
+    """A task, given by its rank among the tasks of its length that satisfy the conditions, and its initial state.
 
     `digest` is the digest of the domain. Without physics, the task has no `start`.
     """
@@ -142,7 +142,7 @@ class Scenario:
 
     @property
     def task(self) -> Scenario:
-        """The scenario of the task alone, without an initial state; it is equal for all scenarios of a task."""
+        """The scenario without its initial state; it is equal for all scenarios of a task."""
         return Scenario(self.domain, self.digest, self.length, self.rank, None, self.where, self.constants)
 
 

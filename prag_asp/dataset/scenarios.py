@@ -36,7 +36,7 @@ class Scenarios:
     """
 
     def __init__(self, domain: Domain, space: TaskSpace | None = None) -> None:
-        """Use the engines of a `space` of the domain, if given, for tasks with its conditions."""
+        """If a `space` of the domain is given, use its engines for tasks with its conditions."""
         self.domain = domain
         self._whole = None if space is None else space.whole
         self._spaces: dict[tuple[tuple[str, ...], int], TaskSpace] = {}
@@ -55,7 +55,7 @@ class Scenarios:
         return digest([program, bool(domain.facts.composites), table, files])[:DIGITS]
 
     def ranked(self, where: Sequence[str], length: int, rank: int, start: SearchStart | None = None) -> Scenario:
-        """Return the scenario of a rank among the tasks of a length that satisfy conditions."""
+        """Return the scenario of the task with a given rank among the tasks of a length that satisfy conditions."""
         name, constants = self.domain.name, FrozenDict(self.domain.constants)
         return Scenario(name, self.digest, length, rank, start, tuple(sorted(where)), constants)
 
@@ -127,7 +127,7 @@ def verdict_of(task: Task, start: SearchStart, validator: Validator) -> Verdict:
 
 
 def searched(task: Task, start: SearchStart, validator: Validator) -> Record:
-    """Return a task with the verdict and the witness of the search of its scenario.
+    """Return a task with the verdict and the witness that the search of its scenario finds.
 
     Raises:
         QueryError: the search finds no witness, because the version of prag_asp or PyBullet differs.
@@ -169,10 +169,10 @@ def read_scenarios(file: str | Path) -> Iterator[Scenario]:
 
 
 def exclude(space: TaskSpace, scenarios: Iterable[Scenario]) -> Callable[[Task], bool]:
-    """Return a function that tests whether a task of a space is not a task of given scenarios.
+    """Return a function that returns true for the tasks of a space that belong to none of the given scenarios.
 
-    Initial states do not matter. If these tasks are left out of a sample without replacement, the rest is a sample
-    without replacement of the others.
+    Initial states do not matter. If these tasks are left out of a sample without replacement, the remaining tasks are a
+    sample without replacement of all other tasks.
 
     Raises:
         QueryError: a scenario and the space have different domains or conditions, or a scenario has no task.
@@ -185,10 +185,10 @@ def exclude(space: TaskSpace, scenarios: Iterable[Scenario]) -> Callable[[Task],
 def excluded_ranks(
     space: TaskSpace, scenarios: Iterable[Scenario], here: Scenarios | None = None
 ) -> Iterator[tuple[int, int]]:
-    """Yield the lengths and ranks of the tasks of scenarios; `here` are the scenarios of the domain, if they exist.
+    """Yield the lengths and ranks of the tasks of scenarios; `here` may hold the scenarios of the domain.
 
     Raises:
-        QueryError: a scenario has another domain than the space, or other conditions.
+        QueryError: the domain or the conditions of a scenario differ from those of the space.
     """
     clauses = _clauses(space.whole)
     for scenario in scenarios:

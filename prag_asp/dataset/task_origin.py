@@ -69,9 +69,9 @@ def read_witness(record: Record, scene: Scene) -> Witness:
 
 @contextmanager
 def errors_with_place(record: Record, domain: Domain | None = None, advice: str = "") -> Iterator[None]:
-    """Add the file and the line of a record to the message of an error, and advice to its end.
+    """Add the file and the line of a record to the beginning of an error message, and advice to its end.
 
-    If the record names a domain other than `domain`, the message includes that.
+    If the record names a domain other than `domain`, the message says so.
 
     Raises:
         QueryError: the body raises a QueryError.
@@ -86,7 +86,7 @@ def errors_with_place(record: Record, domain: Domain | None = None, advice: str 
 
 
 def index_of(record: Record) -> int:
-    """Return the index of the verdict of a record, which repeats its search; without a verdict, a hash of its plan."""
+    """Return the search index in the verdict of a record, to repeat the search, or a hash of the plan without one."""
     index = (record.verdict or {}).get("index")
     if type(index) is int and index >= 0:
         return index

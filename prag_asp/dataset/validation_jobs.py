@@ -115,7 +115,7 @@ def open_draw_validator(
 
 @contextmanager
 def _validator(setup: ValidationSetup) -> Iterator[Validator | None]:
-    """Yield a validator of the scene, or None without one."""
+    """Yield a validator for the scene, or None if there is no scene."""
     if setup.scene is None:
         yield None
         return

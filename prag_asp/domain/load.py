@@ -83,7 +83,7 @@ class Domain:
 
     @property
     def label(self) -> str:
-        """The name with the set constants: ``hanoi (discs=4)``."""
+        """The name of the domain, followed by the constants that are set: ``hanoi (discs=4)``."""
         settings = ", ".join(f"{name}={value}" for name, value in self.constants.items())
         return f"{self.name} ({settings})" if settings else self.name
 
@@ -108,12 +108,12 @@ def load_domain(
     in .pddl are a PDDL domain and its problem; one file may have both. `constants` are values for ``#const``s of the
     domain. `settings` is a file to read in place of the folder's domain.toml; its paths are relative to its folder.
 
-    `rules` are names of files in the encodings' folder ``rules``; one with arguments, such as ``at_most(grasp,2)``, is
-    also stated as a fact. `encodings` is a folder to use in place of the shipped encodings. With `flat`, the composites
-    of the domain are ignored: any sequence of its actions can be a plan. With `trust`, physics may run the Python files
-    that domain.toml names; nothing else runs them. Without `learned`, the folder's file of learned invariants is not
-    read. It is not read with `settings` either, because that file may describe another scene. With `strict`, warnings
-    are errors. With `untimed`, durative actions of PDDL are read as instantaneous ones.
+    `rules` are names of files in the encodings' folder ``rules``; a rule with arguments, such as ``at_most(grasp,2)``,
+    is also stated as a fact. `encodings` is a folder to use in place of the shipped encodings. With `flat`, the
+    composites of the domain are ignored: any sequence of its actions can be a plan. With `trust`, physics may run the
+    Python files that domain.toml names; nothing else runs them. Without `learned`, the folder's file of learned
+    invariants is not read. It is not read with `settings` either, because that file may describe another scene. With
+    `strict`, warnings are errors. With `untimed`, durative actions of PDDL are read as instantaneous ones.
 
     Raises:
         DomainError: the files have problems; the message has one line for each problem.
@@ -191,7 +191,7 @@ def _find_domain(
 
 
 def _whole_program(core: tuple[Source, ...], own: tuple[Source, ...], rules: Iterable[str], encodings: Path) -> Program:
-    """Return the program of the core encodings, those that a domain's `own` files need, the own files, and `rules`.
+    """Join the core encodings, the encodings that a domain's `own` files need, these files, and `rules`.
 
     Raises:
         DomainError: the rule does not exist, or takes another number of arguments.
@@ -203,7 +203,7 @@ def _whole_program(core: tuple[Source, ...], own: tuple[Source, ...], rules: Ite
 
 
 def _settings_file(settings: str | Path | None, folder: Path | None) -> Source:
-    """Return the text of the settings: the given file or that of the folder; empty if there is none.
+    """Return the settings file as a source: the given file, or the one in the folder; empty if there is none.
 
     Raises:
         DomainError: the given file does not exist, or a file cannot be read.
@@ -308,5 +308,5 @@ def with_learned(domain: Domain, sources: tuple[Source, ...]) -> Domain:
 
 
 def shown_warnings(warnings: Iterable[Problem], settings: Settings) -> Iterator[Problem]:
-    """Yield the warnings that no comment of a domain.toml allows."""
+    """Yield the warnings that no comment in domain.toml allows."""
     return not_allowed(warnings, allowed_names((), settings))

@@ -21,7 +21,8 @@ def write_new_domain(name: str, parent: Path = Path(), *, plain: bool = False, l
     name of a shipped domain to copy instead, without its known counts.
 
     Raises:
-        DomainError: the name is invalid, the folder exists, there is no shipped domain `like`, or it is to be plain.
+        DomainError: the name is invalid, the folder exists, or `like` is not a shipped domain or is given with
+            `plain`.
         OutputError: the folder cannot be written; in this case it is not created.
     """
     folder = parent / name
@@ -48,7 +49,7 @@ def _small_domain(name: str, *, plain: bool) -> dict[str, bytes]:
 
 
 def _shipped_files(name: str) -> dict[str, bytes]:
-    """Return the files of a shipped domain by their path in its folder, without its known counts.
+    """Return the files of a shipped domain, keyed by path within its folder, without its known counts.
 
     Raises:
         DomainError: there is no such domain.

@@ -16,8 +16,8 @@ from prag_asp.wording import plural
 class PolicyComparison:
     """Pairs of episodes of two evaluations: one pair for each shared scenario.
 
-    `only_first` and `only_second` count episodes without a counterpart, `other_states` the scenarios whose initial
-    states differ, because different versions searched for them; none of these are compared.
+    `only_first` and `only_second` count episodes without a counterpart; `other_states` counts scenarios whose initial
+    states differ, because different versions searched for them. None of these are compared.
     """
 
     pairs: tuple[tuple[EvaluatedEpisode, EvaluatedEpisode], ...]
@@ -30,7 +30,7 @@ class PolicyComparison:
         return _counted(self.pairs)
 
     def by(self, what: str) -> Mapping[str, Pairs]:
-        """Return the counts of pairs by ``part``, ``length`` or ``class``.
+        """Return the counts of pairs, grouped by ``part``, ``length`` or ``class``.
 
         Raises:
             QueryError: there is no such grouping.

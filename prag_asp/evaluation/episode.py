@@ -45,7 +45,7 @@ class EvaluatedEpisode(msgspec.Struct, frozen=True):
     """The result of an episode.
 
     `part` is the part of a dataset or a suite, or "". `initial` is a digest of the initial state, and `classes` are the
-    classes of the entities that the actions name. `reached` counts the subgoals that were reached, `subgoals` holds a
+    classes of the entities that the actions name. `reached` counts the subgoals that were reached; `subgoals` holds a
     result for each subgoal that was pursued. `cause` is one of `SUCCESS`, `LIMIT` and `GAVE_UP`; `seconds` is the
     simulated time.
     """
@@ -103,9 +103,9 @@ class EpisodeRunner:
         return int(self._env.unwrapped.metadata["render_fps"])
 
     def run(self, job: EpisodeJob, watch: Watch = lambda env: None) -> EvaluatedEpisode | None:
-        """Return the result of an episode, or None if the search finds no witness of its task.
+        """Return the result of an episode, or None if the search finds no witness for its task.
 
-        The result depends on the scenario, the policy and the seed alone.
+        The result depends only on the scenario, the policy and the seed.
 
         Raises:
             QueryError: the scenario does not belong to the domain, or the policy fails.

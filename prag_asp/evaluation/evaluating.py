@@ -65,8 +65,8 @@ def evaluate(
 
     `policy` is a text that `load_policy` accepts, a function of an observation (and of `info`, if it has a parameter of
     that name), or a class whose instances are such functions; `environment` holds options of `TaskEnv` (those in
-    `ENVIRONMENT`), which take precedence over those that the policy determines, such as the control of a checkpoint of
-    LeRobot. A `wrapper` wraps the environment, as in training. The global random generators of Python, NumPy and
+    `ENVIRONMENT`), which take precedence over those that the policy determines, such as the control of a LeRobot
+    checkpoint. A `wrapper` wraps the environment, as in training. The global random generators of Python, NumPy and
     PyTorch are seeded for each episode, so results do not depend on the number of `workers`, unless the policy itself
     does.
 
@@ -136,7 +136,7 @@ def _evaluated(
     write: Callable[[bytes], None],
     progress: Progress,
 ) -> tuple[EvaluationRecord, tuple[EvaluatedEpisode, ...]]:
-    """Return the record and the episodes, those of an interrupted evaluation first; `write` stores each new episode.
+    """Return the record and the episodes, first those of an interrupted evaluation; `write` stores new episodes.
 
     Raises:
         NotFound: there are fewer feasible scenarios than requested.

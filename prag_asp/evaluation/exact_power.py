@@ -46,7 +46,7 @@ def unpaired_power(scenarios: int, first: float, second: float, alpha: Fraction)
 
 
 def paired_power(scenarios: int, first: float, second: float, alpha: Fraction) -> float:
-    """Return the power of McNemar's exact test, given the probabilities that one policy alone succeeds."""
+    """Return the power of McNemar's exact test, given the probability for each policy that only it succeeds."""
     share = first + second
     if share == 0:
         return 0.0
@@ -61,7 +61,7 @@ def paired_power(scenarios: int, first: float, second: float, alpha: Fraction) -
 
 
 def fisher_critical_values(scenarios: int, totals: Integers, alpha: Fraction) -> Integers:
-    """Return the largest number of successes of one sample that Fisher's test rejects as too few, for each total.
+    """For each total of successes, return the largest number in one sample that Fisher's test rejects as too few.
 
     Both samples have `scenarios` members. A result is rejected if twice the tail is at most alpha. If no number is
     rejected, the result is one less than the smallest possible number.
@@ -84,10 +84,10 @@ def fisher_critical_values(scenarios: int, totals: Integers, alpha: Fraction) ->
 
 
 def sign_test_critical_values(differing: Integers, alpha: Fraction) -> Integers:
-    """Return the largest number of successes of one policy alone that McNemar's test rejects as too few, or -1.
+    """Return the largest numbers of pairs won by one policy that McNemar's test rejects as too few, or -1.
 
-    There is one result for each number of differing pairs. Twice the tail of the binomial distribution with probability
-    1/2 must be at most alpha.
+    A policy wins a pair if only it succeeds. There is one result for each number of differing pairs. Twice the tail of
+    the binomial distribution with probability 1/2 must be at most alpha.
     """
     depth = math.ceil(math.sqrt(DEVIATIONS * int(differing[-1]))) + 2
     numbers = differing[:, None] // 2 - np.arange(depth)[::-1]

@@ -1,4 +1,4 @@
-"""Observations as LeRobot's evaluation takes them from an environment, with the numbers of exported datasets."""
+"""Observations in the form that LeRobot's evaluation expects, with the same numbers as in exported datasets."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ CAMERA = "camera_"
 
 
 def arm_state(env: TaskEnv, names: Sequence[StateName]) -> NDArray[np.float32]:
-    """Return the state of the robots in some conventions, the numbers of `state_names`."""
+    """Return the state of the robots in given conventions; `state_names` names its numbers."""
     arms = [env.situation.arm(robot) for robot in env.scene.robots]
     rows = np.array([[[*arm.joints, arm.width] for arm in arms]])
     state: NDArray[np.float32] = states_in(names, env.scene, rows)[0].astype(np.float32)

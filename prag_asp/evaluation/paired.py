@@ -33,10 +33,11 @@ class Pairs(NamedTuple):
         return Fraction(self.first - self.second, self.total) if self.total else Fraction(0)
 
     def p_value(self) -> Fraction:
-        """Return the exact two-sided p-value of McNemar's test (1947), by the binomial distribution.
+        """Return the exact two-sided p-value of McNemar's test (1947), from the binomial distribution.
 
-        If both succeed equally often, each of the n pairs that differ is as likely to favour one as the other. The
-        value is the probability of a split at least as uneven as the one observed, in either direction.
+        If both policies are equally likely to succeed, each of the n pairs that differ is equally likely to favour
+        either of them. The p-value is the probability of a split at least as uneven as the one observed, in either
+        direction.
         """
         differ, fewer = self.first + self.second, min(self.first, self.second)
         tail = sum(math.comb(differ, k) for k in range(fewer + 1))

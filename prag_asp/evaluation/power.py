@@ -45,12 +45,13 @@ LEAST_ALPHA = Fraction(1, 10**6)
 class ComparisonDesign:
     """Two policies whose rates of success are compared at a two-sided level of significance `alpha`.
 
-    `rate` is the probability of success of the first policy; that of the second is larger by an effect. If neither
-    `correlation` nor `discordant` is given, each policy has its own sample of scenarios, and the test is Fisher's exact
-    test, which for samples of equal size doubles the smaller tail. Otherwise both run in the same scenarios, and the
-    test is McNemar's exact one (1947), as in `compare`; its unconditional power sums over the number of scenarios in
-    which one policy alone succeeds (Duffy, Statistics in Medicine 3, 1984; Connor, Biometrics 43, 1987). `correlation`
-    is the correlation of both results in a scenario, `discordant` the share of scenarios in which they differ.
+    `rate` is the probability of success of the first policy; the probability of the second policy is larger by an
+    effect. If neither `correlation` nor `discordant` is given, each policy has its own sample of scenarios, and the
+    test is Fisher's exact test, which for samples of equal size doubles the smaller tail. Otherwise both policies run
+    in the same scenarios, and the test is McNemar's exact one (1947), as in `compare`; its unconditional power sums
+    over the number of scenarios in which only one policy succeeds (Duffy, Statistics in Medicine 3, 1984; Connor,
+    Biometrics 43, 1987). `correlation` is the correlation of the two results in a scenario, `discordant` the share of
+    scenarios in which these differ.
 
     With `tasks`, the number N of all tasks, scenarios are sampled from them without replacement and the claim is about
     these tasks. The variance of a rate over n scenarios is then smaller by the factor (N - n) / (N - 1), like that of a
@@ -103,8 +104,8 @@ class ComparisonDesign:
     def scenarios(self, effect: Probability, power: Probability = Fraction(4, 5)) -> int:
         """Return how many scenarios each policy needs so that the test finds an effect with a given power.
 
-        Exact power is not monotone in the number. The result, before the correction for `tasks`, reaches the power, and
-        so do the next 30 numbers, but not the number before it.
+        Exact power is not monotone in the number of scenarios. Before the correction for `tasks`, the test has the
+        given power with the returned number and with each of the next 30 numbers, but not with the number before.
 
         Raises:
             QueryError: the effect is 0 or impossible at this rate, or more than `MOST` scenarios are needed.
@@ -138,7 +139,7 @@ class ComparisonDesign:
         return high * STEP
 
     def half_width(self, scenarios: int) -> float:
-        """Return the half-width of Wilson's interval (1927) for one rate, at `rate`, with confidence 1 - alpha.
+        """Return the half-width of Wilson's interval (1927) for a success rate of `rate`, with confidence 1 - alpha.
 
         Raises:
             QueryError: more scenarios are given than there are tasks, or more than `MOST`.
@@ -163,7 +164,7 @@ class ComparisonDesign:
         return math.floor(number) if whole else float(number)
 
     def _power(self, scenarios: float, effect: Fraction) -> float:
-        """Return the power of an effective number of scenarios."""
+        """Return the power with an effective number of scenarios."""
         first, second = _exact("rate", self.rate), _exact("rate", self.rate) + effect
         if not 0 <= second <= 1:
             raise QueryError(f"an effect of {float(effect):g} leads from the rate {float(first):g} to "
@@ -181,9 +182,10 @@ class ComparisonDesign:
         return paired_power(int(scenarios), *alone, alpha)
 
     def _discordant_shares(self, effect: Fraction) -> tuple[float, float] | None:
-        """Return the shares of scenarios in which the first policy alone succeeds, and the second alone.
+        """Return the shares of scenarios in which only the first and only the second policy succeeds.
 
-        They are negative if rates, effect and correlation contradict each other, and None if samples are not paired.
+        A share is negative if rates, effect and correlation contradict each other; the result is None if samples are
+        not paired.
         """
         first = _exact("rate", self.rate)
         second = first + effect
@@ -220,7 +222,7 @@ class ComparisonDesign:
 
     @staticmethod
     def _least(reaches: Callable[[int], bool], what: str) -> int:
-        """Return a number that reaches the power, as do the next `AHEAD` numbers, but not the number before it."""
+        """Return a number of scenarios that reaches the power, as do the next `AHEAD`, but not the number before it."""
         low, high = 0, 16
         while not reaches(high):
             if high == MOST:

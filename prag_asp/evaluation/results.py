@@ -64,8 +64,8 @@ EVALUATION = ManifestFile("evaluation.json", EvaluationRecord, "prag_asp evaluat
 class Results:
     """The results of an evaluation, in the order of the scenarios.
 
-    Wilson's intervals assume independent episodes, which episodes of the same task from several initial states are not
-    quite.
+    Wilson's intervals assume independent episodes; episodes of the same task from several initial states are not quite
+    independent.
     """
 
     record: EvaluationRecord
@@ -120,9 +120,9 @@ class Results:
         return rate(self.episodes)
 
     def by(self, what: str) -> Mapping[str, Rate]:
-        """Return the rates by ``part``, ``length``, ``class`` or ``action``.
+        """Return the rates, grouped by ``part``, ``length``, ``class`` or ``action``.
 
-        An episode counts for each class of its entities, and once for each pursued subgoal of an action.
+        An episode counts once for each class of its entities; each pursued subgoal counts for the name of its action.
 
         Raises:
             QueryError: there is no such grouping.

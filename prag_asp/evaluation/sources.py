@@ -218,7 +218,7 @@ class StoredScenarios:
             yield EpisodeJob(name, dataset.scenario(number, start), given)
 
     def _starts(self) -> Iterator[tuple[str, Dataset, int, int]]:
-        """Yield the part, the dataset, the number of a task and that of its initial state."""
+        """Yield the part, the dataset, the number of a task, and the number of one of its initial states."""
         for name, dataset in self.parts:
             number_of_tasks = dataset.count() if self.most is None else min(self.most, dataset.count())
             for number in range(number_of_tasks):

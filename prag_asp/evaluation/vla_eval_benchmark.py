@@ -40,10 +40,10 @@ ARM_ACTIONS = {
 class ScenarioBenchmark(StepBenchmark):  # type: ignore[misc]  # vla-eval has no types for mypy
     """One task of vla-eval for each scenario; their suites are the parts of the dataset.
 
-    `data` is the folder of a dataset or a suite with physics, `parts` and `most` as in `StoredScenarios.open`. Actions
-    follow the convention `control` at a `rate` a second; an episode has at most `steps` for each subgoal. Observations
-    have ``images`` of the `cameras`, which have `size` pixels a side, ``task_description`` (the instruction), and
-    ``state`` in a convention.
+    `data` is the folder of a dataset or a suite with physics; `parts` and `most` are as in `StoredScenarios.open`.
+    Actions follow the convention `control`, with `rate` actions per second; an episode has at most `steps` for each
+    subgoal. Observations have ``images`` of the `cameras`, which have `size` pixels a side, ``task_description`` (the
+    instruction), and ``state`` in a convention.
     """
 
     render_backends = frozenset({"cpu", "gpu"})
@@ -123,7 +123,7 @@ class ScenarioBenchmark(StepBenchmark):  # type: ignore[misc]  # vla-eval has no
         return {"max_steps": self._steps * max(job.scenario.length for job in self._jobs.values())}
 
     def get_action_spec(self) -> dict[str, DimSpec]:
-        """Return the numbers of an action; those of several arms are not named."""
+        """Describe the numbers of an action; with several arms, the numbers are not named."""
         control = self._env.control
         if len(control.robots) > 1 or control.name not in ARM_ACTIONS:
             return {"raw": RAW}

@@ -1,4 +1,4 @@
-"""Check the word table of a language for completeness: types of values, braces, forms by gender and case."""
+"""Check that the word table of a language is complete: types of values, braces, and a form for each gender and case."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ BRACES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
 
 
 def check_kinds(words: TableEntry) -> None:
-    """Report unknown words, and words with a value of another type than in English."""
+    """Report unknown words, and words whose value has a different type than in the English table."""
     english = {**shipped_table("en"), "numbers": [], "contractions": {}}
     words.require_known(english)
     for name, entry in words.entries():
@@ -91,7 +91,7 @@ def _check_texts(words: TableEntry, table: Mapping[str, Any]) -> None:
 
 
 def _check_agreement(entry: TableEntry, words: Words) -> None:
-    """Report missing forms by gender and case."""
+    """Report missing forms for genders and cases."""
     for word in ("the", "it", "is", "is_not"):
         for gender in words.genders:
             lacking = [case for case in words.cases if not words.agreeing(word, gender, case)]

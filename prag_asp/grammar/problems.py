@@ -106,7 +106,7 @@ def _check_facts(language: TableEntry, reader: GrammarReader) -> None:
 
 
 def _check_nouns(language: TableEntry, reader: GrammarReader) -> None:
-    """Report nouns for unknown names, without a word, or of an unknown gender."""
+    """Report nouns that are for unknown names, have no word, or have an unknown gender."""
     states, words = reader.states, reader.words
     declared = {*map(str, states.classes), *states.entity_names}
     for name, entry in language.at("nouns").entries():
@@ -123,7 +123,7 @@ def _check_nouns(language: TableEntry, reader: GrammarReader) -> None:
 
 
 def _check_sentences(entry: TableEntry, reader: GrammarReader, arity: int) -> None:
-    """Report the wrong sentences of an entry."""
+    """Report the wrong sentences in an entry."""
     texts = _texts(entry.value)
     if not texts or len(texts) < (len(entry.value) if isinstance(entry.value, list) else 1):
         entry.needs("a sentence in quotes, or several in a list")
@@ -138,7 +138,7 @@ def _check_sentences(entry: TableEntry, reader: GrammarReader, arity: int) -> No
 
 
 def _check_ambiguity(language: TableEntry, reader: GrammarReader) -> None:
-    """Report actions that a sentence does not distinguish, at the sentence: in this table, or under ``[language]``."""
+    """Report actions that share a sentence; the problem is placed at the sentence, here or under ``[language]``."""
     own = language.at("actions", {})
     above = reader.settings.language if reader.code == FIRST else {}
     named = [*(name for name in above if name not in own.value), *own.value]

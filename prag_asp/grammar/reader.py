@@ -37,7 +37,7 @@ class Noun:
 
 @dataclass(frozen=True)
 class Where:
-    """A modifier of a noun phrase from a fluent: ``on {1}`` describes its argument `subject`."""
+    """A noun modifier derived from a fluent: ``on {1}`` describes the fluent's argument at position `subject`."""
 
     template: Template
     subject: int
@@ -45,7 +45,7 @@ class Where:
 
 @dataclass(frozen=True)
 class FactForms:
-    """The sentences for a true and for a false fluent, and its modifiers; a `silent` fluent is not mentioned."""
+    """The sentences for a fluent when true and when false, and its modifiers; a `silent` fluent is not mentioned."""
 
     true: tuple[Template, ...] = ()
     false: tuple[Template, ...] = ()
@@ -62,7 +62,7 @@ class PlainSentence(NamedTuple):
 
 @dataclass(frozen=True)
 class Grammar:
-    """All sentences of a domain in one language, and its nouns by the names of classes and entities.
+    """All sentences of a domain in one language, and its nouns, keyed by the names of classes and entities.
 
     `values` are the words for other arguments. `plain` are the default sentences of actions, `spare` those of fluents,
     which every domain has. `sources` has, for each action that moves an object away from a place, the position of the
@@ -133,7 +133,7 @@ class GrammarReader:
         return sentences
 
     def plain(self) -> dict[Signature, tuple[PlainSentence, ...]]:
-        """Return default sentences of actions from their name and arguments, without constant arguments.
+        """Return default sentences for actions, built from their names and arguments, without constant arguments.
 
         The object that an action moves is named even if it is constant: "pick the cup from the table", not "pick the
         table". If all arguments are constant, the first that is not a robot is named. The preposition before a place

@@ -1,4 +1,4 @@
-"""Sentence templates with slots for arguments, ``pick up {1} from {2:dat}``: filling, and matching with texts."""
+"""Sentence templates with slots for arguments, ``pick up {1} from {2:dat}``: filled, or matched with texts."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class Template:
             yield from self._split(text[len(first) : len(text) - len(last)], 1, fits)
 
     def _split(self, text: str, number: int, fits: Callable[[str], bool]) -> Iterator[tuple[str, ...]]:
-        """Yield the ways to split a text at the texts between slots, from the slot with a number on."""
+        """Yield the ways to split a text at the texts between slots, starting at a given slot."""
         if number == len(self.slots):
             if fits(text):
                 yield (text,)

@@ -58,7 +58,7 @@ class Words:
         return str(forms.get(self.table["forms"][gender][case], ""))
 
     def number(self, value: int) -> str:
-        """Return the ordinal of the step with a number, counted from 1: ``first``."""
+        """Return the ordinal of a step number, counted from 1: ``first``."""
         own: Sequence[str] = self.table.get("numbers", self.frames.get("numbers", ()))
         if value <= len(own):
             return own[value - 1]
@@ -67,22 +67,22 @@ class Words:
 
     @cached_property
     def frames(self) -> Mapping[str, Any]:
-        """The frames around sentences, by level."""
+        """The frames around sentences, keyed by level."""
         return dict(self.table["frames"])
 
     def joints(self, kind: str) -> tuple[str, ...]:
-        """Return the texts between two sentences of a kind."""
+        """Return the texts that join two sentences of a given kind."""
         return tuple(self.table["joints"][kind])
 
     def verb_phrase(self, fact: str) -> int:
-        """Return the index after the subject and the verb of a sentence of a fact, or 0 if the verb comes last."""
+        """Return the index after the subject and verb in a sentence about a fact, or 0 if the verb comes last."""
         verbs = {self.agreeing("is", gender) for gender in self.genders}
         ends = [at + len(verb) + 2 for verb in verbs if (at := fact.find(f" {verb} ")) > 0]
         return min(ends, default=0)
 
     @cached_property
     def many(self) -> tuple[str, ...]:
-        """The texts between three or more facts: between two of them, and before the last; empty if there are none."""
+        """The texts that join three or more facts: between facts, and before the last; empty if not defined."""
         return tuple(self.table["joints"].get("many", ()))
 
     @cached_property
@@ -117,7 +117,7 @@ class Words:
 
 @lru_cache(maxsize=1024)
 def english_ordinal(value: int) -> str:
-    """Return the English ordinal of a number in words, by inflect, which is imported only here."""
+    """Return the English ordinal of a number in words; only this function imports inflect."""
     import inflect  # noqa: PLC0415 - counting and the other languages start faster without
 
     engine = inflect.engine()

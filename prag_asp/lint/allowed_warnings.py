@@ -18,7 +18,7 @@ Allowed = Mapping[tuple[Path, int], tuple[str, ...]]
 
 
 def allowed_names(sources: Iterable[Source], settings: Settings) -> Allowed:
-    """Return the names that comments in sources and in a domain.toml allow."""
+    """Return the names of warnings that comments in the sources and in domain.toml allow."""
     lines = enumerate(settings.text.split("\n"), 1)
     spoken = ((line, match["words"]) for line, text in lines if (match := TOML_COMMENT.search(text)))
     return allowed_in_sources(sources) | {(settings.path, line): names for line, names in allowed_by_comments(spoken)}

@@ -110,9 +110,9 @@ def placement_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
 
 
 def last_step_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the rules of a step that read a predicate that rules of ``check(t)`` derive at the same step.
+    """Yield the step rules that read a predicate which rules in ``check(t)`` derive at the same step.
 
-    A step is the same function at every time, so it does not know whether it is the last one: the program is ground
+    A step is the same function at every time, so it does not know whether it is the last one: the program is grounded
     part by part, ``base``, ``step(1)`` to ``step(n)``, then ``check(n)``, and each part reads only atoms that it or an
     earlier part derives.
     """
@@ -153,7 +153,7 @@ def size_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
 
 
 def recursion_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the author's rules of a step that certainly derive endlessly growing terms at the same step.
+    """Yield the author's step rules that certainly derive endlessly growing terms within one step.
 
     Rules of the base part that do so are found while it is grounded. A rule that never fires, because no other rule
     derives its head, is not reported.

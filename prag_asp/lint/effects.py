@@ -48,7 +48,7 @@ def effect_problems(control: clingo.Control, facts: Facts, origins: Origins) -> 
 
 
 def action_problems(facts: Facts, statements: Iterable[Statement], origins: Origins) -> Iterator[Problem]:
-    """Yield the problem of a domain without actions: an error if no rule states one, a warning if none fires."""
+    """Report a domain without actions: as an error if no rule states an action, as a warning if no such rule fires."""
     if facts.actions:
         return
     own = [each for each in statements if each.own]
@@ -99,7 +99,7 @@ class Findings:
         self._culprits: dict[tuple[str, str], _Culprit] = {}
 
     def assigned(self, predicate: str, rows: Iterable[list[Symbol]]) -> None:
-        """Check the rows of a predicate that assigns values: undeclared actions and fluents, wrong values."""
+        """Check the rows of a predicate that assigns values, for undeclared actions and fluents and wrong values."""
         fluents, actions, allowed = self._fluents, self._actions, VALUES.get(predicate, BOOLEAN)
         wrong = (
             row

@@ -76,7 +76,7 @@ def _unknown(facts: Facts, statements: Sequence[Statement]) -> Callable[[clingo.
 
 
 def needless_problems(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield a warning for each rule that requires, by ``ever``, a fluent that its action does not require."""
+    """Yield a warning for each rule that requires with ``ever`` a fluent that its action does not require."""
     asking = [
         each
         for each in statements
@@ -114,7 +114,7 @@ def needless_problems(grounder: Grounder, facts: Facts, statements: Sequence[Sta
 
 
 def _ever_queries(rule: Statement) -> Iterator[str]:
-    """Yield the fluents that a rule reads by ``ever``."""
+    """Yield the fluents that a rule reads with ``ever``."""
     for node, text in rule.literals:
         atom = plain_atom(node, text)
         if atom and not atom.negated and atom.signature == EVER:
@@ -124,7 +124,7 @@ def _ever_queries(rule: Statement) -> Iterator[str]:
 def _problem(
     fluent: clingo.Symbol, facts: Facts, reader: Statement, setters: Mapping[tuple[clingo.Symbol, str], FluentSetter]
 ) -> Problem:
-    """Return the problem of an unstated fluent, at the user rule that sets it or at the rule that reads it."""
+    """Report an unstated fluent, at the user rule that sets the fluent or at the rule that reads it."""
     made_by = setters.get((fluent, "true"))
     if made_by is not None:
         effect = f"leaves open whether {fluent} is" if made_by.head.signature == CHANGED else f"may make {fluent}"

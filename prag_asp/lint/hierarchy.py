@@ -92,7 +92,7 @@ def term_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def shared_name_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the names that at least two of a class, an entity and an action share, at the last declaration."""
+    """Yield a problem at the last declaration of each name that a class, an entity or an action shares with another."""
     entities = {str(entity): (entity, name) for entity, name in facts.entities.items()}
     for text in shared_names(facts):
         places = [origins.place("entity", *entities[text])] if text in entities else []

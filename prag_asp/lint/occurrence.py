@@ -28,7 +28,7 @@ def state_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def action_rejections(rejected: RejectedActions, facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield one warning for all actions with a name that a rule rejects, or a single warning if no action remains."""
+    """Yield one warning for all rejected actions with the same name and reason, or only one if no action remains."""
     if rejected.rejections and len(rejected.rejections) == len(facts.actions):
         action, rejection = next(iter(rejected.rejections.items()))
         text = f"no action can ever occur: {action} cannot, because {_reason(rejection)}; change the conditions"
@@ -102,7 +102,7 @@ def unreachable_problems(unreachable: Unreachable, origins: Origins) -> Iterator
 
 
 def _reason(rejection: Rejection) -> str:
-    """Return the reason of a rejection as text."""
+    """Return the reason for a rejection as text."""
     pair = rejection.first, rejection.second
     if rejection.needs and rejection.static:
         return f"it needs {spell(rejection.second)}, but {_unchanging(rejection.first, rejection.may_change)}"

@@ -26,7 +26,7 @@ ANONYMOUS = re.compile(r"(?<![\w'])_(?![\w'])")
 def open_world_problems(
     program: Program, grounder: Grounder, facts: Facts, statements: Sequence[Statement]
 ) -> Iterator[Problem]:
-    """Yield the author's rules of a step that read a fluent whose value may be unknown."""
+    """Yield the author's step rules that read a fluent whose value may be unknown."""
     readings = [
         (each, atom)
         for each in statements

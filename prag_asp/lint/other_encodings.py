@@ -55,7 +55,7 @@ def edited_encodings(program: Program, statements: Sequence[Statement]) -> Mappi
 
 
 def _edited_besides(encodings: Path, read: set[Path]) -> dict[Path, int]:
-    """Return the edited files of a copy that only the library reads, and the required files that it lacks.
+    """Return the edited files in a copy that only the library reads, and the required files that the copy lacks.
 
     `read` are the files of the program, which have already been compared.
     """
@@ -73,7 +73,7 @@ def _edited_besides(encodings: Path, read: set[Path]) -> dict[Path, int]:
 
 
 def _first_difference(source: Source, statements: Sequence[Statement], shipped: Path) -> int:
-    """Return the line of the first statement that a shipped file does not have at its place, or 0."""
+    """Return the line of the first statement that differs from the shipped file, or 0 if there is none."""
     expected, _ = parse_sources([(read_sources(shipped, data_folder("encodings"))[-1], False)])
     for here, there in zip_longest(*([each for each in file if each.kind != ASTType.Defined]
                                      for file in (statements, expected))):  # fmt: skip

@@ -37,7 +37,7 @@ class Origins:
 
     @cached_property
     def _control(self) -> clingo.Control:
-        """The base part without constraints, ground."""
+        """The ground base part, without constraints."""
         control = clingo.Control(["--warn=none"], logger=lambda *_: None)
         control.add("base", [], "\n".join(each.text for each in self._base if not each.is_rule or each.heads))
         control.ground([("base", [])])
@@ -74,7 +74,7 @@ class Origins:
                 yield self._base[number]
 
     def place(self, predicate: str, *arguments: clingo.Symbol) -> RulePlace:
-        """Return the place of the first rule that derives an atom, or otherwise its predicate."""
+        """Return the place of the first rule that derives an atom or, if there is none, its predicate."""
         traced = next(self._deriving(predicate, arguments), None)
         if traced:
             return RulePlace(traced.path, traced.line)

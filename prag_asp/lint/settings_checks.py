@@ -26,7 +26,7 @@ TYPES: Mapping[str, tuple[type, str]] = {
 
 
 def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Problem]:
-    """Yield the unknown keys and the wrong types of a domain.toml."""
+    """Yield the unknown keys and the values of wrong types in domain.toml."""
     root = TableEntry(TableReport(), (), table)
     for key, entry in root.entries():
         if key not in KEYS:
@@ -73,7 +73,7 @@ def name_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
 
 
 def _located(problems: Iterable[TableProblem], settings: Settings) -> Iterator[Problem]:
-    """Yield problems of a domain.toml with its path and the lines of their keys."""
+    """Yield problems in domain.toml, each with the path and the line of its key."""
     for each in problems:
         yield Problem(settings.path, settings.line_of(*each.keys), str(each), each.warning)
 
@@ -96,7 +96,7 @@ def _check_weight(entry: TableEntry, key: str, facts: Facts) -> None:
 
 
 def _check_sentences(report: TableReport, settings: Settings, facts: Facts) -> None:
-    """Report sentences directly under ``[language]`` for unknown names, or with the index of a missing argument."""
+    """Report sentences directly under ``[language]`` for unknown names, or with an index that no argument has."""
     arities: dict[str, int] = {}
     for term in (*facts.fluents, *facts.declared_actions) if settings.language else ():
         arities[term.name] = max(arities.get(term.name, 0), len(term.arguments))

@@ -122,7 +122,7 @@ def _problem(demand: NameDemand, control: clingo.Control, derivable: set[str]) -
 def _demands(
     rules: Iterable[Statement], stated: Collection[Signature], defined: Collection[Signature]
 ) -> Iterator[NameDemand]:
-    """Yield the names in the bodies of user rules; those in predicates `stated` in the base part alone have a place.
+    """Yield the names in the bodies of user rules; names in predicates `stated` only in the base part have a place.
 
     Undefined predicates are skipped: they are reported elsewhere, or declared with ``#defined``.
     """
@@ -206,7 +206,7 @@ def _signature(term: clingo.Symbol) -> Signature:
 
 
 class _NameMakers:
-    """The rules that can derive atoms with a name, by the place of the name."""
+    """The rules that can derive atoms containing a name, indexed by the place of the name."""
 
     def __init__(self, statements: Iterable[Statement]) -> None:
         statements = list(statements)
@@ -223,7 +223,7 @@ class _NameMakers:
                 self._of_name.setdefault(name, set()).add(rule)
 
     def roots(self, unmet: Sequence[NameDemand]) -> Iterator[NameDemand]:
-        """Yield the demands that no rule can meet, without those that follow from others.
+        """Yield the demands that no rule can meet, except demands that are unmet only because others are.
 
         Only a rule whose own demands are met can meet a demand. If only dead rules would meet a demand, it follows from
         their demands, unless they demand the same name.
@@ -242,7 +242,7 @@ class _NameMakers:
         yield from first or hopeless[:1]
 
     def names(self, dead: set[Statement]) -> set[str]:
-        """Return every name that a ground atom can contain, from heads or computed in bodies, without `dead` rules."""
+        """Return all names, in heads or computed in bodies, that rules other than `dead` ones can put in atoms."""
         return {name for name, rules in self._of_name.items() if not rules.issubset(dead)} | self._constants
 
     def _can_make(self, demand: NameDemand, dead: set[Statement]) -> bool:
@@ -255,7 +255,7 @@ class _NameMakers:
         return not there.get(demand.name, set()) <= dead or (anywhere and not there.get(None, set()) <= dead)
 
     def _rules_at(self, place: ArgumentPlace) -> dict[Signature | None, set[Statement]]:
-        """Return the rules that derive each name at a place, and under None the rules that may derive any name."""
+        """Map each name to the rules that derive it at a place, and None to the rules that may derive any name."""
         rules_of_name = self._at_place.get(place)
         if rules_of_name is None:
             rules_of_name = self._at_place[place] = {}

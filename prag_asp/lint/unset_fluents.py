@@ -1,7 +1,7 @@
 """Find the fluents that a user rule of a step may change without giving them a value.
 
-They are unknown after such a step, like a fluent with the postcondition `unknown`. A step is ground once, in any state
-that satisfies the invariants, and a solver searches for a step that leaves a known fluent without a value. The
+They are unknown after such a step, like a fluent with the postcondition `unknown`. A step is grounded once, in any
+state that satisfies the invariants, and a solver searches for a step that leaves a known fluent without a value. The
 hypotheses are that a fluent is known in every state, and that a user predicate carried from step to step is true of
 given terms in every state. Hypotheses that a step may break are dropped until the rest is inductive (Flanagan and Leino
 2001).
@@ -46,7 +46,7 @@ BROKEN = f"_broken(F) :- fluent(F), changed(F,{STEP}), not holds(F,true,{STEP}),
 def unset_fluents(
     program: Program, facts: Facts, statements: Sequence[Statement], unsure: Collection[clingo.Symbol]
 ) -> dict[clingo.Symbol, Statement]:
-    """Return the fluents that may become unknown, except those already `unsure`, each with a responsible rule."""
+    """Return the fluents that may become unknown, each with a responsible rule; omit fluents already `unsure`."""
     steps = [each for each in statements if each.own and each.is_rule and each.part == "step"]
     heads = ((each, atom) for each in steps for atom in each.heads if atom.signature == CHANGED and not atom.negated)
     changing = [(each, atom) for each, atom in heads if not _is_set(each, atom, steps)]

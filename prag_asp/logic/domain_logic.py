@@ -94,7 +94,7 @@ class DomainLogic:
         return stratified_step(ground)
 
     def symmetries(self, length: int) -> Symmetries:
-        """Return which entities are interchangeable in plans of a given length, which is irrelevant in most domains.
+        """Return which entities are interchangeable in plans of a given length; in most domains, any length will do.
 
         Pruned actions count as well: two entities are interchangeable only if the whole program treats them alike.
         """
@@ -177,7 +177,7 @@ class DomainLogic:
 
     @cached_property
     def _transitions(self) -> dict[bool, Transition]:
-        """The step functions of plans (False) and of tasks (True), shared by all levels and engines."""
+        """The step functions of plans (key False) and of tasks (key True), shared by all levels and engines."""
         return {}
 
     def _stratified(self, program: Program) -> NormalStep:
@@ -206,7 +206,7 @@ class DomainLogic:
 
     @cached_property
     def _canonical(self) -> dict[Symmetries, Program]:
-        """The programs of tasks, by symmetries."""
+        """The programs of tasks; the keys are the symmetries."""
         return {}
 
     def transition(

@@ -16,7 +16,7 @@ from prag_asp.processes.progress_events import stage
 
 @dataclass(frozen=True)
 class ModelFormula:
-    """A formula with the shown symbols of its models.
+    """A formula, with the symbols that its models show.
 
     `cnf.shown` are the projection variables, which distinguish answer sets or their projections. `printed` has the
     symbols that may be shown, sorted, each with its literal. With `whole`, all other variables are functions of
@@ -30,7 +30,7 @@ class ModelFormula:
 
 
 def model_formula(ground: GroundModels, *, project: bool, copied: bool) -> ModelFormula:
-    """Return the formula of a head-cycle-free program; with `copied`, answer sets are its models without open copies.
+    """Return the formula of a head-cycle-free program; with `copied`, its models without open copies are answer sets.
 
     With `project`, answer sets that agree on the atoms of ``#project`` (without such a statement, on the shown symbols)
     count as one, as with clingo's option ``--project``. These atoms are then the printed symbols.

@@ -53,10 +53,10 @@ def answer_sets(
     """Return the answer sets of a logic program, given as files, a text, or both.
 
     With `project`, answer sets that agree on the projection variables count as one: the atoms of ``#project`` or,
-    without such a statement, all shown symbols. With `weighted`, the weight of an answer set is the product over its
-    atoms of the facts ``weight(Atom, W)``. With `optimal`, only the optimal answer sets count, by the weak constraints,
-    ``#minimize`` and ``#maximize`` of the program. `tell` receives notes, for example that another engine counts in
-    parallel, and `progress` the progress of long computations.
+    without such a statement, all shown symbols. With `weighted`, the weight of an answer set is the product of the
+    weights of its atoms, given by facts ``weight(Atom, W)``. With `optimal`, only answer sets that are optimal under
+    the program's weak constraints, ``#minimize`` and ``#maximize`` count. `tell` receives notes, for example that
+    another engine counts in parallel, and `progress` the progress of long computations.
 
     Raises:
         DomainError: a file cannot be read or ground, or has unsupported statements; the message has one line for each.
@@ -134,7 +134,7 @@ class AnswerSets:
         return self._compiled.diagram.unweighted().total
 
     def estimate(self, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0) -> Estimate:
-        """Return an estimate of the number of answer sets, regardless of weights.
+        """Estimate the number of answer sets, regardless of weights.
 
         With a probability of at least 1 - `delta`, the estimate is within a factor of 1 + `epsilon` of the exact
         number.
@@ -158,7 +158,7 @@ class AnswerSets:
         return self._compiled.diagram.total * self._compiled.weights.scale
 
     def sample(self, count: int, seed: int = 0) -> Iterator[AnswerSet]:
-        """Yield `count` answer sets, each with a probability exactly proportional to its weight, reproducibly by seed.
+        """Yield `count` answer sets, sampled exactly in proportion to their weights; a seed always gives the same ones.
 
         Raises:
             NotFound: there is no answer set, or all have weight 0.
@@ -172,7 +172,7 @@ class AnswerSets:
         yield from map(self._print, islice(self._compiled.diagram.sample(seed), count))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
-        """Return, for each symbol that may be shown, the exact probability, by weight, that an answer set contains it.
+        """Return the exact probability that an answer set, sampled by weight, contains each symbol that may be shown.
 
         Raises:
             NotFound: there is no answer set, or all have weight 0.
@@ -205,7 +205,7 @@ class AnswerSets:
         return facets_of_diagram(diagram.diagram, self._compiled.formula.printed, diagram.marginals(), diagram.total)
 
     def explain(self) -> Conflict | None:
-        """Return lines of the program that together exclude every answer set, or None if there is an answer set."""
+        """Return lines of the program that together exclude every answer set, or None if the program has one."""
         return find_conflict(self.given, self.ground)
 
     def __iter__(self) -> Iterator[AnswerSet]:
@@ -266,7 +266,7 @@ class AnswerSets:
 
     @cached_property
     def _places(self) -> tuple[dict[Literal, list[int]], list[int]]:
-        """The indices of the symbols of each literal, and those of the symbols in all answer sets."""
+        """The indices of the symbols that each literal shows, and the indices of the symbols in all answer sets."""
         places: dict[Literal, list[int]] = {}
         for place, (_, literal) in enumerate(self._compiled.formula.printed):
             places.setdefault(literal, []).append(place)
@@ -278,7 +278,7 @@ class AnswerSets:
             self.tell(line)
 
     def _require(self, total: Fraction | int) -> None:
-        """Check that there is something to sample."""
+        """Check that there is an answer set to sample."""
         if not total:
             raise NotFound(
                 "no answer set has a weight above 0; raise the weight of an atom"

@@ -25,7 +25,7 @@ ADVICE = 'write a whole number such as 2, or a fraction such as (1,3) or "0.25"'
 
 @dataclass(frozen=True)
 class LiteralWeights:
-    """Integer weights of literals; the weight of a model is their product, times `scale`."""
+    """Integer weights of literals; the product over a model's literals, times `scale`, is the weight of the model."""
 
     weights: dict[Literal, int]
     scale: Fraction
@@ -68,7 +68,7 @@ def stated_weights(ground: GroundModels, program: Program) -> dict[clingo.Symbol
 
 
 def unknown_weights(stated: Iterable[clingo.Symbol], ground: GroundModels, program: Program) -> str:
-    """Return a note on weighted atoms that no rule derives, with the place of the first, or an empty text."""
+    """Return a note on weighted atoms that no rule derives, with the place of the first atom, or an empty text."""
     atoms = {symbol for symbol, _ in ground.names}
     missing = sorted(atom for atom in stated if atom not in atoms)
     if not missing:
@@ -128,12 +128,12 @@ def literal_weights(
 
 
 def weight_of(stated: Mapping[clingo.Symbol, Fraction], atoms: Iterator[clingo.Symbol]) -> Fraction:
-    """Return the weight of an answer set by its atoms."""
+    """Return the weight of an answer set, given its atoms."""
     return prod((stated[atom] for atom in atoms if atom in stated), start=Fraction(1))
 
 
 def place_of(symbol: clingo.Symbol, program: Program) -> str:
-    """Return ``file:line: `` of a rule that may derive an atom, preferably one with a matching head.
+    """Return the place ``file:line: `` of a rule that may derive an atom, preferably a rule with a matching head.
 
     The result is empty if no head has the name and arity of the atom.
     """

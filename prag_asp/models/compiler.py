@@ -49,7 +49,7 @@ class _Part:
 
 @dataclass(frozen=True)
 class _Case:
-    """The decisions that lead to a case, the number of implied literals, and a model that satisfies them."""
+    """The decisions that lead to a case, the number of literals that they imply, and a model that satisfies them."""
 
     decisions: tuple[Literal, ...]
     implied: int
@@ -66,7 +66,7 @@ def compile_formula(
     progress: Progress | None = None,
     look: Callable[[], None] = lambda: None,
 ) -> Diagram:
-    """Return the diagram of a formula; `look` is called periodically, and may abort the compilation by an error."""
+    """Return the diagram of a formula; `look` is called periodically, and can raise an error to abort compilation."""
     if prepared.contradictory:
         return Diagram(())
     clauses = (*prepared.clauses, *prepared.nodes)
@@ -207,7 +207,7 @@ class _Compiler:
         return None if model is None else (_Case(decisions, len(implied), model), new)
 
     def _after(self, part: _Part, new: Sequence[Literal]) -> dict[int, Missing]:
-        """Return the missing weights of the open sums of a component after further literals become true."""
+        """Return the missing weights of a component's open sums after further literals have become true."""
         missing = dict(part.missing)
         for literal in new:
             for number in self._where[abs(literal)]:
@@ -218,7 +218,7 @@ class _Compiler:
     def _parts(
         self, waiting: set[int], unseen: set[int], touched: set[int], missing: Mapping[int, Missing]
     ) -> list[_Part]:
-        """Return the connected components of the variables `waiting` by the listed clauses `unseen` and binary ones.
+        """Return the components into which the clauses `unseen` and the binary clauses connect the variables `waiting`.
 
         Each component has one of the variables `touched`, so a search may stop at the last touched variable. All three
         sets are consumed. Variables without clauses are in no component.
@@ -285,7 +285,7 @@ class _Compiler:
 def _merge_copies(
     copies: Container[int], clauses: Sequence[Sequence[Literal]]
 ) -> tuple[dict[Literal, Literal], set[int]]:
-    """Return the representatives of the literals of other copies, and the variables that further clauses read.
+    """Return a representative literal for each merged copy, and the variables that the remaining clauses read.
 
     A copy derives another by a binary clause; if no other clause derives the latter, the two are equivalent. The least
     copy that further clauses read represents its class, so that unread copies do not matter.

@@ -1,4 +1,4 @@
-"""Count answer sets when the fastest engine is unknown: by a short enumeration, then by turns of several engines.
+"""Count answer sets when the fastest engine is unknown: enumerate briefly, then let several engines take turns.
 
 A turn has a limit of processor time. Counters run in their own processes, and are paused after their turns. If no
 engine has finished, the counters continue in parallel, and this process compiles a diagram; the first count is the
@@ -29,7 +29,7 @@ from prag_asp.processes.progress_events import stage
 
 
 class _Counted(Exception):
-    """A counter has finished before the compilation."""
+    """A counter finished before the compilation."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -73,7 +73,7 @@ def count_by_race(compiled: CompiledProgram) -> int | None:
 
 
 def _count_by_diagram(compiled: CompiledProgram, seconds: float) -> int | None:
-    """Return the number of answer sets, or None if compiling takes more processor time."""
+    """Return the number of answer sets, or None if compiling takes more than `seconds` of processor time."""
     until = process_time() + seconds
 
     def look() -> None:
@@ -94,10 +94,10 @@ def count_unless_compiled(
     begins: Callable[[Counter], None],
     own: Mapping[OwnEngine, Callable[[float], int | None]] | None = None,
 ) -> int | None:
-    """Return the number of models by the first engine to finish, or None if the compiler finished first.
+    """Return the number of models from the first engine to finish, or None if the compiler finishes first.
 
     `compile_formula` receives a function that it calls periodically, and propagates its errors. `begins` is called
-    with each counter that has no turn of its own, when it starts to run alongside the compiler. `own` holds the engines
+    with each counter that has no separate turn, when it starts to run alongside the compiler. `own` holds the engines
     of this process, each a function of its time limit in seconds.
     """
     looks = count()

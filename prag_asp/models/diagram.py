@@ -39,7 +39,7 @@ _Choice = tuple[int, Branch, Branch, Callable[[Iterator[int]], bool]]
 
 @dataclass(frozen=True)
 class WeightedDiagram:
-    """A diagram with model weights: the product of the integer weights of literals, by default 1."""
+    """A diagram with model weights; each is the product of the integer weights of its literals, by default 1."""
 
     diagram: Diagram
     weights: Mapping[Literal, int]
@@ -67,9 +67,9 @@ class WeightedDiagram:
         return prod(self.weights.get(literal, 1) for literal in branch.literals) if self.weights else 1
 
     def marginals(self) -> dict[Literal, int]:
-        """Return, for each literal, the total weight of the models that have it, if positive.
+        """Return the total weight of the models that contain each literal; literals with a total of 0 are omitted.
 
-        The context weight of a node is the total weight of the models through it, divided by its own total
+        The context weight of a node is the total weight of the models through the node, divided by the node's total
         (Darwiche 2003).
         """
         totals, around = self._totals, [0] * len(self._totals)
@@ -138,7 +138,7 @@ class WeightedDiagram:
 
 
 def _among(rest: int, total: int) -> Callable[[Iterator[int]], bool]:
-    """Return the tie-breaker at the threshold: whether the following words are below the rest of the share."""
+    """Return a tie-breaker for a word equal to the threshold: it tests if the next words are below the remainder."""
 
     def below(words: Iterator[int]) -> bool:
         left = rest

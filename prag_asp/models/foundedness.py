@@ -1,4 +1,4 @@
-"""Search for one or all models of a completion that are answer sets, by a SAT solver with loop formulas.
+"""Search for one or all models of a completion that are answer sets, with a SAT solver and loop formulas.
 
 If a model of the completion has an unfounded set, the loop formula of this set, which all answer sets satisfy, is added
 to the solver, and the search is repeated (Lin and Zhao 2004).
@@ -19,7 +19,7 @@ Loop = Mapping[int, tuple[Rule, ...]]
 
 
 class FoundednessOracle:
-    """A search for answer sets under assumptions, which keeps its loop formulas."""
+    """Searches for answer sets under assumptions, and keeps its loop formulas between searches."""
 
     def __init__(self, completion: Completion) -> None:
         self._completion = completion
@@ -32,7 +32,7 @@ class FoundednessOracle:
         self._solver.close()
 
     def model(self, assumptions: Sequence[Literal] = ()) -> list[Literal] | None:
-        """Return an answer set that satisfies the assumptions as a model, or None if there is none.
+        """Return an answer set under the assumptions, as a model of the completion, or None if there is none.
 
         The literal of variable v is at index v - 1.
         """
@@ -89,9 +89,9 @@ class FoundednessOracle:
 
 
 def list_models(formula: ModelFormula, order: Sequence[Literal]) -> Iterator[list[Literal]]:
-    """Yield the values of the literals of `order` in models, each combination once, true before false.
+    """Yield the combinations of values that the literals in `order` have in models, each once, true before false.
 
-    Each literal of a model takes one solver call to decide whether another model first differs there.
+    For each literal of a model, one solver call decides whether another model first differs there.
     """
     # Keep only one of a literal and its negation, because a symbol may be shown exactly if another is not.
     first = {abs(literal): literal for literal in reversed(order) if abs(literal) != TRUE}

@@ -1,4 +1,4 @@
-"""A program as ground rules of clingo, with its shown symbols and projection atoms."""
+"""A program as clingo's ground rules, with its shown symbols and projection atoms."""
 
 from __future__ import annotations
 

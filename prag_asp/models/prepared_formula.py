@@ -13,7 +13,7 @@ from prag_asp.models.variable_order import DecisionOrder, decision_order
 
 
 class Missing(NamedTuple):
-    """The missing weight of a sum up to its bound, the weight of its open literals, and its value: 0 while open."""
+    """The weight that a sum lacks to reach its bound, the weight of its open literals, and its value, 0 while open."""
 
     bound: int
     rest: int
@@ -27,7 +27,7 @@ class Missing(NamedTuple):
 
 @dataclass(frozen=True)
 class OpenSum:
-    """A sum whose open literals have different variables; `output` is true if their weights reach a bound."""
+    """A sum of weighted literals over different variables; `output` is true if the sum reaches its bound."""
 
     output: Literal
     weights: Mapping[Literal, int]
@@ -47,7 +47,7 @@ class OpenSum:
         return OpenSum(0 if self.missing.value else number[self.output], weights, self.missing)
 
     def after(self, missing: Missing, literal: Literal) -> Missing:
-        """Return the missing weights and the value after one more literal is true."""
+        """Return the missing weight, the open weight and the value after one more literal has become true."""
         bound, rest, value = missing
         weight = self.weights.get(literal, 0)
         if abs(literal) == self.output:

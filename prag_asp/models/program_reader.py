@@ -40,7 +40,7 @@ class GivenProgram:
     arguments: tuple[str, ...]
 
     def grounder(self, *arguments: str, observer: clingo.Observer | None = None) -> Grounder:
-        """Return a clingo control for the program, with additional arguments and an observer."""
+        """Return a grounder for the program, with additional clingo arguments and an observer."""
         source = self.program.sources[0]
         text = aspif_text(source) if is_aspif(source) else None
         return Grounder(self.program, *self.arguments, *arguments, strict=False, text=text, observer=observer)
@@ -49,12 +49,12 @@ class GivenProgram:
 def read_program(
     files: Sequence[str | Path | Source], constants: Mapping[str, Constant], *, optimal: bool = False
 ) -> GivenProgram:
-    """Return the program of files with values of constants; an aspif file must be the only one.
+    """Read a program from files, with values for constants; an aspif file must be the only file.
 
     Minimize statements are refused unless `optimal`.
 
     Raises:
-        DomainError: a file cannot be read or parsed, has an unsupported statement, or a constant is not used.
+        DomainError: a file cannot be read or parsed, a statement is not supported, or a constant is not used.
     """
     entries = [file if isinstance(file, Source) else Path(file) for file in dict.fromkeys(files)]
     if not entries:
@@ -94,7 +94,7 @@ def _options(statements: Sequence[Statement], values: Mapping[str, str], declare
 
 
 def places_of_costs(program: Program) -> Iterator[str]:
-    """Yield ``file:line:`` of each minimize statement."""
+    """Yield the place ``file:line:`` of each minimize statement."""
     for source in program.sources:
         if is_aspif(source):
             lines = enumerate(source.text.split("\n"), 1)
@@ -106,7 +106,7 @@ def places_of_costs(program: Program) -> Iterator[str]:
 
 
 def _ground_program(sources: Sequence[Source], constants: Mapping[str, Constant], *, optimal: bool) -> GivenProgram:
-    """Return the program of an aspif file.
+    """Return the program in an aspif file.
 
     Raises:
         DomainError: the file is malformed, or other files or constants are given.

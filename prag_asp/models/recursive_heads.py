@@ -45,7 +45,7 @@ def _conditional_atoms(body: Sequence[AST]) -> Iterator[AtomNode]:
 
 
 def _component_numbers(statements: Sequence[Statement]) -> dict[Signature, int]:
-    """Return the component of each predicate in the graph of the positive dependencies of heads."""
+    """Return the component of each predicate in the graph of the positive dependencies of heads on bodies."""
     graph: dict[Signature, set[Signature]] = {}
     for statement in statements:
         read = {atom.signature for atom in statement.body if not atom.negated} if statement.is_rule else set()

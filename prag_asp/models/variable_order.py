@@ -1,4 +1,4 @@
-"""The decision order of variables by a tree decomposition of the primal graph.
+"""Compute the decision order of variables from a tree decomposition of the primal graph.
 
 Variables that share a clause are adjacent. Min-degree elimination (a heuristic; an optimal order is NP-hard) gives a
 tree decomposition. Variables near its centre are decided first, so that the formula splits into halves without a common
@@ -46,7 +46,7 @@ def decision_order(
 ) -> DecisionOrder:
     """Return the decision order for clauses and the variables of sums.
 
-    A formula with loops is swept, and one that has sums or is wide, if its frontier is not above its width.
+    A formula with loops is swept. So is a formula that has sums or is wide, if its frontier is not above its width.
     """
     groups = [tuple(sorted({abs(literal) for literal in clause})) for clause in clauses]
     summed = [tuple(each) for each in sums]
@@ -67,7 +67,7 @@ def decision_order(
 
 
 def _primal_graph(groups: Sequence[tuple[int, ...]], longest: int) -> dict[int, set[int]]:
-    """Return the neighbours of each variable in the groups of up to `longest` variables."""
+    """Return the neighbours of each variable, connected by groups of at most `longest` variables."""
     graph: dict[int, set[int]] = {}
     for group in groups:
         for variable in group:
@@ -139,7 +139,7 @@ def _eliminate(graph: dict[int, set[int]]) -> tuple[list[tuple[int, set[int]]], 
 
 
 def _depths(eliminated: Sequence[tuple[int, set[int]]], core: set[int]) -> dict[int, int]:
-    """Return the distance of the nearest bag of each variable from the centre of the tree."""
+    """Return, for each variable, the distance from the centre of the tree to the nearest bag that contains it."""
     place = {variable: number for number, (variable, _) in enumerate(eliminated)}
     last = len(eliminated)  # the bag of the remaining variables joins all trees
     bags = [{variable, *neighbours} for variable, neighbours in eliminated] + [core]

@@ -1,7 +1,7 @@
 """Atomic files: a file is written next to its target, flushed, and renamed, while a lock excludes other writers.
 
-A rename is atomic, and data flushed before it survive a loss of power: a reader always sees either the old content or
-the new one. If the process is killed, the old file and ``NAME.part`` remain.
+A rename is atomic, and data flushed before the rename survive a loss of power: a reader always sees either the old or
+the new content. If the process is killed, the old file and ``NAME.part`` remain.
 """
 
 from __future__ import annotations
@@ -151,7 +151,7 @@ def is_stream(path: Path) -> bool:
 
 @contextmanager
 def output_errors(path: Path | str) -> Iterator[None]:
-    """Turn system errors into one line with the name of the file.
+    """Turn system errors into one-line errors that name the file.
 
     Raises:
         OutputError: the system refused to write.
@@ -184,7 +184,7 @@ def open_locked(path: Path, mode: int = EVERYBODY) -> int:
 
 
 def locked(path: Path, open_path: Callable[[], int]) -> int:
-    """Open a path by `open_path` and lock it, once no other run holds the lock; return the descriptor.
+    """Open a path with `open_path`, lock it once no other run holds the lock, and return the descriptor.
 
     Raises:
         OutputError: another run holds the lock for longer than `PATIENCE`.

@@ -31,7 +31,7 @@ OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
 def cache_folder() -> Path | None:
-    """Return the cache folder: ``PRAG_ASP_CACHE``, or one in the user's cache; None if that variable is empty."""
+    """Return ``PRAG_ASP_CACHE`` or else a folder in the user's cache; None if the variable is set but empty."""
     folder = os.environ.get("PRAG_ASP_CACHE")
     if folder is not None:
         return Path(folder) if folder else None

@@ -39,7 +39,7 @@ class Behaviour:
         return bool(self._large)
 
     def action(self, action: Schema) -> Iterator[str]:
-        """Yield the base rules of an action, and add its rules of a step to `rules`."""
+        """Yield the base rules of an action, and add its step rules to `rules`."""
         self._rules.comes_from("domain", action.line)
         term = applied(self._actions[action.name], (each.name for each in action.parameters))
         parts = list(conjuncts(action.precondition))
@@ -143,7 +143,7 @@ class Behaviour:
         yield from dict.fromkeys(rest)
 
     def _step_effect(self, term: str, effect: SchemaEffect) -> Iterator[str]:
-        """Add the rule of an effect that depends on the state; yield a rule that its added atom may ever be true."""
+        """Add the rule for a state-dependent effect; yield a rule which states that the added atom may ever be true."""
         positive, atom = effect.literal.positive, self._words.atom(effect.literal)
         kinds = [*map(self._words.belongs, effect.variables)]
         body = [f"occurs({term},t)", *kinds, *self._bodies.body(effect.condition, STEP)]
@@ -170,7 +170,7 @@ class Behaviour:
             self._rules.add(STEP, "holds(F,true,t)", ["adds(F,t)"])
 
     def derive(self, part: str) -> None:
-        """Add the rules of the derived predicates that a part reads, evaluated in the state that it reads."""
+        """Add rules that evaluate the derived predicates which a program part reads, in the state that it reads."""
         done: set[str] = set()
         while new := self._bodies.read[part] - done:
             done |= new

@@ -38,7 +38,7 @@ NEVER = "#false"
 
 @dataclass
 class Rules:
-    """The rules of each program part, in order of insertion; `at` is the PDDL line of the rules added next."""
+    """The rules in each program part, in order of insertion; `at` is the PDDL line of the rules added next."""
 
     parts: dict[str, dict[str, None]] = field(default_factory=lambda: {BASE: {}, STEP: {}, END: {}})
     at: FileLine = field(default_factory=lambda: FileLine("domain", 1))
@@ -65,7 +65,7 @@ class Rules:
 
 @dataclass
 class Vocabulary:
-    """The clingo names of predicates, types and objects, the static and the derived predicates, and argument types."""
+    """The clingo names of predicates, types and objects; which predicates are static or derived; argument types."""
 
     predicates: Mapping[str, str]
     types: Mapping[str, str]
@@ -93,13 +93,13 @@ class Vocabulary:
 
 
 def applied(name: str, terms: Iterable[str]) -> str:
-    """Return a name applied to arguments: ``name(a,b)``, or the name alone without arguments."""
+    """Return a name applied to arguments, ``name(a,b)``; without arguments, return just the name."""
     arguments = ",".join(terms)
     return f"{name}({arguments})" if arguments else name
 
 
 class Bodies:
-    """Translates formulas into rule bodies, and adds the rules of auxiliary atoms."""
+    """Translates formulas into rule bodies, and adds the rules that define auxiliary atoms."""
 
     def __init__(self, words: Vocabulary, rules: Rules) -> None:
         self._words = words

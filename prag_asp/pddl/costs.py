@@ -1,4 +1,4 @@
-"""Costs of actions as weights: each unit of cost multiplies the weight of an action by the same factor."""
+"""Convert action costs to weights: each unit of cost multiplies the weight of an action by the same factor."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def weight_of_cost(factor: Fraction, cost: Decimal) -> Decimal:
     """Return a factor raised to the power of a cost, exactly.
 
     Raises:
-        QueryError: the cost is not an integer, negative or above `MOST_COST`, or the weight has too many digits.
+        QueryError: the cost is not an integer from 0 to `MOST_COST`, or the weight has too many digits.
     """
     if cost < 0:
         raise QueryError(f"cost {cost}: negative costs cannot become weights; add the same number to all")

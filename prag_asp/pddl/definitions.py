@@ -14,7 +14,7 @@ OBJECT = "object"
 
 @dataclass(frozen=True)
 class SchemaEffect:
-    """A literal that an action adds (positive) or deletes, for all values of variables that satisfy the condition."""
+    """A literal that an action adds (if positive) or deletes, for all variable values that satisfy the condition."""
 
     variables: tuple[Variable, ...]
     condition: Formula

@@ -46,7 +46,7 @@ class FunctionTerm:
 
 @dataclass(frozen=True)
 class Arithmetic:
-    """An operation (``+ - * /``) on quantities; `-` with one operand is its negative."""
+    """An operation (``+ - * /``) on quantities; `-` with a single operand negates the operand."""
 
     operator: str
     operands: tuple[Quantity, ...]
@@ -126,7 +126,7 @@ def literals(formula: Formula) -> Iterator[Literal]:
 
 
 def certainly_unlike(one: Sequence[Variable | str], other: Sequence[Variable | str], condition: Formula) -> bool:
-    """Return whether two rows of terms surely differ, by the inequalities of a condition or by object names."""
+    """Return whether two rows of terms surely differ, because a condition or the names of objects say so."""
     unequal: list[set[Variable | str]] = [
         {each.left, each.right} for each in conjuncts(condition) if isinstance(each, Equality) and not each.positive
     ]
@@ -137,7 +137,7 @@ def certainly_unlike(one: Sequence[Variable | str], other: Sequence[Variable | s
 
 
 def function_terms(quantity: Quantity) -> Iterator[FunctionTerm]:
-    """Yield the functions of a quantity."""
+    """Yield the function terms in a quantity."""
     if isinstance(quantity, FunctionTerm):
         yield quantity
     elif isinstance(quantity, Arithmetic):

@@ -1,4 +1,4 @@
-"""The PDDL line of each line of a program, and programs laid out by these lines."""
+"""Record the PDDL line from which each line of a program comes, and lay out programs by these lines."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ MOST_FLUENTS, MOST_ACTIONS = 10**6, 10**7
 """The maximum numbers of fluents, and of actions of one name. A fluent takes 3 kB and 0.1 ms, an action takes more."""
 
 LARGE = 10**4
-"""The number of actions of one name above which only actions with relaxed-reachable preconditions are ground."""
+"""The number of actions of one name above which only actions with relaxed-reachable preconditions are grounded."""
 
 Kinds = Iterable[tuple[str, ...]]
 
@@ -25,7 +25,7 @@ def check_size(
 ) -> None:
     """Check the number of fluents and actions. `fluents` are the argument types of the predicates that actions change.
 
-    Actions are counted by `fewest_instances`, only from the initial state and the types of parameters.
+    Actions are counted by `fewest_instances`, which reads only the initial state and the types of parameters.
 
     Raises:
         DomainError: there are more than the limits allow. The message has the line in the domain.
@@ -50,7 +50,7 @@ def check_size(
 def fewest_instances(
     action: Schema, domain: DomainFile, problem: ProblemFile, static: Collection[str], required: Collection[str]
 ) -> int:
-    """Return a lower bound of the number of instances of an action with any instance, or 0 if the types give none.
+    """Return a lower bound on the number of instances of an action that has any, or 0 if the types allow none.
 
     A positive precondition on a `required` predicate has at least the instances that hold initially. A parameter that
     no such precondition binds ranges over all objects of its types, except those from which it must differ. Joins of
@@ -94,13 +94,13 @@ def _true_at_start(literal: Literal, domain: DomainFile, problem: ProblemFile) -
 
 
 def large_actions(domain: DomainFile, problem: ProblemFile) -> frozenset[str]:
-    """Return the names of the actions with more than `LARGE` instances by the types of their parameters."""
+    """Return the names of the actions for which the parameter types allow more than `LARGE` instances."""
     instances = _instances(domain, problem)
     return frozenset(each.name for each in domain.actions if instances(each.types for each in each.parameters) > LARGE)
 
 
 def _instances(domain: DomainFile, problem: ProblemFile) -> Callable[[Kinds], int]:
-    """Return a function that counts the tuples of objects of given types, one set of alternative types per place."""
+    """Return a function that counts tuples of objects, given a set of alternative types for each position."""
     objects = Counter(problem.objects.values())
     above = {kind: domain.above(kind) for kind in objects}
     return lambda kinds: prod(

@@ -49,7 +49,7 @@ class Translation:
         return [CLOSED, "", "% What may be true at some time, so that no action is made that never occurs", *rules]
 
     def lines(self, title: str) -> list[str]:
-        """Return the lines of the whole program, which begins with a comment; lines from PDDL carry their place."""
+        """Return the lines of the whole program, which begins with a comment; lines from PDDL carry their PDDL line."""
         start: list[str] = []
         initial = [
             PlacedLine(f"initially({self.words.atom(literal)}, true).", FileLine("problem", literal.line))
@@ -122,7 +122,7 @@ class Translation:
                 yield f"class({types[name]})."
 
     def _formulas(self) -> Iterator[Formula]:
-        """Yield all formulas: rules, actions and effects as formulas quantified by their variables."""
+        """Yield all formulas; rules, actions and effects become formulas that are quantified over their variables."""
         yield self._problem.goal
         for rule in self._domain.derived:
             yield Quantified(True, rule.parameters, rule.formula, rule.line)

@@ -1,4 +1,4 @@
-"""PyBullet, loaded on first use; its C++ output is kept off standard output, which is for results."""
+"""Load PyBullet on first use, and keep its C++ output off standard output, which is for results."""
 
 from __future__ import annotations
 

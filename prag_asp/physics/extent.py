@@ -1,4 +1,4 @@
-"""The extent of a rotated body, from the shape of a primitive or the solids of a model.
+"""Compute the extent of a rotated body from the shape of a primitive or the solids of a model.
 
 The box of a model's file says little about a body that is oblique in its file, so everything is measured on the convex
 hull of the solids. Lengths are metres.
@@ -33,7 +33,7 @@ the rectangle along the axes of the file."""
 class BodyExtent(NamedTuple):
     """A bounding box: its centre relative to the origin of the body, and its half-extents, in metres.
 
-    The centre is the origin for a body without a model.
+    For a body without a model, the centre is the origin.
     """
 
     centre: Vector
@@ -116,7 +116,7 @@ def silhouette(shape: Shape, pose: Pose) -> Outline:
 def side_yaw(shape: Shape) -> float:
     """Return the yaw, in the frame of an upright body, of the sides of the smallest rectangle around it, in radians.
 
-    It is 0 if a rectangle along the axes of the frame is about as small, as for round bodies.
+    The yaw is 0 if a rectangle along the axes of the frame is about as small, as for round bodies.
     """
     if shape.model is None or shape.traits.round:
         return 0.0
@@ -135,7 +135,7 @@ def side_yaw(shape: Shape) -> float:
 
 @cached_by_geometry(maxsize=256)
 def least_reach(shape: Shape) -> float:
-    """Return a lower bound of the reach of a body from its origin along any direction, in metres.
+    """Return a lower bound on how far a body extends from its origin in any direction, in metres.
 
     For a convex body that contains its origin, the bound is the distance of the nearest face. It is negative if the
     origin is outside.

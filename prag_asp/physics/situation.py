@@ -59,7 +59,7 @@ class Situation:
         return arm
 
     def tool(self, robot: str) -> Pose:
-        """Return the tool pose of a robot: that of the point between its fingertips.
+        """Return the tool pose of a robot: the pose of the point between its fingertips.
 
         Raises:
             SceneError: the situation has no arm of that robot.
@@ -94,7 +94,7 @@ class Situation:
         return self.shape(entity).traits.surface
 
     def pose(self, entity: str) -> Pose:
-        """Return the pose of an object or a zone; for the table, that of the centre of its top.
+        """Return the pose of an object or a zone; for the table, the pose of the centre of its top.
 
         Raises:
             SceneError: the entity has no shape, or does not take part in this situation.
@@ -182,11 +182,11 @@ class Situation:
         return self.with_poses({**self.poses, entity: pose})
 
     def with_poses(self, poses: Mapping[str, Pose]) -> Situation:
-        """Return the situation with other poses of the objects."""
+        """Return the situation with new poses of the objects."""
         return Situation(self.scene, poses, self.arms, self.openings, self.tools, self.measured)
 
     def with_arm(self, robot: str, arm: Arm) -> Situation:
-        """Return the situation with another state of an arm."""
+        """Return the situation with a new state of an arm."""
         tools = {name: tool for name, tool in self.tools.items() if name != robot}
         return Situation(self.scene, self.poses, {**self.arms, robot: arm}, self.openings, tools, self.measured)
 

@@ -56,7 +56,7 @@ class ActionEffect:
     """The physical effect of an action.
 
     `grasps`, `releases` and `visits` name the object that the gripper grasps, releases or moves to; `over` names the
-    object over which it moves. `holds` is the object held before and after. The gripper is that of `robot`; `giver` is
+    object over which it moves. `holds` is the object held before and after. The gripper belongs to `robot`; `giver` is
     the other robot in a handover. `leaves` means that the gripper leaves its object, `lifts` that a grasped object
     leaves its support, `stays` that the gripper remains at a released object. `moved` are the objects that the action
     makes the subject of a relation, `turns` is the furniture that it opens or closes, `closes` means that it closes the
@@ -138,7 +138,7 @@ def physical_task(task: Task, scene: Scene) -> PhysicalTask:
 
 
 def _facts(scene: Scene, state: State, cache: dict[tuple[Atom, bool], Fact | None]) -> tuple[Fact, ...]:
-    """Return the spatial facts of a state; `cache` caches the meaning of fluents."""
+    """Return the spatial facts of a state; `cache` stores the meanings of fluents."""
     for item in state.items():
         if item not in cache:
             cache[item] = _fact(scene, *item)
@@ -147,7 +147,7 @@ def _facts(scene: Scene, state: State, cache: dict[tuple[Atom, bool], Fact | Non
 
 
 def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
-    """Return the fact of a fluent, None if it is not spatial."""
+    """Return the fact that a fluent states, or None if the fluent is not spatial."""
     name = scene.meaning(atom)
     if name is None:
         return None
@@ -174,7 +174,7 @@ def of_robot(state: Iterable[Fact], robot: str | None) -> list[Fact]:
 def _acting(scene: Scene, subgoal: tuple[Fact, ...]) -> str | None:
     """Return the robot that an action moves: the robot that grasps an object, else the first robot in the subgoal.
 
-    None if the subgoal concerns no gripper and there are several robots.
+    The result is None if the subgoal concerns no gripper and there are several robots.
     """
     grippers = [fact for fact in subgoal if fact.predicate.of_gripper]
     ranked = sorted(grippers, key=lambda fact: (not fact.value, fact.predicate.gripper is not Gripper.HOLDS))
@@ -183,7 +183,7 @@ def _acting(scene: Scene, subgoal: tuple[Fact, ...]) -> str | None:
 
 
 def _giver(subgoal: Iterable[Fact], robot: str | None, thing: str | None, all_held: Mapping[str, str]) -> str | None:
-    """Return the other robot that releases the object which a robot grasps, None if there is none."""
+    """Return the other robot, which releases the object that a robot grasps, or None if there is none."""
     for fact in subgoal:
         other = fact.arguments[0]
         lets_go = fact.predicate.gripper is Gripper.HOLDS and not fact.value and fact.arguments[1] == thing
@@ -239,11 +239,11 @@ def _effect(
 
 
 def _only(state: Iterable[Fact], does: Gripper) -> str | None:
-    """Return the object of a positive fact about a gripper, None if there is none."""
+    """Return the object in a positive fact about a gripper, or None if there is none."""
     return next((f.arguments[1] for f in state if f.predicate.gripper is does and f.value), None)
 
 
 def _known(state: Iterable[Fact], does: Gripper, entity: str | None) -> bool | None:
-    """Return the value of a fact about a gripper and an object, None if it is unknown."""
+    """Return the value of a fact about a gripper and an object, or None if it is unknown."""
     matching = (f.value for f in state if f.predicate.gripper is does and f.arguments[1] == entity)
     return next(matching, None)

@@ -55,5 +55,5 @@ def temporary_folder(files: Mapping[str, bytes]) -> Iterator[Path]:
 
 @cache
 def _name(process: int, thread: int) -> str:
-    """Return a name that is unique to a thread and cannot be guessed; a forked process gets its own."""
+    """Return a name that is unique to a thread and cannot be guessed; a forked process gets a new name."""
     return f"prag_asp_{process}_{thread:x}_{uuid4().hex}"

@@ -1,4 +1,4 @@
-"""The pipeline of tiers, in order of cost, for witnesses that the validator finds and for witnesses to check again.
+"""Pass witnesses through the tiers in order of cost, both when the validator finds them and when they are rechecked.
 
 A witness that a search finds satisfies the first tier, kinematics, by construction; `check_witness` checks it.
 """
@@ -26,7 +26,7 @@ from prag_asp.task import Task
 
 
 class TierOutcome(NamedTuple):
-    """The result of a witness in the tiers: its first fault, None if it passes all, and the episode of the last tier.
+    """The result of checking a witness in the tiers: its first fault, if any, and the episode from the last tier.
 
     The `witness` holds the transit waypoints that the transit tier added.
     """
@@ -39,7 +39,8 @@ class TierOutcome(NamedTuple):
 class TierPipeline:
     """Passes witnesses of one scene through the tiers above kinematics; each tier opens its world on first use.
 
-    The bodies of the `simulator` need the sizes of the witness (`Simulator.use`). `resources` closes the worlds.
+    The bodies in the `simulator` must have the sizes that the witness has (`Simulator.use`). The worlds are closed with
+    `resources`.
     """
 
     def __init__(self, scene: Scene, simulator: Simulator, resources: ExitStack):
@@ -50,7 +51,7 @@ class TierPipeline:
     def run(
         self, physical: PhysicalTask, witness: Witness, budget: Budget, seeds: Sequence[int], staging: Staging
     ) -> TierOutcome:
-        """Return the result of a witness in the tiers of a budget; transit waypoints are added if it has none.
+        """Return the result of checking a witness in the tiers of a budget; transit waypoints are added if it has none.
 
         `staging` holds the options of the demonstration; `seeds` determine the random variation.
         """

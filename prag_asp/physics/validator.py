@@ -33,7 +33,7 @@ LISTED = 8
 
 
 class Validator:
-    """Validates tasks of one scene in its own simulators; use `open_validator`, which closes them."""
+    """Validates tasks of one scene in simulators that it opens; use `open_validator`, which closes them."""
 
     def __init__(self, scene: Scene, resources: ExitStack):
         self._scene = scene
@@ -44,7 +44,7 @@ class Validator:
     def validate(
         self, task: Task, *, seed: int, index: int = 0, budget: Budget | None = None, staging: Staging | None = None
     ) -> Verdict:
-        """Return the verdict on a task; it depends on the arguments and the scene alone.
+        """Return the verdict on a task, which depends only on the arguments and the scene.
 
         `staging` holds the options of the demonstration, if the budget includes that tier.
 

@@ -19,7 +19,7 @@ LONGEST = 9
 
 
 class Tier(str, Enum):
-    """A tier of checks, in order of cost; each includes the tiers before it, and equals its name."""
+    """A tier of checks; tiers are in order of cost, each includes the tiers before it, and each equals its name."""
 
     KINEMATICS = "kinematics"
     SETTLING = "settling"
@@ -52,7 +52,7 @@ class Budget:
 
     @classmethod
     def parse(cls, text: str, tier: Tier = Tier.KINEMATICS) -> Budget:
-        """Return the budget of a text such as ``10x10``: restarts and samples.
+        """Parse a budget such as ``10x10``: restarts and samples.
 
         Raises:
             QueryError: the text has a wrong format.
@@ -74,7 +74,7 @@ class Budget:
         return f"{self.restarts} x {self.samples}, {self.tier}"
 
     def includes(self, tier: Tier) -> bool:
-        """Return whether a tier of checks is that of this budget, or a cheaper one."""
+        """Return whether a tier of checks is the tier of this budget or a cheaper tier."""
         return TIERS.index(tier) <= TIERS.index(self.tier)
 
     def to_json(self) -> dict[str, Any]:
@@ -135,7 +135,7 @@ class Verdict:
 
     @property
     def detail(self) -> str:
-        """The fact or bodies, in words, that most often caused the `reason` if no witness was found."""
+        """A phrase for the fact or bodies that most often caused the `reason`, if no witness was found."""
         return next((str(detail) for detail in self.details if detail.cause == self.reason), "")
 
     def to_json(self) -> dict[str, Any]:

@@ -61,7 +61,7 @@ RETURNS = 2
 def witnesses(
     physical: PhysicalTask, scene: Scene, search: Search, budget: Budget, log: FailureLog
 ) -> Iterator[tuple[int, Witness | None]]:
-    """Yield the number of each restart, from 1, with its witness in a scene, or None if there is no witness."""
+    """Yield the number of each restart, from 1, with the witness that it found in a scene, or None."""
     ranges = {entity: scene.ranges[entity] for entity in physical.objects if entity in scene.ranges}
     search = replace(search, returns=any(scene.shapes[each].model is not None for each in _handled(physical)))
     begun, found, further = False, 0, min(budget.restarts // 2, PACKED)
@@ -87,7 +87,7 @@ def witnesses(
 
 
 def _handled(physical: PhysicalTask) -> set[str]:
-    """Return the bodies that the actions of a task grasp or move."""
+    """Return the bodies that are grasped or moved by the actions of a task."""
     return {
         entity
         for effect in physical.effects
@@ -97,7 +97,7 @@ def _handled(physical: PhysicalTask) -> set[str]:
 
 
 def _initial_state(physical: PhysicalTask, search: Search, samples: int, log: FailureLog) -> Snapshot | None:
-    """Return an initial state, None if all samples fail; a search that packs tries once, because it backtracks."""
+    """Return an initial state, or None if all samples fail; a search that packs tries once, because it backtracks."""
     trial = _retry((0, 1 if search.packs else samples), log, -1, lambda _: sample_initial_state(search, physical))
     return trial.result
 
@@ -110,7 +110,7 @@ def _follow(
     samples: int,
     log: FailureLog,
 ) -> Witness | None:
-    """Return a witness from an initial state, None if all samples of an action fail and no action is to blame."""
+    """Return a witness from an initial state, or None if all samples of an action fail and no action is to blame."""
     snapshots, motions = [snapshot], list[tuple[Waypoint, ...]]()
     number, returns = len(physical.effects), 0
     tried, blamed = [0] * number, [set[int]() for _ in range(number)]
@@ -136,7 +136,7 @@ def _follow(
 
 
 def actions_to_blame(physical: PhysicalTask, k: int, faults: Iterable[PhysicsFault]) -> set[int]:
-    """Return the actions before action `k` that may have caused the faults of its attempts."""
+    """Return the actions before action `k` that may have caused the failed attempts at action `k`."""
     faults = list(faults)
     effect, grasped = physical.effects[k], _grasped_before(physical, k)
     bodies = {name for fault in faults for name in fault.entities} | {effect.grasps, effect.visits}
@@ -151,7 +151,7 @@ def actions_to_blame(physical: PhysicalTask, k: int, faults: Iterable[PhysicsFau
 
 
 def _grasped_before(physical: PhysicalTask, k: int) -> int | None:
-    """Return the action that grasped the body which action `k` moves or puts down, None if there is none."""
+    """Return the action that grasped the body which action `k` moves or puts down, or None if there is none."""
     entity = physical.effects[k].releases or physical.effects[k].holds
     if entity is None:
         return None
@@ -168,7 +168,7 @@ class _Trial(Generic[Result]):
 
 
 def _retry(numbers: tuple[int, int], log: FailureLog, done: int, attempt: Callable[[int], Result]) -> _Trial[Result]:
-    """Return the first success of an attempt, called with each number of the range of two `numbers` in turn.
+    """Call an attempt with each number in the range between two `numbers` in turn, and return the first success.
 
     `done` is the number of earlier actions.
     """

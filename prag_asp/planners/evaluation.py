@@ -79,7 +79,7 @@ class StepFunctions:
         return number, not value_if_true
 
     def tried(self, letter: int) -> ActionFunctions | None:
-        """Return the functions of an action by number, or None if it never occurs."""
+        """Return the functions for an action, given by its number, or None if the action never occurs."""
         move = self._transition.move(letter)
         if move.impossible:
             return None
@@ -129,7 +129,7 @@ class StepFunctions:
         return self._functions.variable(number, value=value)
 
     def _state(self, atoms: Mapping[clingo.Symbol, int]) -> dict[int, Node]:
-        """Return the functions of the atoms of a state."""
+        """Return a function for each atom that describes a state."""
         symbols = self._transition.variables
         return {atoms[symbol]: self._left(variable) for variable, symbol in enumerate(symbols) if symbol in atoms}
 
@@ -143,7 +143,7 @@ class StepFunctions:
         values: dict[int, Node],
         under: Mapping[int, Node],
     ) -> None:
-        """Add the functions of the atoms of some strata to `values`; recursive strata are iterated to a fixed point."""
+        """Add functions for the atoms in some strata to `values`; recursive strata are iterated to a fixed point."""
 
         def read(atom: int) -> Node:
             return values.get(atom, under.get(atom, FALSE))

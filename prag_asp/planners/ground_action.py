@@ -1,4 +1,4 @@
-"""A domain as a ground planning task of PDDL: actions with preconditions and conditional effects."""
+"""A domain as a ground PDDL planning task: actions with preconditions and conditional effects."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ class GroundAction:
 
 @dataclass(frozen=True)
 class PlanningTask:
-    """A planning task: propositions, those of the initial state, the actions, and the goal.
+    """A planning task: its propositions, which of them are true initially, the actions, and the goal.
 
     The goal is the conjunction of its values and of the `clauses`.
     """

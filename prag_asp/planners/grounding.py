@@ -44,8 +44,9 @@ class _StripsAction(NamedTuple):
 class FactPairs:
     """The pairs of values that may be in one reachable state, an overapproximation (h^2 of Haslum and Geffner).
 
-    A pair is reached if the initial state has it, or if a reachable action makes one of its values and makes or
-    preserves the other. Conditions that exclude unreachable pairs are redundant. Each value is a bit of an integer.
+    A pair is reached if it holds in the initial state, or if a reachable action makes one of its values hold while the
+    other also holds afterwards. Conditions that exclude unreachable pairs are redundant. Each value is a bit of an
+    integer.
     """
 
     def __init__(self, state: Values, actions: Iterable[tuple[Values, Values]]) -> None:

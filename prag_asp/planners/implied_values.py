@@ -49,7 +49,7 @@ class ImpliedValues:
     def units(
         self, clauses: Iterable[Sequence[Value]]
     ) -> tuple[dict[Proposition, bool], tuple[tuple[Value, ...], ...]]:
-        """Return the values from unit propagation, and the remaining clauses; an empty clause is a contradiction."""
+        """Propagate units; return the values and the remaining clauses, of which one is empty on a contradiction."""
         before: dict[Proposition, bool] = {}
         left = [*dict.fromkeys(map(tuple, clauses))]
         while True:

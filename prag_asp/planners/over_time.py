@@ -171,7 +171,7 @@ class _Step:
         }
 
     def _changes(self, after: After, fixed: Mapping[int, bool]) -> Iterator[Change]:
-        """Yield, for each proposition, the states in which it becomes true, and those in which it becomes false.
+        """Yield, for each proposition, the states in which it becomes true, and the states in which it becomes false.
 
         The two are disjoint, because planners disagree on contradictory effects.
         """
@@ -223,7 +223,7 @@ class _Step:
                 yield Case(case, (), tuple(ConditionalEffect((), each) for each in effects))
 
     def _where(self, function: Node, fixed: Mapping[int, bool]) -> Node:
-        """Return a function without the states that contradict some values under the invariants."""
+        """Restrict a function to the states that are consistent with some values under the invariants."""
         fixed_values = [*map(self._value, fixed.items())]
         functions = self._functions
         return functions.any(

@@ -1,4 +1,4 @@
-"""The names of a domain and its formulas as PDDL text.
+"""Write the names and formulas of a domain as PDDL text.
 
 If negative conditions are not allowed, `opposites` maps a predicate to the predicate for its negation.
 """
@@ -39,7 +39,7 @@ class Spelling:
 
 
 def mirror(literals: Iterable[Literal], opposites: Mapping[str, str]) -> list[Literal]:
-    """Return the literals of the predicates for negations, for predicates that have such a predicate."""
+    """Return literals of the opposite predicates, for those literals whose predicate has an opposite."""
     return [(opposites[name], terms, not value) for name, terms, value in literals if name in opposites]
 
 

@@ -1,4 +1,4 @@
-"""A pipe by which the kernel kills a process as soon as the process that holds the other end is gone.
+"""A pipe that makes the kernel kill a process as soon as the process that holds the other end is gone.
 
 Native code may hold the interpreter lock for hours, so that no Python thread runs; it cannot delay a signal from the
 kernel. Systems other than Linux have no such signal: there, the process ends when it next reads from its parent.
@@ -15,7 +15,7 @@ OWN_SIGNAL = 10
 
 
 def held_line() -> tuple[int, int]:
-    """Return two file descriptors: the read end for the dependent process, the write end for the one that keeps it."""
+    """Return two file descriptors: the read end for the dependent process, and the write end for its keeper."""
     return tuple(map(above_the_standard_ones, os.pipe()))  # type: ignore[return-value]
 
 
@@ -36,7 +36,7 @@ def hang_on(descriptor: int) -> None:
 
 
 def above_the_standard_ones(descriptor: int) -> int:
-    """Return a descriptor moved above 2: if a standard stream is closed, a new descriptor gets its number."""
+    """Move a descriptor above 2: if a standard stream is closed, a new descriptor would take the stream's number."""
     if descriptor > 2:
         return descriptor
     import fcntl  # noqa: PLC0415

@@ -38,7 +38,7 @@ def ground_atoms(control: clingo.Control, name: str, arity: int) -> Iterator[Gro
 
 
 def _read(library: Any, ffi: Any, atoms: Any, name: str, arity: int) -> Iterator[GroundAtom]:
-    """Yield the atoms at the address `atoms`. The calls cannot fail here, so their results are not checked."""
+    """Yield the atoms from the C object `atoms`. The calls cannot fail here, so their results are not checked."""
     signature, place = ffi.new("clingo_signature_t*"), ffi.new("clingo_symbolic_atom_iterator_t*")
     symbol, literal, size = ffi.new("clingo_symbol_t*"), ffi.new("clingo_literal_t*"), ffi.new("size_t*")
     arguments, flag = ffi.new("clingo_symbol_t**"), ffi.new("bool*")

@@ -30,7 +30,7 @@ def parse_constants(constants: Mapping[str, Constant]) -> dict[str, str]:
     """Return the values of constants as text, in alphabetical order of their names.
 
     Raises:
-        DomainError: a value is not a term of clingo, or has a number out of range.
+        DomainError: a value is not a clingo term, or contains a number out of range.
     """
     values: dict[str, str] = {}
     for name, value in sorted(constants.items()):

@@ -23,7 +23,7 @@ def named(facts: Facts) -> Mapping[str, set[str]]:
 
 
 def shared_names(facts: Facts) -> list[str]:
-    """Return the ambiguous names: names of at least two of a class, an entity and an action."""
+    """Return the ambiguous names: those shared by at least two of a class, an entity and an action."""
     others = {*facts.classes, *facts.entities}
     texts = {str(action) for action in facts.declared_actions if action in others}  # other names share no spelling
     kinds = (set(map(str, facts.classes)), set(facts.entity_names), texts | facts.action_names)

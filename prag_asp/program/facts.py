@@ -33,7 +33,7 @@ class Facts:
 
     Terms are clingo symbols, in clingo's order of terms. `parents` maps a class to its direct superclasses, `entities`
     an entity to its declared class; `memberships` is the derived ``is_a``. `pruned` are the declared actions and
-    composites that every state rejects; no other facts about them remain. `unreachable` are the actions whose
+    composites that every state rejects; all other facts about them are removed. `unreachable` are the actions whose
     preconditions are relaxed-unreachable: no step tries them, but their preconditions and effects remain. `static` maps
     fluents to the value that they have in every state, because no tried action sets them. It may be incomplete.
     """
@@ -217,7 +217,7 @@ def unsorted_rows(control: clingo.Control, predicate: str, arity: int) -> Iterat
 def _by_action(
     control: clingo.Control, predicate: str, actions: Iterable[clingo.Symbol], fluents: Iterable[clingo.Symbol]
 ) -> dict[clingo.Symbol, Assignment]:
-    """Return the fluents and values of a predicate by action, sorted.
+    """Return, for each action, the sorted fluents and values that a predicate assigns to it.
 
     `actions` and `fluents` are sorted, and each term is looked up once, because comparing thousands of clingo's terms
     is slow. Further lookups use the identity of terms that are kept alive, because hashing terms is also slow.

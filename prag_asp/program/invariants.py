@@ -21,7 +21,7 @@ Reasons = Mapping[FluentValue, FluentValue]
 
 
 def invariant_graph(facts: Facts, *, impossible: bool = False) -> Graph:
-    """Return the values that each value entails by one invariant; with `impossible`, also by an impossible pair."""
+    """Map each value to those that a single invariant (with `impossible`, also an impossible pair) entails."""
     graph: dict[FluentValue, list[FluentValue]] = {}
     for first, second in (*facts.exclusive, *(facts.impossible if impossible else ())):
         graph.setdefault((first, True), []).append((second, False))
@@ -50,7 +50,7 @@ def entailed(values: Iterable[Value], graph: Mapping[Value, tuple[Value, ...]]) 
 def conflict(reasons: Reasons, others: Reasons | None = None) -> tuple[FluentValue, FluentValue] | None:
     """Return two values with contradictory consequences (the same value twice if it contradicts itself), or None.
 
-    With `others`, the first value is from the reasons in `others`.
+    With `others`, the first value comes from `others`, and the second from `reasons`.
     """
     against = reasons if others is None else others
     if not against:

@@ -28,7 +28,7 @@ STAND_IN = "$"
 
 
 def parse_sources(sources: Iterable[tuple[Source, bool]]) -> tuple[list[Statement], list[Problem]]:
-    """Return the statements and the syntax errors of sources; the flag of a source marks the files of the domain."""
+    """Return the statements and syntax errors in sources; the flag of a source is true for files of the domain."""
     statements: list[Statement] = []
     problems: list[Problem] = []
     for source, own in sources:
@@ -72,7 +72,7 @@ def _parsed(source: Source, own: bool) -> tuple[tuple[Statement, ...], Problem |
 
 
 def _character_problem(source: Source) -> Problem | None:
-    """Return the problem of the first character that clingo cannot read, or of the first parenthesis nested too deeply.
+    """Return the problem with the first character that clingo cannot read, or with too deeply nested parentheses.
 
     Some of these would crash the process.
     """
@@ -99,7 +99,7 @@ def _character_problem(source: Source) -> Problem | None:
 
 @lru_cache(maxsize=64)
 def number_problem(source: Source) -> Problem | None:
-    """Return the problem of the first number of a source that clingo would silently wrap around."""
+    """Return the problem with the first number in a source that clingo would silently wrap around."""
     for position, digits in too_large(blanked(source.text)):
         line = source.text.count("\n", 0, position) + 1
         return Problem(source.path, line, f"the number {shortened(digits)} is out of range: {TOLD}")
@@ -117,7 +117,7 @@ def require_memory(error: RuntimeError) -> None:
 
 
 def _syntax_problem(source: Source, messages: list[str]) -> Problem:
-    """Return the problem of the first syntax error only, because the others may follow from it."""
+    """Return only the first syntax error as a problem, because the others may follow from it."""
     error = re.match(MESSAGE, messages[0]) if messages else None
     if not error:
         text = f"clingo cannot read this file: {' '.join(messages) or 'no reason given'}; fix it"

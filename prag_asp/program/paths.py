@@ -1,4 +1,4 @@
-"""The folders of the shipped encodings, domains and suites, in a checkout and when installed."""
+"""Find the shipped encodings, domains and suites, in a checkout or in the installed package."""
 
 from __future__ import annotations
 

@@ -30,12 +30,12 @@ class EncodingPredicate(NamedTuple):
         return f"{self.name}({','.join(map(str, arguments))})."
 
     def timeless(self, *arguments: clingo.Symbol) -> clingo.Symbol:
-        """Return the atom with these arguments, without the last argument, the step."""
+        """Return the atom with these arguments, without the last argument of the predicate, the step."""
         return clingo.Function(self.name, arguments)
 
     @property
     def without_time(self) -> tuple[str, int]:
-        """The signature without the last argument, the step."""
+        """The signature of the predicate without its last argument, the step."""
         return self.name, self.arity - 1
 
 

@@ -82,7 +82,7 @@ def raise_problems(problems: Iterable[Problem]) -> None:
 
 
 def first_of_each(warnings: Iterable[Problem]) -> Iterator[Problem]:
-    """Yield the first `SHOWN` warnings of each name; the last of them states how many are omitted."""
+    """Yield the first `SHOWN` warnings with each name; the last of these states how many are omitted."""
     warnings = list(warnings)
     total = Counter(each.name for each in warnings)
     texts: Counter[str] = Counter()
@@ -96,7 +96,7 @@ def first_of_each(warnings: Iterable[Problem]) -> Iterator[Problem]:
 
 
 def allowed_in_sources(sources: Iterable[Source]) -> dict[tuple[Path, int], tuple[str, ...]]:
-    """Return the names that comments of sources allow, by file and line, even unknown names."""
+    """Return the warning names that comments in sources allow, keyed by file and line, including unknown names."""
     allowed: dict[tuple[Path, int], tuple[str, ...]] = {}
     for source in sources:
         if "lint:" in source.text:
@@ -105,7 +105,7 @@ def allowed_in_sources(sources: Iterable[Source]) -> dict[tuple[Path, int], tupl
 
 
 def allowed_by_comments(spoken: Iterable[tuple[int, str]]) -> Iterator[tuple[int, tuple[str, ...]]]:
-    """Yield the lines of comments that allow warnings, with the allowed names."""
+    """Yield the line number of each comment that allows warnings, with the allowed names."""
     for line, words in spoken:
         match = ALLOW.search(words)
         if match:

@@ -49,7 +49,7 @@ def read_table(path: Path) -> dict[str, Any]:
 
 
 def settings_of(table: Mapping[str, Any], source: Source) -> Settings:
-    """Return the settings in the table of a file. Values of a wrong type are ignored; the linter reports them."""
+    """Return the settings in a TOML table. Values of a wrong type are ignored; the linter reports them."""
     weights = {key: weight_of(value) for key, value in _table(table, "weights").items()}
     grammar = _table(table, "language")
     language: dict[str, str] = {}

@@ -72,7 +72,7 @@ class Program:
         return starts
 
     def locate(self, line: int) -> tuple[Path, int]:
-        """Return the file of a line of `text`, and the line number in that file; lines count from 1."""
+        """Return the file that contains a line of `text`, and the line number in that file, counted from 1."""
         at = max(bisect.bisect_right(self._starts, line) - 1, 0)
         return self.sources[at].path, max(line - self._starts[at], 1)
 
@@ -194,7 +194,7 @@ def core_sources(encodings: Path) -> tuple[Source, ...]:
 
 
 def each_once(sources: Iterable[Source]) -> tuple[Source, ...]:
-    """Return sources without duplicates, that is, those with the same path and text."""
+    """Return sources without duplicates; sources with the same path and text are duplicates."""
     unique: dict[tuple[Path, str], Source] = {}
     for source in sources:
         unique.setdefault((source.path.resolve(), source.text), source)
@@ -223,7 +223,7 @@ def owned(program: Program) -> list[tuple[Source, bool]]:
 
 
 def added_encodings(program: Program) -> frozenset[Path]:
-    """Return the files in the encodings folder of a program that the shipped encodings do not contain."""
+    """Return the files in a program's encodings folder that the shipped encodings do not contain."""
     encodings, shipped = encodings_folder(program), data_folder("encodings")
     if encodings is None or encodings.resolve() == shipped.resolve():
         return frozenset()

@@ -38,7 +38,7 @@ class AtomNode:
 
     @property
     def line(self) -> int:
-        """The line of the file."""
+        """The line number in the file."""
         return int(self.node.location.begin.line)
 
     @property
@@ -211,7 +211,7 @@ def below(node: AST) -> Iterator[AST]:
 
 
 def runs_no_code(name: str) -> str:
-    """Return the message for a statement that calls an external function."""
+    """Return the message that refuses a statement because it calls an external function."""
     return f"@{name} calls a script: a domain runs no code; write plain rules"
 
 

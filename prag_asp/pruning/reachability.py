@@ -30,7 +30,7 @@ CONFLICTS = "10000"
 
 
 def relaxed_sources(encodings: Path) -> tuple[Source, ...]:
-    """Return the program of relaxed steps in a folder of encodings, empty if there is none."""
+    """Return the program of relaxed steps from a folder of encodings; it is empty if the folder has none."""
     path = encodings / REACHABLE
     return read_sources(path, encodings) if path.is_file() else ()
 

@@ -30,10 +30,10 @@ STATE_PREDICATES: frozenset[Signature] = frozenset([HOLDS, KNOWN, CHANGED])
 
 
 class Rejection(NamedTuple):
-    """The reason for a rejected action: two fluent values that contradict each other, or one that contradicts itself.
+    """Why an action is rejected: two fluent values contradict each other, or a single value contradicts itself.
 
     `predicate` and `stated` are the precondition or postcondition to blame. If `needs`, the preconditions are
-    contradictory, otherwise the state after the action is. If `static`, `first` is a static value. `makes` is true if
+    contradictory; otherwise, the state after the action is. If `static`, `first` is a static value. `makes` is true if
     the action sets both values, `may_change` if an action that can never occur would change the static value.
     """
 

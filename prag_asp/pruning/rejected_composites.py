@@ -1,4 +1,4 @@
-"""Find the composites that every state rejects, and test if any composite or free action can begin initially.
+"""Find the composites that every state rejects, and test whether any composite or free action can begin initially.
 
 A sequence of actions that is rejected in the state where only the static values are known is rejected in every state.
 The invariants yield candidates with reasons; the encodings confirm them.
@@ -25,7 +25,7 @@ KnownValues = frozenset[FluentValue]
 
 
 class StageFailure(NamedTuple):
-    """The reason for a rejected sequence of actions: the index of the action to blame, and the reason as text."""
+    """Why a sequence of actions is rejected: the index of the action to blame, and the reason as text."""
 
     place: int
     reason: str

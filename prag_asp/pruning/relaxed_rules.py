@@ -1,4 +1,4 @@
-"""Relax the user rules of a step: rules of the part `reachable` that derive all that user rules may derive.
+"""Relax the user rules of a step into rules of the part `reachable`, which derive all that user rules may derive.
 
 Each rule loses its time and its negated literals. It reads reachable actions and reachable values of fluents (see
 ``encodings/reachable.lp``). By induction over the steps, a user rule sets no fluent to an unreachable value, because
@@ -55,7 +55,7 @@ class FluentSetter(NamedTuple):
 
 
 def fluent_setters(steps: Sequence[Statement]) -> list[FluentSetter]:
-    """Return the rules of a step that set fluents, without rules for `changed` if other rules set the fluent.
+    """Return the step rules that set fluents, without rules for `changed` whose fluent other rules always set.
 
     Other rules set the fluent whenever a rule for `changed` fires if one rule makes the fluent false and has no further
     literals, except the negation of the only literal of another rule that makes it true.
@@ -236,7 +236,7 @@ class RelaxedRules:
         return self._certain[signature]
 
     def _is_plain(self, atom: AtomNode, rule: Statement) -> bool:
-        """Return whether the arguments of an atom, apart from its time, mention no time and compute nothing."""
+        """Return whether the arguments of an atom, except its time, neither mention time nor compute anything."""
         return _is_plain(atom.arguments[:-1] if atom.signature in self._timed else atom.arguments, rule)
 
 
@@ -252,7 +252,7 @@ def _following(predicates: Iterable[Signature], rules: Sequence[Statement]) -> f
 
 
 def _is_plain(texts: Collection[str], rule: Statement) -> bool:
-    """Return whether texts do not mention the time of a rule, and compute nothing."""
+    """Return whether texts neither mention the time of a rule nor compute anything."""
     return names(texts).isdisjoint(rule.parameters) and not any(map(COMPUTED.search, texts))
 
 

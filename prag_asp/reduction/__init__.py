@@ -1,4 +1,4 @@
-"""Small-model reduction: a domain with many interchangeable entities is ground with only a few of them.
+"""Small-model reduction: a domain with many interchangeable entities is grounded with only a few of them.
 
 Theorem: let the author's statements treat m entities alike and satisfy the restrictions of `applicability`. Then the
 tasks and skeletons of length n are the same, up to renaming, for every m of at least `EntityBound.needed(n)`. A task

@@ -89,7 +89,7 @@ def _ground(statements: Iterable[Statement]) -> dict[Statement, list[clingo.Symb
 
 
 def _distinguished(statements: Iterable[Statement], entities: Collection[clingo.Symbol]) -> set[clingo.Symbol]:
-    """Return the entities that a rule or constant names, that a pattern of a rule may match, or that are nested.
+    """Return the entities that a rule or constant names, that a pattern in a rule may match, or that are nested.
 
     Numbers and strings count as distinguished as well, because rules compute with numbers.
     """

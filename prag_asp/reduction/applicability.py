@@ -149,7 +149,7 @@ def _objection_to_atoms(statement: Statement, reserved: AbstractSet[Signature]) 
 
 
 def _is_number(term: AST) -> bool:
-    """Return whether a term is certain to be a number; the minus of a name is a name."""
+    """Return whether a term is certainly a number; a name with a minus sign is still a name."""
     if term.ast_type == ASTType.UnaryOperation:
         return not _turns_around(term)
     return term.ast_type in COMPUTED or (
@@ -215,7 +215,7 @@ def _through_negation(rules: Sequence[Statement]) -> Statement | None:
 
 
 def _nodes(atom: AtomNode) -> list[Node]:
-    """Return the nodes that an atom may belong to: true and false initial values are separate nodes."""
+    """Return the graph nodes to which an atom may belong; true and false initial values have separate nodes."""
     if atom.signature != ("initially", 2):
         return [(atom.signature, "")]
     value_term = atom.arguments[1]

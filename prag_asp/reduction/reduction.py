@@ -29,7 +29,7 @@ FEWEST = 16
 MANY = 20_000
 """The minimum number of fluents, actions, conditions, effects and invariants for a reduction.
 
-A smaller program is ground completely, because the complete program answers every query.
+A smaller program is grounded completely, because the complete program answers every query.
 """
 
 FIRST = 3
@@ -46,7 +46,7 @@ Representatives = Mapping[clingo.Symbol, clingo.Symbol]
 class EntityBound:
     """The largest numbers of entities of a group that are named together.
 
-    They are named by one action, by one invariant or fluent, by one fluent, or by all facts that one rule reads.
+    The numbers are for one action, one invariant or fluent, one fluent, and all facts that one rule reads.
     """
 
     action: int
@@ -91,7 +91,7 @@ class Reduction:
         return with_entities(self.facts, self._representatives([bound.least for bound in self.bounds]))
 
     def whole_facts(self) -> Facts:
-        """Return the facts of the whole program, which is ground on first use, with a note to the user."""
+        """Return the facts of the whole program, which is grounded on first use, with a note to the user."""
         program, settings = self.program, self.settings
         groups = ", ".join(f"{len(group):,} like {group[0]}" for group in self.groups)
 
@@ -207,7 +207,7 @@ def named_in(term: clingo.Symbol, entities: Collection[clingo.Symbol]) -> set[cl
 
 
 def _representatives(groups: Iterable[Group], sizes: Iterable[int], settings: Source) -> Representatives:
-    """Return the entities to drop so that each group has its size; entities that the settings name stay."""
+    """Return the entities to drop to reduce each group to a given size; entities that the settings name stay."""
     words = set(re.findall(r"\w+", settings.text))
     representatives: dict[clingo.Symbol, clingo.Symbol] = {}
     for group, size in zip(groups, sizes, strict=True):

@@ -1,4 +1,4 @@
-"""A dynamic simulation for an agent that can be reset to any moment of any witness."""
+"""A dynamic simulation for an agent, which can be reset to any moment of any witness."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Arena:
         self._situation: Situation | None = None
 
     def start(self, witness: Witness, number: int) -> Situation:
-        """Reset the world to a moment of a witness, by its number; the later simulation depends on nothing else.
+        """Reset the world to the moment of a witness with a given number; the later simulation depends on nothing else.
 
         Raises:
             SceneError: the witness has sizes that the scene does not allow.

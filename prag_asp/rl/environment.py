@@ -61,26 +61,27 @@ class TaskEnv(GoalEnv):
     out unless `trivial` is true. Plain values thus define an environment.
 
     An observation is an array of the kind `observation` (`layout.names` names its numbers); with `goals` or `cameras`,
-    it is a dictionary with this array as `observation`. By the convention of goal environments, `goals` adds
-    `achieved_goal` and `desired_goal` of the shape (2 * `PLACES`,): for the current and for the previous step;
-    `prag_asp.rl.rewards` explains the vectors. `control` is the name of a control convention; the attribute `control`
-    holds the names, units and scales of the numbers of actions. There are `rate` actions per second, a divisor of 120.
-    `action_scale` is a factor for the changes in actions, except those of the fingers, for skills that need small
-    motions.
+    it is a dictionary with this array as `observation`. Following the convention of goal environments, `goals` adds
+    `achieved_goal` and `desired_goal`, each of shape (2 * `PLACES`,), with vectors for the current and the previous
+    step; `prag_asp.rl.rewards` explains the vectors. `control` is the name of a control convention; the attribute
+    `control` holds the names, units and scales of the numbers in an action. There are `rate` actions per second, a
+    divisor of 120. `action_scale` is a factor for the changes in actions, except those of the fingers, for skills that
+    need small motions.
 
-    `stage` is the initial subgoal, from 0 (-1 is the last, "any" is random); the episode begins in the witness's state
-    at its start. It lasts `until` that "subgoal" or the whole "task" is reached, and at most `steps` for each subgoal.
-    The predicates alone decide whether a subgoal is reached. With `everything`, all bodies are observed, not only those
-    of the action. The dense part of a "faded" reward is annealed over `fade` steps, or with "success"; `discount` is
-    the discount of its potentials. Witnesses of tasks from a space are searched for within a `budget`.
+    `stage` is the initial subgoal, from 0 (-1 is the last, "any" is random); the episode begins in the state of the
+    witness at the start of this subgoal. It lasts `until` that "subgoal" or the whole "task" is reached, and at most
+    `steps` for each subgoal. Only the predicates decide whether a subgoal is reached. With `everything`, all bodies are
+    observed, not only those that the action names. The dense part of a "faded" reward is annealed over `fade` steps or,
+    if `fade` is "success", with the success rate; `discount` is the discount of its potentials. Witnesses of tasks from
+    a space are searched for within a `budget`.
 
     With a `part` of the space, only the tasks of the part are used. A `curriculum` chooses the tasks
     (`LengthCurriculum`, `NoveltyCurriculum`, `AdaptiveCurriculum` or `BanditCurriculum`) or the initial subgoals
     (`ReverseCurriculum`); there may be one of each kind. Curricula learn only from the episodes of this environment.
     `info` has the same keys at a reset and at each step, among them the instruction at three levels in a `language`,
     the sentence of the current subgoal, the exact `probability` of the task and of its stage (`stage_probability`), and
-    the number of samples that were `rejected` before it. Observations also contain the images of `cameras`, as
-    `camera_` and the name: 8-bit colours, with the width and height `size` in pixels.
+    the number of samples that were `rejected` before it. Observations also contain the images of `cameras`, each under
+    `camera_` followed by its name: 8-bit colours, with width and height given by `size` in pixels.
 
     A copy, by `pickle` or `copy.deepcopy`, has its own simulators and continues the episode identically, bit for bit:
     it replays the actions of the episode.
@@ -284,7 +285,7 @@ class TaskEnv(GoalEnv):
         """Continue from a checkpoint of an environment with the same arguments; do not pass a seed to the next reset.
 
         Raises:
-            QueryError: the checkpoint is of another environment, or damaged.
+            QueryError: the checkpoint belongs to another environment, or is damaged.
         """
         verify_checksum(state, self._spec)
         try:
@@ -306,18 +307,18 @@ class TaskEnv(GoalEnv):
 
     @property
     def commanded_openings(self) -> Mapping[str, float]:
-        """The commanded opening of each gripper in metres; this and the next two raise QueryError outside episodes."""
+        """The commanded opening of each gripper in metres; outside episodes, this property raises QueryError."""
         return self._begun_arena.commanded_openings
 
     @property
     def last(self) -> int:
-        """The number of the subgoal with which the episode ends."""
+        """The number of the subgoal with which the episode ends; outside episodes, this property raises QueryError."""
         assert self._begun_arena
         return self._last
 
     @property
     def action(self) -> Atom:
-        """The action of the current subgoal."""
+        """The action of the current subgoal; outside episodes, this property raises QueryError."""
         assert self._begun_arena
         return self.task.actions[self.stage]
 

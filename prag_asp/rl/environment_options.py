@@ -107,7 +107,7 @@ def moves_of(action: object, control: Control) -> NDArray[np.float64]:
 def steps_left_of(info: object) -> NDArray[np.float64]:
     """Return the `steps_left` in the info of a step or a batch of steps, or infinity if it is missing.
 
-    Gymnasium's vector environments return one info with arrays, replay buffers a sequence of infos.
+    Gymnasium's vector environments return one info with arrays; replay buffers return a sequence of infos.
     """
     if isinstance(info, Mapping):
         return np.asarray(info.get("steps_left", np.inf), dtype=np.float64)
@@ -127,5 +127,5 @@ def _check_steps(steps: object) -> None:
 
 
 def is_whole(number: object) -> TypeGuard[int | np.integer[Any]]:
-    """Return whether a value is a whole number, of Python or NumPy."""
+    """Return whether a value is a whole number of a Python or NumPy type."""
     return isinstance(number, int | np.integer) and not isinstance(number, bool)

@@ -20,7 +20,7 @@ SETTLING = 1.0
 
 
 class Replay(NamedTuple):
-    """The replay of a recording: its task, the number of its initial state, and the subgoals `reached` in `steps`."""
+    """The replay of a recording: its task, the number of its initial state, and how many subgoals were `reached`."""
 
     task: Task
     start: int
@@ -34,7 +34,7 @@ class Replay(NamedTuple):
 
 
 def replay(dataset: Dataset | str | Path, control: ControlName = "joint_position") -> Iterator[Replay]:
-    """Yield the replay of each recording of a dataset, as actions of a control at the rate of the recordings.
+    """Replay each recording of a dataset as actions of a control, at the rate of the recordings, and yield the replays.
 
     Raises:
         QueryError: the dataset has no recordings, or the control cannot express them.

@@ -1,4 +1,4 @@
-"""The goal interface of an environment: rewards and episode ends from goal vectors alone, for steps or batches."""
+"""The goal interface of an environment: rewards and episode ends from goal vectors only, for steps or batches."""
 
 from __future__ import annotations
 

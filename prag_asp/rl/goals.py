@@ -29,7 +29,7 @@ class Subgoal:
     names: tuple[str, ...]
 
     def measured(self, situation: Situation) -> list[float]:
-        """Return the signed distance of each fact in metres or radians, at most 0 if it holds, ordered as `names`."""
+        """Return the signed distance of each fact of `names` in metres or radians, at most 0 if the fact holds."""
         return [fact.way(situation) for fact in (*self.achieved, *self.unchanged)]
 
     def placed(self, measured: list[float]) -> list[float]:

@@ -111,14 +111,14 @@ class Layout:
         return tuple(self.scales)
 
     def arranged(self, values: Sequence[float]) -> NDArray[np.float32]:
-        """Return an observation from the values of all features."""
+        """Assemble an observation from the values of all features."""
         places, scales = self._columns
         chosen: NDArray[np.float32] = (np.array(values)[places] * scales).astype(np.float32)
         return chosen
 
     @cached_property
     def _columns(self) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-        """The places of the features that are observed, and their factors."""
+        """The positions of the features that are observed, and their factors."""
         scales = np.array([scale for _, scale in self._all_scales])
         return np.flatnonzero(scales), scales[np.flatnonzero(scales)]
 
@@ -165,8 +165,8 @@ def observe(
 ) -> NDArray[np.float32]:
     """Return the observation of an agent that pursues an action, shape ``(len(layout.names),)``.
 
-    `speeds` are the velocities of the tools in metres per second, `commanded` the openings of the grippers in metres,
-    `missed` the distances of the facts of the subgoal, ordered as `FACTS`.
+    `speeds` are the velocities of the tools in metres per second, `commanded` are the commanded openings of the
+    grippers in metres, and `missed` are the distances of the facts of the subgoal, in the order of `FACTS`.
     """
     scene = situation.scene
     acting = next((name for name in action.arguments if name in scene.robots), layout.robots[0])

@@ -39,7 +39,7 @@ class RewardAnnealing:
         return {"steps": self._steps, "ends": list(self._ends)}
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Continue from a state of `state_dict`."""
+        """Continue from a state returned by `state_dict`."""
         self._steps = state["steps"]
         self._ends = deque(state["ends"], maxlen=WINDOW)
 

@@ -1,9 +1,9 @@
-"""Sparse rewards for subgoals, and dense rewards by potential-based shaping.
+"""Sparse rewards for subgoals, and dense rewards from potential-based shaping.
 
 The goal vector of a moment has the number of the current subgoal and the signed distances of its facts in metres or
-radians, at most 0 if they hold: one for each fact that the action achieves, and the largest of all others. A goal is
-also such a vector: the last subgoal, and the distances that its facts must reach. Any moment can thus be the goal of
-another moment.
+radians, at most 0 if they hold: one for each fact that the action achieves, and the largest distance of all other
+facts. A goal is also such a vector: the last subgoal, and the distances that its facts must reach. Any moment can thus
+be the goal of another moment.
 
 The potential of a moment is the number of reached subgoals plus ``1 / (1 + D / REACH)``, where D is the sum of the
 distances to the goal. It is never negative, and grows all the way to the goal, more steeply near the goal. The dense

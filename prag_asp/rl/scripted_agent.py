@@ -112,7 +112,7 @@ def _fingers(env: TaskEnv, robot: str, opening: float) -> Iterator[Action]:
 
 
 def _moved(env: TaskEnv, waypoint: Waypoint, before: Moment, target: str | None) -> Iterator[Action]:
-    """Yield actions that move the tool to a waypoint, at the travel height while far from it."""
+    """Yield actions that move the tool to a waypoint, at the travel height while the tool is far from the waypoint."""
     free = waypoint.opening is None
     for _ in range(PATIENCE):
         (x, y, z), off = _off(env.situation, waypoint, before, target)
@@ -132,7 +132,7 @@ def _moved(env: TaskEnv, waypoint: Waypoint, before: Moment, target: str | None)
 def _off(situation: Situation, waypoint: Waypoint, before: Moment, target: str | None) -> tuple[Vector, float]:
     """Return the displacement of the tool to a waypoint in metres, and the turn in radians.
 
-    A held body is moved to its pose in the witness, at any pose in the hand; a body to grasp is approached at its
+    A held body is moved to its pose in the witness, whatever its pose in the hand; a body to grasp is approached at its
     current position.
     """
     robot = waypoint.robot

@@ -1,6 +1,6 @@
 """Skill chaining: a policy for each skill, chained along the plans of tasks, with success rates.
 
-The predicates alone decide when a subgoal is reached and the next policy takes over. Rates are exact fractions, so the
+Only the predicates decide when a subgoal is reached and the next policy takes over. Rates are exact fractions, so the
 success rate of whole tasks is the product of the rates of their stages.
 """
 
@@ -117,8 +117,8 @@ class Rollouts:
     def by_length(self) -> tuple[Fraction, ...]:
         """Return, for each length from 1, the share of plans whose stages up to that length are all reached.
 
-        It is the product of the shares of the stages: it is exact for rollouts of one length; for several lengths, it
-        is the estimate of Kaplan and Meier (1958), in which each rollout counts up to its length.
+        The result is the product of the shares of the stages. It is exact for rollouts of one length; for several
+        lengths, it is the estimate of Kaplan and Meier (1958), in which each rollout counts up to its length.
         """
         return tuple(accumulate((rate.share for rate in self.by_stage()), lambda one, other: one * other))
 
@@ -228,7 +228,7 @@ def _pursued(
 def _attempt(
     wrapped: gymnasium.Env[Any, Any], policy: Policy, observation: Any, patience: int
 ) -> tuple[Any, bool, int]:
-    """Pursue a subgoal by a policy; return the last observation, whether it succeeded, and the number of steps."""
+    """Pursue a subgoal with a policy; return the last observation, whether it succeeded, and the number of steps."""
     env: TaskEnv = wrapped.unwrapped  # type: ignore[assignment]
     stage, begin = env.stage, getattr(policy, "begin", None)
     if begin is not None:

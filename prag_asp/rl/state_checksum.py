@@ -1,4 +1,4 @@
-"""Checkpoints of environments with a checksum, which refuse damage and checkpoints of other environments."""
+"""Add a checksum to the checkpoints of environments, and refuse those that are damaged or of another environment."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def with_checksum(state: Mapping[str, Any], spec: str) -> dict[str, Any]:
 
 
 def verify_checksum(state: object, spec: str) -> None:
-    """Check a state of an environment with a `spec`.
+    """Check that a state is undamaged and belongs to an environment with this `spec`.
 
     Raises:
         QueryError: the state is damaged, or belongs to another environment.

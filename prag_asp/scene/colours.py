@@ -30,19 +30,19 @@ blue of a screen."""
 
 
 def rgb(color: str) -> tuple[int, int, int]:
-    """Return red, green and blue of a colour like ``#e4572e``, from 0 to 255."""
+    """Return the red, green and blue components of a colour like ``#e4572e``, from 0 to 255."""
     return int(color[1:3], 16), int(color[3:5], 16), int(color[5:7], 16)
 
 
 @lru_cache(maxsize=256)
 def to_lab(color: str) -> NDArray[np.float64]:
-    """Return lightness, a and b of a colour like ``#e4572e``."""
+    """Return the CIELAB components (lightness, a and b) of a colour like ``#e4572e``."""
     lab: NDArray[np.float64] = _lab(np.array([rgb(color)]))[0]
     return lab
 
 
 def from_lab(lab: NDArray[np.float64]) -> str:
-    """Return the sRGB colour nearest to a lightness, a and b, clipped in red, green and blue."""
+    """Return the sRGB colour of a CIELAB lightness, a and b, with red, green and blue clipped to their range."""
     y = (lab[0] + 16) / 116
     bent = np.array([y + lab[1] / 500, y, y - lab[2] / 200])
     xyz = DAYLIGHT * np.where(bent > EDGE, bent**3, 3 * EDGE**2 * (bent - 4 / 29))
@@ -82,7 +82,7 @@ def more_colours(taken: Sequence[str], count: int) -> tuple[str, ...]:
 
 
 def _lab(colors: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return lightness, a and b of colours given by red, green and blue from 0 to 255, shape (N, 3)."""
+    """Return the CIELAB components, shape (N, 3), of colours given by red, green and blue from 0 to 255."""
     bright = colors / 255
     linear = np.where(bright <= 0.04045, bright / 12.92, ((bright + 0.055) / 1.055) ** 2.4)
     xyz = linear @ TO_XYZ.T / DAYLIGHT

@@ -38,7 +38,7 @@ def apart(one: Footprint, two: Footprint, touching: float) -> bool:
 
 
 def _axes(footprint: Footprint, other: Footprint) -> list[Point]:
-    """Return unit normals of the sides of a body; for a round body, the direction from the nearest point of another."""
+    """Return unit normals of a body's sides; for a round body, the direction from the nearest point of another body."""
     x, y, yaw = footprint.place
     if not footprint.shape.traits.round:
         cosine, sine = math.cos(yaw), math.sin(yaw)

@@ -1,4 +1,4 @@
-"""The primitives box, cylinder and ball: their reach, their outline seen from above, and their volume.
+"""The primitives box, cylinder and ball: how far they reach, their outlines seen from above, and their volumes.
 
 Other bodies, such as containers, reach as far as their bounding boxes.
 """

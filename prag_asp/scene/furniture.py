@@ -182,7 +182,7 @@ def _post(x: float, y: float, bottom: float) -> Box:
 
 
 def _around_in(boxes: tuple[Box, ...], pose: Pose) -> Corners:
-    """Return the bounding box of boxes in a frame."""
+    """Return the bounding box, in a frame, of several boxes."""
     corners = []
     for (x, y, z), (dx, dy, dz) in boxes:
         for i in range(8):

@@ -83,7 +83,7 @@ def compose(outer: Pose, inner: Pose) -> Pose:
 
 
 def invert(pose: Pose) -> Pose:
-    """Return the pose of the world in the frame `pose`."""
+    """Return the inverse of a pose: the pose of the world in the frame `pose`."""
     x, y, z, w = pose.quaternion
     back = (-x, -y, -z, w)
     px, py, pz = rotate(back, pose.position)
@@ -145,7 +145,7 @@ def heading(quaternion: Quaternion) -> tuple[float, float]:
 
 
 def to_local(pose: Pose, x: float, y: float) -> Point:
-    """Return a point of the plane in the frame of an upright body."""
+    """Transform a point of the x-y plane to the frame of an upright body."""
     cosine, sine = heading(pose.quaternion)
     dx, dy = x - pose.position[0], y - pose.position[1]
     return (cosine * dx + sine * dy, cosine * dy - sine * dx)
@@ -171,7 +171,7 @@ def crown(shape: Shape, pose: Pose) -> Outline:
 
 
 def _placed(polygon: Outline, pose: Pose) -> Outline:
-    """Return an outline from the frame of an upright body in world coordinates."""
+    """Transform an outline from the frame of an upright body to world coordinates."""
     (x, y, _), (cosine, sine) = pose.position, heading(pose.quaternion)
     return tuple((x + cosine * a - sine * b, y + sine * a + cosine * b) for a, b in polygon)
 

@@ -1,4 +1,4 @@
-"""Mass properties of rigid bodies: mass, centre of mass and inertia, of solids of uniform density.
+"""Mass properties (mass, centre of mass and inertia) of rigid bodies that consist of solids of uniform density.
 
 The integrals over a polyhedron are sums over the tetrahedra between its triangles and the origin (Mirtich, "Fast and
 accurate computation of polyhedral mass properties", 1996).
@@ -55,7 +55,7 @@ def point_mass(mass: float, centre: Floats) -> MassProperties:
 
 
 def combined(bodies: Iterable[MassProperties]) -> MassProperties:
-    """Return the properties of several bodies together, by the parallel axis theorem."""
+    """Combine the properties of several bodies, by the parallel axis theorem."""
     parts = list(bodies)
     total = sum(part.mass for part in parts)
     centre = sum((part.mass * part.centre for part in parts), np.zeros(3)) / total
@@ -67,7 +67,7 @@ def combined(bodies: Iterable[MassProperties]) -> MassProperties:
 
 
 def primitive_mass(solid: Solid) -> MassProperties:
-    """Return the properties of a box, cylinder or ball of density 1 in its own axes."""
+    """Return the properties of a box, cylinder or ball with density 1, along its axes."""
     x, y, z = (side / 2 for side in solid.size)
     volume = FORMS[solid.kind].volume((x, y, z))
     if solid.kind == "box":
@@ -80,7 +80,7 @@ def primitive_mass(solid: Solid) -> MassProperties:
 
 
 def polyhedron_mass(triangles: Floats) -> MassProperties:
-    """Return the properties of a closed polyhedron of density 1 with outward-facing triangles, shape (n, 3, 3)."""
+    """Return the properties of a closed polyhedron with density 1, given by outward-facing triangles (n, 3, 3)."""
     around = triangles.mean((0, 1))
     corners = triangles - around
     volumes = np.linalg.det(corners) / 6

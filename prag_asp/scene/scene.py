@@ -152,7 +152,7 @@ STANDARD = Material()
 
 
 class BoxBounds(NamedTuple):
-    """A box by its lowest and its highest corner in metres, which may be infinite."""
+    """A box, given by its lowest and its highest corner in metres; coordinates may be infinite."""
 
     low: tuple[float, float, float]
     high: tuple[float, float, float]
@@ -187,9 +187,9 @@ class Mount(NamedTuple):
 class Ranges(NamedTuple):
     """The ranges of domain randomization.
 
-    `friction` and `mass` are the smallest and the largest factor. The others are the largest changes: `light` of the
-    light direction, in degrees; `camera` of the positions of a camera and of its target, as a share of their distance;
-    `colour` of a colour, as Delta E in CIELAB.
+    `friction` and `mass` are the smallest and the largest factor. The other fields are the largest changes: `light`
+    changes the light direction, in degrees; `camera` changes the positions of a camera and its target, as a share of
+    their distance; `colour` changes a colour, as Delta E in CIELAB.
     """
 
     friction: tuple[float, float] = (0.8, 1.2)
@@ -203,7 +203,7 @@ USUAL_RANGES = Ranges()
 
 
 def only_robot(shapes: Mapping[str, Shape], kind: str = "panda") -> dict[str, Mount]:
-    """Return the mount of a single robot at the origin, by the name of its entity, or else of its kind."""
+    """Return the mount of a single robot at the origin, keyed by the name of its entity or else by its kind."""
     name = next((entity for entity, shape in shapes.items() if shape.kind == "robot"), kind)
     return {name: Mount(kind)}
 
@@ -226,19 +226,19 @@ class Scene:
     """The scene of a domain.
 
     Most fields map names of entities: to `shapes`, `colors` (``#rrggbb``) and `materials`; `robots` maps robots to
-    their mounts, and `fixed` bodies that never move to their place: x, y in metres and yaw in radians. If the size of
-    an entity is sampled for each task, `ranges` holds all its possible shapes, the smallest first, and `shapes` the
-    largest of them. By default there is one Panda, at the origin.
+    their mounts, and `fixed` maps bodies that never move to their places: x, y in metres and yaw in radians. If the
+    size of an entity is sampled for each task, `ranges` holds all its possible shapes, the smallest first, and `shapes`
+    the largest of them. By default there is one Panda, at the origin.
 
     `workspace` is the part of the table top where the search places objects: low x, high x, low y, high y in metres.
     Objects can also be elsewhere. `predicates` maps fluent names to spatial predicates, `rotations` names to yaws in
     radians. `frame` is "robot", where left is +y and in front is -x, or "viewer", the view of a person who faces the
     robot.
 
-    `own` has the spatial predicates that the domain adds, by name; their Python files are run only if `trusted` is set.
-    `cameras` are also named; the default is one camera, `front`. `vary` holds the ranges of domain randomization.
-    `balance` is the margin in metres by which the centre of mass of a placed object stays within its support, if the
-    support is large enough.
+    `own` maps names to the spatial predicates that the domain adds; their Python files are run only if `trusted` is
+    set. `cameras` maps names to cameras; the default is one camera, `front`. `vary` holds the ranges of domain
+    randomization. `balance` is the margin in metres by which the centre of mass of a placed object stays within its
+    support, if the support is large enough.
     """
 
     shapes: Mapping[str, Shape]

@@ -25,7 +25,7 @@ def parse_scene(
     folder: Path = Path(),
     trust: bool = False,
 ) -> Scene:
-    """Return the scene of a ``[scene]`` table, in which every entity has the shape of its class.
+    """Return the scene that a ``[scene]`` table defines, in which every entity has the shape of its class.
 
     `classes` maps each class to its parents, `entities` each entity to its class. Paths are relative to `folder`, the
     folder of the domain. Physics runs the Python files of the domain only with `trust`.

@@ -30,13 +30,13 @@ def solids(shape: Shape) -> tuple[Solid, ...]:
 
 
 def weight(scene: Scene, entity: str) -> float:
-    """Return the mass of a body in kilograms: that of its model, or volume times density."""
+    """Return the mass of a body in kilograms: the mass of its model, or volume times density."""
     shape = scene.shapes[entity]
     return scene.material(entity).density * volume(solids(shape)) if shape.model is None else shape.model.mass
 
 
 def walls(shape: Shape, above: float = 0.0) -> tuple[Solid, ...]:
-    """Return the walls of a container; they begin twice `above` metres above the ground, to leave room for a floor."""
+    """Return the walls of a container; they start 2 * `above` metres above its bottom, to leave room for a floor."""
     x, y, z = shape.half
     thin, inner, tall = shape.wall / 2, y - shape.wall, z - above
     return boxes(

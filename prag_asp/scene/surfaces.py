@@ -225,15 +225,15 @@ class PartOutline(NamedTuple):
 
     @classmethod
     def of(cls, corners: Floats) -> PartOutline:
-        """Return the outline with the corners (n, 2), counter-clockwise."""
+        """Return the outline with given corners (n, 2), which are counter-clockwise."""
         edges = np.roll(corners, -1, 0) - corners
         lengths = np.maximum(np.linalg.norm(edges, axis=1), EDGE)
         return cls(corners, np.stack([edges[:, 1], -edges[:, 0]]) / lengths)
 
     def meets(self, other: PartOutline, offset: Floats, spacing: float) -> bool:
-        """Return whether this outline, moved by an offset (2,), may be within a spacing in metres of another.
+        """Return whether this outline, moved by an offset (2,), may be nearer to another than a spacing in metres.
 
-        It is not if an edge separates them by at least this spacing (separating axis theorem).
+        The outlines are farther apart if an edge separates them by at least this spacing (separating axis theorem).
         """
         normals = np.concatenate([self.normals, other.normals], 1)
         ours, theirs = (self.corners + offset) @ normals, other.corners @ normals

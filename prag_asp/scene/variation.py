@@ -153,7 +153,7 @@ def table_of(scene: Scene) -> str:
 
 
 def _light(rng: np.random.Generator, degrees: float) -> Vector:
-    """Return a direction to the light, uniform on the spherical cap of some degrees around the usual one."""
+    """Return a direction to the light, sampled uniformly within some degrees of the default direction."""
     usual = np.array(USUAL_LIGHT) / np.linalg.norm(USUAL_LIGHT)
     aside = np.cross(usual, (1.0, 0.0, 0.0))
     aside /= np.linalg.norm(aside)

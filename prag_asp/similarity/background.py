@@ -62,7 +62,7 @@ class Background:
 
     @classmethod
     def of_tasks(cls, tasks: Iterable[Trace], up_to: UpTo = "names") -> Background:
-        """Return the background that follows from tasks alone: no class is above another.
+        """Return the background that follows from the given tasks and nothing else: no class is above another.
 
         No two entities are interchangeable, or, with ``classes``, all entities of a class are.
 

@@ -66,7 +66,7 @@ class ClassTree:
         return min({*above} & {*others}, key=lambda name: (above[name] + others[name], name))
 
     def _above(self, name: str) -> dict[str, int]:
-        """Return a class and all above it, with the numbers of edges."""
+        """Return a class and all classes above it, with the numbers of edges to them."""
         above = {name: 0}
         for place in (queue := [name]):
             for parent in self.parents.get(place, ()) or (() if place == ROOT else (ROOT,)):

@@ -1,4 +1,4 @@
-"""Distances of all pairs of features, computed block by block in arrays of small integers."""
+"""Compute the distances of all pairs of features, block by block in arrays of small integers."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class DistanceTable(Protocol):
 
     @property
     def largest(self) -> int:
-        """A bound of all distances, in units."""
+        """An upper bound on all distances, in units."""
         ...
 
     @property
@@ -68,7 +68,7 @@ class CodedSequences:
     def pairs(
         self, rows: Numbers, columns: Numbers, function: Callable[[Numbers, Numbers], Values], kind: type
     ) -> Values:
-        """Return a function of two arrays of sequences of one length, for sequences of all lengths."""
+        """Apply a function that expects two arrays, each with sequences of one length, to sequences of all lengths."""
         result: Values = np.empty((len(rows), len(columns)), kind)
         for length in np.unique(self.lengths[rows]):
             here = np.flatnonzero(self.lengths[rows] == length)

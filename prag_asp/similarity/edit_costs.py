@@ -1,4 +1,4 @@
-"""Costs of edits: of replacing, inserting or deleting an action or a state."""
+"""The costs of edits, which replace, insert or delete an action or a state."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def class_cost(background: Background) -> Cost:
 
 
 def effect_cost(background: Background) -> Cost:
-    """Return the cost of replacing an action by its effects: (1 + the Jaccard distance of the effects) / 2.
+    """Return the cost of replacing an action, given its effects: (1 + the Jaccard distance of the effects) / 2.
 
     The 1 distinguishes different actions with the same effects. Symbols are actions with their effects.
     """
@@ -70,7 +70,7 @@ def state_cost(one: Symbol, other: Symbol) -> Fraction:
 class CostTable:
     """The costs between symbols as integers in units of 1 / `denominator`.
 
-    `costs` has shape (symbols + 1, symbols + 1); the last row and column are those of inserting and deleting.
+    `costs` has shape (symbols + 1, symbols + 1); the last row and column hold the costs of inserting and deleting.
     """
 
     symbols: tuple[Symbol, ...]

@@ -1,4 +1,4 @@
-"""Edit distance of two sequences with costs, and the edits that achieve it."""
+"""The edit distance of two sequences under given costs, and the edits that achieve it."""
 
 from __future__ import annotations
 
@@ -24,7 +24,10 @@ class Edit:
 
 
 def edit_table(one: Sequence[Symbol], other: Sequence[Symbol], cost: Cost) -> list[Row]:
-    """Return the smallest costs from each prefix of one sequence to each of the other (Wagner and Fischer 1974)."""
+    """Return the smallest cost of turning each prefix of one sequence into each prefix of the other.
+
+    The algorithm is that of Wagner and Fischer (1974).
+    """
     inserted = [cost(None, new) for new in other]
     table: list[Row] = [[Fraction(0)]]
     for gap in inserted:
@@ -67,7 +70,7 @@ def _edits_from_the_end(one: Sequence[Symbol], other: Sequence[Symbol], cost: Co
 
 
 def replacements(one: Sequence[Symbol], other: Sequence[Symbol], cost: Cost) -> tuple[Edit, ...]:
-    """Return the edits that turn one sequence into another of the same length place by place."""
+    """Return the edits that turn one sequence into another of the same length, place by place."""
     pairs = enumerate(zip(one, other, strict=True))
     return tuple(Edit(place, old, new, cost(old, new)) for place, (old, new) in pairs if old != new)
 

@@ -66,7 +66,7 @@ class Interchange(Generic[Entity]):
         return renamings
 
     def renamings(self, mentioned: Iterable[Entity], fixed: Iterable[Entity] = ()) -> Iterator[Mapping[Entity, Entity]]:
-        """Yield the new names of the entities of a plan, one of each class that matters against another plan.
+        """Yield the new names of the entities of a plan, one renaming for each class that matters.
 
         `mentioned` are the entities of the plan that is renamed, `fixed` those of the other plan. The first renaming
         changes nothing; entities that keep their names are not in the mappings.

@@ -32,7 +32,7 @@ class Measure(Protocol):
         ...
 
     def normalised(self, one: Feature, other: Feature) -> Distance:
-        """Return the distance of two features between 0 and 1."""
+        """Return the normalised distance of two features, between 0 and 1."""
         ...
 
     def edits(self, one: Feature, other: Feature) -> tuple[Edit, ...]:
@@ -45,7 +45,7 @@ class Measure(Protocol):
 
 
 def steinhaus(distance: Distance, one: Distance, other: Distance) -> Distance:
-    """Return a distance of two features between 0 and 1, given the distances of both from the empty feature."""
+    """Return the Steinhaus transform of a distance, given the distances of both features from the empty feature."""
     return 2 * distance / (one + other + distance) if distance else Fraction(0)
 
 

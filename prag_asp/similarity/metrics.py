@@ -33,10 +33,10 @@ from prag_asp.wording import unknown
 
 @dataclass(frozen=True)
 class Metric:
-    """A way to compare two tasks: `features` of a task, and a measure of two features.
+    """A way to compare two tasks: `features` extracts the features of a task, and `measure` returns their measure.
 
-    `axioms` is true if it is a metric: zero only for equal features, symmetric, with the triangle inequality. Otherwise
-    it is a dissimilarity. `source` is its publication.
+    `axioms` is true if the measure is a metric: zero only for equal features, symmetric, and subject to the triangle
+    inequality. Otherwise it is a dissimilarity. `source` is the publication that defines it.
     """
 
     name: str
@@ -57,17 +57,17 @@ COMBINED = {
 
 
 def edits_by(cost: Callable[[Background], Cost]) -> Callable[[Background], Measure]:
-    """Return an edit distance with costs."""
+    """Return a function that makes an edit distance with the given costs."""
     return lambda background: EditMeasure(cost(background))
 
 
 def places_by(cost: Callable[[Background], Cost]) -> Callable[[Background], Measure]:
-    """Return a distance place by place with costs."""
+    """Return a function that makes a place-by-place distance with the given costs."""
     return lambda background: PlaceMeasure(cost(background))
 
 
 def strings_by(function: Callable[[], StringDistance], *, bounded: bool) -> Callable[[Background], Measure]:
-    """Return a distance of texts."""
+    """Return a function that makes a distance of texts."""
     return lambda background: StringMeasure(function(), bounded)
 
 
@@ -153,10 +153,10 @@ METRICS = {
 
 
 def metric_of(name: str) -> Metric:
-    """Return the metric with a name.
+    """Return the metric with a given name.
 
     Raises:
-        QueryError: there is none.
+        QueryError: there is no metric with this name.
     """
     if name not in METRICS:
         raise QueryError(unknown(name, tuple(METRICS), "metric"))

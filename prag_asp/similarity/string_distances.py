@@ -60,7 +60,7 @@ def substring_distance(one: str, other: str) -> int:
 
 
 def damerau_distance() -> StringDistance:
-    """Return the distance by insertions, deletions, replacements and swaps of neighbours (Damerau 1964)."""
+    """Return the distance that counts insertions, deletions, replacements and swaps of neighbours (Damerau 1964)."""
     distance: StringDistance = rapidfuzz_distance().DamerauLevenshtein.distance
     return distance
 

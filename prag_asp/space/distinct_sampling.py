@@ -1,7 +1,8 @@
 """Sampling without replacement: distinct tasks in an order whose prefixes are the samples of each size.
 
 The order depends only on the request and the seed. Uniform sampling shuffles ranks, so that the k-th task can be
-computed alone. Sampling by weight chooses each task by its weight among the remaining tasks (successive sampling).
+computed without the tasks before it. Sampling by weight chooses each task by its weight among the remaining tasks
+(successive sampling).
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ MISSES = 50_000
 
 
 class RankedDraw(NamedTuple):
-    """A task as the texts of its actions, its rank within its length, and the probability of a single draw."""
+    """A task: the texts of its actions, its rank among tasks of its length, and its probability in a single draw."""
 
     word: Letters
     rank: int
@@ -93,8 +94,8 @@ class WeightedOrder:
     Repeated draws are rejected; after `MISSES` misses in a row, tasks are sampled exactly from the remaining words.
     Both give the same distribution. Tasks of weight 0 are never sampled.
 
-    `whole` has the words of each nonempty length of `sampling`, and `sets` the subset to order. `accepts` selects some
-    of these words by the index of their set and the word; None accepts all.
+    `whole` has the words of each nonempty length of `sampling`, and `sets` the subset to order. `accepts` decides
+    whether a word belongs to the order, given the index of its set and the word; None accepts all words.
 
     Raises:
         QueryError: no task weighs more than 0, or weights distinguish interchangeable entities.

@@ -31,7 +31,7 @@ Value = TypeVar("Value")
 
 @dataclass
 class DomainEngines:
-    """The engines of a domain under some conditions, by level and length.
+    """The engines of a domain under some conditions, one for each level and length.
 
     No plan has fewer than `fewest_actions` actions; shorter lengths need no engine.
     """
@@ -71,7 +71,7 @@ class DomainEngines:
         return self._counts[key]
 
     def estimate(self, by: Level, length: int, prefix: Letters, tolerance: Tolerance, seed: int) -> Estimate:
-        """Return an estimate of the number of words by ApproxMC."""
+        """Return an estimate of the number of words, computed by ApproxMC."""
         from prag_asp.logic.formula.approximate import Estimate
         from prag_asp.space.engines.sharp_engine import estimate_words
 
@@ -89,7 +89,7 @@ class DomainEngines:
 
     @cached_property
     def _reduced(self) -> ReducedCounter | None:
-        """The counter of the small-model reduction; None for a domain without one."""
+        """The counter of the small-model reduction; None for a domain without such a reduction."""
         domain = self.model.domain
         if domain.reduction is None:
             return None
@@ -106,7 +106,7 @@ class DomainEngines:
 
     @cached_property
     def actions(self) -> dict[str, clingo.Symbol]:
-        """The actions of the domain by their texts."""
+        """The actions of the domain; the keys are their texts."""
         return {str(action): action for action in self.model.domain.facts.actions}
 
     @cached_property
@@ -118,7 +118,7 @@ class DomainEngines:
 
     @cached_property
     def task_builder(self) -> TaskBuilder:
-        """Builds tasks from plans."""
+        """The object that builds tasks from plans."""
         from prag_asp.space.plans.task_builder import TaskBuilder
 
         return TaskBuilder(self.model)

@@ -38,7 +38,7 @@ ADVICE = "write a whole number, such as 4, A..B for all from A to B, or several 
 def parse_length_list(text: str, what: str, *, remedy: str = ADVICE) -> int | Sequence[int]:
     """Return the length in a text such as ``4``, or the lengths of a range or a list such as ``2..4,7``, ascending.
 
-    Errors begin with `what`; `remedy` says how to write lengths.
+    The messages of errors begin with the text `what`; the text `remedy` tells the user how to write lengths.
 
     Raises:
         QueryError: an item is neither a length nor a range, a length occurs twice, or one is above `LONGEST`.

@@ -47,7 +47,7 @@ UNLIMITED = Limits()
 
 @dataclass(frozen=True)
 class LimitClock:
-    """The limits of a query, and its start on the monotonic clock; `closing` seconds are added for its end."""
+    """The limits of a query, and its start on the monotonic clock; `closing` is extra time for its end, in seconds."""
 
     limits: Limits
     begun: float
@@ -80,7 +80,7 @@ class LimitClock:
         return LimitClock(Limits(seconds=seconds), self.begun, late + extra)
 
     def to_report(self) -> LimitClock:
-        """Return the clock of `to_close`, or `MOST_CLOSING` seconds if there is only a memory limit."""
+        """Return the clock that `to_close` returns, or one with `MOST_CLOSING` seconds if only memory is limited."""
         return Limits(seconds=MOST_CLOSING).begin() if self.limits.seconds is None else self.to_close()
 
 

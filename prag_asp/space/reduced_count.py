@@ -1,6 +1,6 @@
-"""Counts with the small-model reduction (see `prag_asp.reduction`).
+"""Count plans with the small-model reduction (see `prag_asp.reduction`).
 
-The tasks and skeletons are the same as in the reduced program. A task whose plan names j of a group of m
+The tasks and skeletons of a domain are those of its reduced program. A task whose plan names j of a group of m
 interchangeable entities stands for m (m - 1) ... (m - j + 1) plans. The numbers of plans that name j entities, for all
 j, are the digits of a single weighted count: each entity that a plan uses weighs a power of two above all counts
 (Kronecker substitution). These weights are symmetric in the entities, so that states still merge. The proof is in
@@ -75,7 +75,10 @@ class ReducedCounter:
 
 @dataclass
 class ReducedModel:
-    """The logic of the reduced program, and the `groups` of entities of the whole program; `name` names the engine."""
+    """The logic of the reduced program, and the `groups` of entities of the whole program.
+
+    `name` is the name of the engine.
+    """
 
     model: DomainLogic
     groups: Sequence[Group]

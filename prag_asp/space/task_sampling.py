@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class TaskSampling:
-    """Random plans, tasks or (uniformly) skeletons of some lengths, and exact statistics of them.
+    """Random plans, tasks or (uniformly sampled) skeletons of some lengths, and their exact statistics.
 
     With `over`, a skeleton or a goal is sampled uniformly first. A draw depends only on the seed and its number.
     """
@@ -36,7 +36,7 @@ class TaskSampling:
     over: Over | None = None
 
     def batches(self, *, seed: int) -> Iterator[list[Draw]]:
-        """Return draws as texts with their exact probability, in growing batches, endlessly.
+        """Return draws as texts, each with its exact probability, in growing batches, endlessly.
 
         Raises:
             QueryError: there is nothing to sample, or goals are to be sampled first over several lengths.
@@ -53,7 +53,7 @@ class TaskSampling:
         return sample_batches_of_lengths(portions, seed)
 
     def draws(self, *, seed: int) -> Iterator[Draw]:
-        """Return draws as texts with their exact probability, endlessly.
+        """Return draws as texts, each with its exact probability, endlessly.
 
         Raises:
             QueryError: there is nothing to sample, or goals are to be sampled first over several lengths.

@@ -245,7 +245,9 @@ class TaskSpace:
     @overload
     def __getitem__(self, rank: slice) -> RankedTasks: ...
     def __getitem__(self, rank: int | slice) -> Task | RankedTasks:
-        """Return the task with a rank, or a lazy range; tasks are in lexicographic order, actions in clingo's order.
+        """Return the task with a given rank, or a lazy range.
+
+        Tasks are in lexicographic order, with actions in clingo's order.
 
         Raises:
             IndexError: the rank is out of range; negative ranks count from the end.

@@ -34,7 +34,7 @@ WHOLE = "train"
 
 @dataclass(frozen=True)
 class DealtOrder:
-    """The share of tasks of one of several workers that generate a dataset, renumbered from 0."""
+    """The tasks that one of several workers contributes to a dataset, renumbered from 0."""
 
     order: TaskOrder
     deal: Deal
@@ -61,7 +61,7 @@ class Division:
     def parse(
         cls, shares: Mapping[str, Number | float] | None, *, skeletons: bool = False, hold_out: str | None = None
     ) -> Division:
-        """Return the division with some shares: by default one part, or 4/5 for training with `hold_out`.
+        """Return the division with some shares: by default a single part or, with `hold_out`, 4/5 for training.
 
         Raises:
             QueryError: the shares do not add up to 1, or do not fit the other options.
@@ -137,7 +137,7 @@ def ordered_parts(
     several workers. The `excluded` tasks, pairs of a length and a rank, are left out; parts keep their other tasks.
 
     Raises:
-        QueryError: a part is empty, there is nothing to sample, there is no excluded task of a rank, or weights are
+        QueryError: a part is empty, there is nothing to sample, an excluded rank has no task, or weights are
             combined with `evenly`.
     """
     sampling = space.sampling(weights=weights)

@@ -62,7 +62,7 @@ def read(data: object, kind: type[Kind], name: str) -> Kind:
     """Return a JSON value converted to a type that msgspec supports; paths begin with its `name`, which may be empty.
 
     Raises:
-        QueryError: the value is of another type; the message has the path to the wrong field.
+        QueryError: the value does not have the type; the message has the path to the wrong field.
     """
     try:
         return msgspec.convert(data, kind)

@@ -65,7 +65,7 @@ class TableReport:
 
     @contextmanager
     def errors_at(self, *keys: str | int) -> Iterator[None]:
-        """Report each line of a `QueryError` that the block raises as a problem of a value, and suppress the error."""
+        """Catch a `QueryError` that the block raises, and report each of its lines as a problem with a value."""
         try:
             yield
         except QueryError as error:
@@ -96,7 +96,7 @@ class TableEntry:
     missing: bool = False
 
     def at(self, key: str | int, default: object = _NONE) -> TableEntry:
-        """Return the entry of a key or position; if it is missing, its value is the `default`, if there is one."""
+        """Return the entry at a key or position; if it is missing, the entry holds the `default`, if there is one."""
         keys = (*self.keys, key)
         if isinstance(self.value, Mapping) and key in self.value:
             return TableEntry(self.report, keys, self.value[key])
@@ -126,7 +126,7 @@ class TableEntry:
         self.report.add(self.keys, text, warning)
 
     def needs(self, what: str) -> None:
-        """Report that the value is missing or wrong; `what` describes a correct one."""
+        """Report that the value is missing or wrong; `what` describes a correct value."""
         self.add(f"missing; write {what}" if self.missing else f"needs {what}; got {shown(self.value)}")
 
     def is_table(self, example: str, known: Collection[str] | None = None) -> bool:
@@ -139,7 +139,7 @@ class TableEntry:
         return True
 
     def section(self, key: str) -> TableEntry:
-        """Return the table of a key, or an empty one if it is missing or not a table."""
+        """Return the entry of a subtable, or of an empty table if the value is missing or not a table."""
         entry = self.at(key, {})
         return entry if entry.is_table("") else TableEntry(self.report, entry.keys, {})
 
@@ -167,7 +167,7 @@ class TableEntry:
         return None
 
     def numbers(self, count: int, what: str, low: float = -LARGEST, high: float = LARGEST) -> tuple[float, ...] | None:
-        """Return `count` numbers within limits; report any other value as not `what`, and return None."""
+        """Return the value if it is `count` numbers within limits; otherwise, report that it must be `what`."""
         value = self.value
         listed = isinstance(value, list) and len(value) == count
         if listed and all(is_number(each) and low <= each <= high for each in value):

@@ -20,7 +20,7 @@ def recognizes(folder: Path) -> bool:
 
 
 def read(folders: Mapping[str, Path]) -> Iterator[AuditedProblem | FailedRead]:
-    """Yield the problems of all folders, by suite; the problems together show which actions objects allow."""
+    """Yield the problems in the folders of suites; all problems together show which actions the objects allow."""
     found: dict[str, tuple[str, Path, GroundProblem, tuple[str, ...]]] = {}
     for suite, folder in folders.items():
         for path in bddl_files(folder):

@@ -1,4 +1,4 @@
-"""Texts of tasks of LeRobot datasets, which become problems where another suite has a problem with the same text."""
+"""Task texts of LeRobot datasets; a text stands for the problems of other suites that have the same text."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def read_texts(folders: Mapping[str, Path]) -> Iterator[TaskText]:
 
 
 def matched(texts: Sequence[TaskText], problems: Sequence[AuditedProblem]) -> Iterator[AuditedProblem | FailedRead]:
-    """Yield the problem of each text; if several problems have the text, those are problems of its suite."""
+    """Yield each text as the problem that has the same text; if several problems have it, yield one for each."""
     by_text: dict[str, dict[object, AuditedProblem]] = {}
     for each in problems:
         name = SCENE.sub("", each.name.rpartition("/")[2]).replace("_", " ")

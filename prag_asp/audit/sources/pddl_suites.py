@@ -1,4 +1,4 @@
-"""Problems of PDDL: the problem files of a folder, each with the domain of the name that it gives."""
+"""Problems of PDDL: the problem files of a folder, each with the domain that it names."""
 
 from __future__ import annotations
 

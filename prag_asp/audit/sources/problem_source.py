@@ -26,4 +26,4 @@ class ProblemSource(Protocol):
         """Return whether a folder contains problems of this format."""
 
     def read(self, folders: Mapping[str, Path]) -> Iterator[AuditedProblem | FailedRead]:
-        """Yield the problems of folders, each given by the name of its suite."""
+        """Yield the problems in folders, which are given by the names of their suites."""

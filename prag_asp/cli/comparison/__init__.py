@@ -1,1 +1,1 @@
-"""Tasks that are compared, and the files that comparisons write."""
+"""Read the tasks to compare, and write the results to files."""

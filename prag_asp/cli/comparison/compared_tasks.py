@@ -1,4 +1,4 @@
-"""Tasks that a command compares: by ranks, scenario ids, lines of JSON, files of them, and datasets."""
+"""The tasks that a command compares, given as ranks, scenario ids, JSON lines, files of JSON lines, or datasets."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ MANIFEST = "dataset.json"
 
 @dataclass(frozen=True)
 class ComparedTasks:
-    """Tasks, the group of each (a part of a dataset or a length), and the space that knows their domain, if any."""
+    """Tasks; each task's group (a part of a dataset, or a length); and the space of their domain, if known."""
 
     tasks: list[Task]
     groups: list[str]
@@ -32,7 +32,7 @@ def read_pair(words: Sequence[str], request: DomainOptions, up_to: str) -> Compa
     """Return the tasks that two words name.
 
     Raises:
-        QueryError: a word names no task, or the tasks are of different domains.
+        QueryError: a word names no task, or the tasks belong to different domains.
     """
     if request.where and not any(word.isdecimal() for word in words):
         raise QueryError(f"--where {request.where[0]!r} is for ranks and datasets; leave it out")
@@ -47,7 +47,7 @@ def read_pair(words: Sequence[str], request: DomainOptions, up_to: str) -> Compa
 
 
 def _named_task(word: str, request: DomainOptions) -> tuple[Task, Domain | None]:
-    """Return the task of a rank, a scenario id, a line of JSON or a file, and its domain if it was loaded."""
+    """Return the task that a rank, scenario id, JSON line or file denotes, and its domain if it was loaded."""
     from prag_asp.dataset.jsonl import read_lines, read_tasks
 
     if word.isdecimal():
@@ -75,10 +75,10 @@ def _named_task(word: str, request: DomainOptions) -> tuple[Task, Domain | None]
 
 
 def read_all(word: str, request: DomainOptions, up_to: str) -> ComparedTasks:
-    """Return the tasks of a dataset or of a file of JSON lines.
+    """Return the tasks in a dataset or in a file of JSON lines.
 
     Raises:
-        QueryError: there is no task, or the tasks are of different domains.
+        QueryError: there is no task, or the tasks belong to different domains.
     """
     from prag_asp.dataset.jsonl import read_tasks
 
@@ -101,10 +101,10 @@ def read_all(word: str, request: DomainOptions, up_to: str) -> ComparedTasks:
 
 
 def _space_of(tasks: Sequence[Task], request: DomainOptions, domain: Domain | None) -> TaskSpace:
-    """Return a space that knows the domain of tasks: a loaded one, the requested one, or the one that they name.
+    """Return a space for the domain of tasks: the loaded domain, the requested one, or the one that the tasks name.
 
     Raises:
-        QueryError: the tasks are of several domains, or of another one.
+        QueryError: the tasks belong to several domains, or to a different one than requested.
     """
     from prag_asp.dataset.task_origin import named_domain
     from prag_asp.space.task_space import TaskSpace

@@ -45,7 +45,7 @@ class SimilarityFiles:
 
     @property
     def needs_matrix(self) -> bool:
-        """Whether a file needs the whole matrix."""
+        """Whether one of the files needs the whole distance matrix."""
         return (self.output, self.dendrogram, self.map) != (None, None, None)
 
     def check(self, *, one_set: bool) -> None:

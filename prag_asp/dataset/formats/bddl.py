@@ -62,7 +62,7 @@ class Bddl:
 
 
 def _tasks(source: EpisodeSource) -> Iterator[tuple[DatasetEntry, Witness | None]]:
-    """Yield each task with the witness from its first initial state, or None without one."""
+    """Yield each task with the witness from its first initial state, or None if there is no witness."""
     witnesses = ((entry, witness) for entry, start, witness in source.data.witnesses() if start == 0)
     following = next(witnesses, None)
     for entry in source.data.entries():

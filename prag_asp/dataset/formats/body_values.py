@@ -24,13 +24,13 @@ def furniture_in(scene: Scene) -> list[str]:
 
 
 def body_names(scene: Scene) -> list[str]:
-    """Return the names of the numbers of `body_values`."""
+    """Return the names of the numbers that `body_values` returns."""
     poses = [f"{entity}/{number}" for entity in objects_in(scene) for number in ("there", *POSE)]
     return [*poses, *(f"{entity}/opening" for entity in furniture_in(scene))]
 
 
 def body_values(situation: Situation) -> NDArray[np.float32]:
-    """Return the numbers of a moment, shape (numbers,): for each object 1 and its pose, or zeros if it is absent.
+    """Return the numbers at a moment, shape (numbers,): 1 and the pose for each object, or zeros if it is absent.
 
     The openings of furniture follow, in metres or radians.
     """

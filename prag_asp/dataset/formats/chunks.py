@@ -25,7 +25,7 @@ Place = tuple[int, int]
 
 
 def places() -> Iterator[Place]:
-    """Yield the number of the chunk and the number of the file in it, for each file in turn."""
+    """Yield, for each file in turn, the number of its chunk and its number in this chunk."""
     chunk = 0
     while True:
         yield from ((chunk, file) for file in range(CHUNK))

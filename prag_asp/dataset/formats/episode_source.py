@@ -103,7 +103,7 @@ class ExportEpisode:
 class EpisodeSource:
     """A dataset to export.
 
-    `level` is the level of detail of the instructions, one of `LEVELS`; `action` the convention of actions, one of
+    `level` is the level of detail of the instructions, one of `LEVELS`; `action` is the convention of actions, one of
     `CONTROLS`.
     """
 
@@ -219,7 +219,7 @@ class EpisodeSource:
         return entry.instruction.get(self.level, entry.instruction.get(PLAIN, ""))
 
     def actions_of(self, episode: ExportEpisode) -> Floats:
-        """Return the actions of an episode, each from a time step to the next or the end; shape (N, size).
+        """Return the actions of an episode, each from one time step to the next or to the end; shape (N, size).
 
         Raises:
             QueryError: the convention cannot express the recording.
@@ -259,7 +259,7 @@ class EpisodeSource:
 
     @property
     def body_names(self) -> list[str]:
-        """The names of the numbers of `bodies_of`."""
+        """The names of the numbers that `bodies_of` returns."""
         return body_names(self.scene)
 
     def bodies_of(self, episode: ExportEpisode) -> Floats:
@@ -268,9 +268,9 @@ class EpisodeSource:
         return np.concatenate([poses, self.openings_of(episode)], axis=1)
 
     def states_of(self, episode: ExportEpisode, names: Sequence[ControlName]) -> Floats:
-        """Return the states of the robots at each time step in some conventions, shape (N, numbers).
+        """Return the states of the robots at each time step in given conventions, shape (N, numbers).
 
-        The numbers are those of `state_names`.
+        `state_names` names the numbers.
         """
         result: Floats = states_in(names, self.scene, episode.arms).astype(np.float32)
         return result

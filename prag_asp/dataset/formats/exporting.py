@@ -32,12 +32,12 @@ def export(
 ) -> Path:
     """Export a dataset, or a part or subset of one, and return the path of the export.
 
-    `form` is one of ``lerobot``, ``minari``, ``robomimic`` and ``bddl``; `target` is a new folder, for ``robomimic`` a
-    new file. It is written atomically, and with the same bytes for the same dataset. `level` is the level of detail of
-    the instructions: ``vague``, ``default`` or ``exact``. `action` is the convention of actions, one of
-    `prag_asp.physics.control.control.CONTROLS`. The other options are for ``lerobot``, because other formats have all
-    observations: `state` holds the conventions of the state, ``joint_position`` and ``ee_position``; `objects`, the
-    default without cameras, adds the poses of objects, and `depth` the depth images.
+    `form` is one of ``lerobot``, ``minari``, ``robomimic`` and ``bddl``; `target` is a new folder or, for
+    ``robomimic``, a new file. The export is written atomically, with the same bytes for the same dataset. `level` is
+    the level of detail of the instructions: ``vague``, ``default`` or ``exact``. `action` is the convention of actions,
+    one of `prag_asp.physics.control.control.CONTROLS`. The other options apply only to ``lerobot``, because the other
+    formats have all observations: `state` holds the conventions of the state, ``joint_position`` and ``ee_position``;
+    `objects`, the default without cameras, adds the poses of objects, and `depth` the depth images.
 
     Raises:
         QueryError: there is no such format or convention, or the dataset has no recordings or no task.

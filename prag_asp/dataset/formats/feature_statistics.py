@@ -58,8 +58,8 @@ class Colours:
 class Aggregate:
     """The statistics of one feature over episodes, which are added one by one.
 
-    Mean and deviation are exact. Quantiles of all values do not follow from those of episodes; as in LeRobot, the
-    result is a bound: the minimum over episodes for quantiles up to the median, and the maximum for those above it.
+    Mean and deviation are exact. Quantiles of all values do not follow from the quantiles of episodes; as in LeRobot,
+    the result is a bound: the minimum over episodes for quantiles up to the median, and the maximum for those above it.
     """
 
     def __init__(self) -> None:
@@ -96,7 +96,7 @@ def as_lists(statistics: Statistics) -> dict[str, Any]:
 
 
 def flattened(features: Mapping[str, Statistics], names: Sequence[str] = NAMES) -> Iterable[tuple[str, Any]]:
-    """Yield the columns of statistics of an episode: each is ``stats/FEATURE/NAME`` with its value."""
+    """Yield the name, ``stats/FEATURE/NAME``, and the value of each statistic of an episode."""
     for feature, statistics in features.items():
         values = as_lists(statistics)
         yield from ((f"stats/{feature}/{name}", values[name]) for name in names)

@@ -140,7 +140,7 @@ def group_in(group: h5py.Group, name: str) -> h5py.Group:
 
 
 def numbers_of(source: EpisodeSource, episode: ExportEpisode) -> dict[str, NDArray[np.float32]]:
-    """Return the numeric observations of an episode; `openings` exist only with furniture."""
+    """Return the numeric observations of an episode; `openings` exist only if there is furniture."""
     observations = {"state": episode.state, "objects": source.objects_of(episode), "tools": source.tools_of(episode)}
     return observations | ({"openings": source.openings_of(episode)} if source.furniture else {})
 

@@ -257,7 +257,7 @@ class _VideoFeature:
 
 
 def _features(form: LeRobot, source: EpisodeSource) -> dict[str, Any]:
-    """Return the features as info.json describes them; LeRobot ignores the key `prag_asp`, an addition."""
+    """Return the features as info.json describes them; LeRobot ignores the additional key `prag_asp`."""
     control = source.control
     action = {
         "control": control.name,

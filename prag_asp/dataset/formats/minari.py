@@ -94,8 +94,8 @@ def dataset_name(source: EpisodeSource) -> str:
 def environment_of(source: EpisodeSource) -> dict[str, Any]:
     """Return the specification of the environment of a dataset, as Gymnasium writes it.
 
-    It samples tasks of the space of the dataset. A domain that is not shipped has no name, so the environment needs the
-    dataset as the argument ``dataset=`` of ``recover_environment``.
+    The environment samples tasks from the space of the dataset. A domain that is not shipped has no name, so the
+    environment needs the dataset as the argument ``dataset=`` of ``recover_environment``.
     """
     manifest, kwargs = source.data.manifest, dict[str, Any]()
     name = manifest.domain.name

@@ -103,7 +103,7 @@ class ContextSet:
         return self._best[entity]
 
     def short(self, entity: str) -> Description | None:
-        """Return the best description of an entity if none with a relation can be better in any state."""
+        """Return the best description of an entity if no description with a relation can be better in any state."""
         if entity not in self._short:
             best = self.best(entity)
             enough = best is not None and (not self.appearance.pictured or sum(map(bool, best[1:])) <= 1)
@@ -111,7 +111,7 @@ class ContextSet:
         return self._short[entity]
 
     def properties(self, entity: str) -> Iterator[Description]:
-        """Yield the descriptions of an entity by properties, the shortest first (full brevity, Dale 1989).
+        """Yield the descriptions of an entity that use its properties, the shortest first (full brevity, Dale 1989).
 
         Among descriptions of the same length, colour comes before size, and size before place, as people choose (the
         preference order of the incremental algorithm, Dale and Reiter 1995).
@@ -205,7 +205,7 @@ class View:
         return self._described[entity]
 
     def related(self, things: tuple[str, ...]) -> tuple[Description | None, ...]:
-        """Return the descriptions of objects with relations; all others (None) are the same in every state."""
+        """Return each object's description if it uses a relation; otherwise None, as it is the same in every state."""
         if self.context.certain.issuperset(things):
             return ()
         return tuple(each if each.relation is not None else None for each in map(self.describe, things))
@@ -227,7 +227,7 @@ class View:
         return best or named
 
     def meant(self, what: Description) -> str | None:
-        """Return the entity that a description surely fits if it can fit no other, or None."""
+        """Return the entity that a description certainly fits if it can fit no other entity, or None."""
         relation = what.relation
         if relation is None:
             return self.context.meant(what)

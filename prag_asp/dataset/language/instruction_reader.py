@@ -37,7 +37,7 @@ MOST = 64
 class Reading:
     """The meaning of an instruction: a plan, or a goal of facts that have to hold in the final state.
 
-    If it gives the purpose of each action, `aims` has these facts, in one mapping per action.
+    If the instruction states the purpose of each action, `aims` holds these facts, in one mapping per action.
     """
 
     actions: tuple[Atom, ...] = ()

@@ -158,7 +158,7 @@ class InstructionWriter:
         return self.reader.read(context_of(start) if isinstance(start, Task) else start, text)
 
     def goal(self, task: Task) -> Mapping[Atom, bool]:
-        """Return the goal in the vague instruction of a task: the notable facts that it changes permanently.
+        """Return the goal that the vague instruction states: the notable facts that the task changes permanently.
 
         If only silent facts change, these are the goal. The goal of a task that changes nothing permanently is the aim
         of its last action, which for a trivial task holds in the initial state.

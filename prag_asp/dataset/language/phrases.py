@@ -87,7 +87,7 @@ class NounPhrases:
         return self._written[what, case]
 
     def _modifiers(self, relation: Relation, gender: str = "") -> Iterator[Modifier]:
-        """Yield the modifiers that mean only this relation, for subjects of a gender."""
+        """Yield the modifiers that mean only this relation, for subjects of a given gender."""
         for modifier in self.sentences.modifiers.get((relation.name, len(relation.others) + 1), ()):
             genders = modifier.template.genders
             if gender and genders and gender not in genders:
@@ -101,7 +101,7 @@ class NounPhrases:
 
     @cached_property
     def _modified(self) -> tuple[Template, ...]:
-        """The templates of a noun phrase with a modifier after it."""
+        """The templates of a noun phrase followed by a modifier."""
         found = []
         for text in self.words.table["modified"]:
             spelled = text.replace("{phrase}", "{0}").replace("{where}", "{1}")
@@ -130,7 +130,7 @@ class NounPhrases:
 
     @cached_property
     def _values(self) -> Mapping[str, frozenset[str]]:
-        """The values, neither entities nor classes, that each text can mean."""
+        """The values other than entities and classes that each text can mean."""
         found: dict[str, set[str]] = {}
         sentences = [
             sentence for each in (*self.sentences.actions.values(), *self.sentences.facts.values()) for sentence in each
@@ -155,7 +155,7 @@ class NounPhrases:
         return known
 
     def stated(self, view: View, text: str) -> dict[str, set[Relation]]:
-        """Return the relations that a phrase can state, by the entity that it then means."""
+        """Map each entity that a phrase can mean to the relations that the phrase then states."""
         found: dict[str, set[Relation]] = {}
         for whats, where in self._modifications(text):
             for relation in self._relations(view.context, where):

@@ -55,8 +55,8 @@ class _Paraphrases:
     """The sentences for an action or a fluent: `given` ones, and `spare` ones in case all of these are ambiguous.
 
     `shorter` sentences omit the place from which an object is moved, for phrases that name it. `objects` are the
-    entities in it, `known` is true if the domain has the action or fluent, and `clear` caches the unambiguous sentence
-    for each way in which the objects are described.
+    entities that it names, `known` is true if the domain has the action or fluent, and `clear` caches the unambiguous
+    sentence for each way in which the objects are described.
     """
 
     given: tuple[Sentence, ...]
@@ -86,7 +86,7 @@ class SentenceWriter:
         fact: bool = False,
         restores: bool = False,
     ) -> ClearSentence:
-        """Return an unambiguous sentence of an action, or of a `fact` with its value, and its topic.
+        """Return an unambiguous sentence for an action, or for a `fact` with its value, and the topic of the sentence.
 
         If the action `restores` earlier facts, its sentence may say so: "put it back into the tray".
 
@@ -145,9 +145,9 @@ class SentenceWriter:
     def _search(
         self, view: View, sentences: Sequence[Sentence], meaning: tuple[Atom, bool, bool], topic: str | None
     ) -> tuple[ClearSentence | None, bool]:
-        """Return the first of some sentences that is unambiguous, and whether that depends on the state.
+        """Return the first unambiguous sentence, and whether the choice depends on the state.
 
-        It does not if it depends only on the descriptions of the objects.
+        A choice that depends only on the descriptions of the objects does not count as dependent on the state.
         """
         (atom, value, fact), of_state, phrases = meaning, False, self._lexicon.phrases
         for variant in VARIANTS:

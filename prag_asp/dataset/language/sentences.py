@@ -17,7 +17,7 @@ Words = tuple[str, ...]
 
 
 class Sentence:
-    """A sentence for all actions, or all fluents, of a name; `value` is false if it states that a fluent is false.
+    """A sentence for all actions or fluents of a name; `value` is false if it states that a fluent does not hold.
 
     A sentence with a source omits the place from which an object is moved, because the phrase for the object names it:
     "take the cup in the rack". `moved` is then the slot of the object, and `sources` holds the relation of each action

@@ -65,7 +65,7 @@ def executor_of(workers: int, on: str | None) -> Executor:
     """Return the requested executor.
 
     Raises:
-        QueryError: there is no executor of that name, `workers` is below 1, or above 1 for Ray, which has its own.
+        QueryError: there is no such executor, `workers` is below 1, or above 1 for Ray, which has its own workers.
         RayMissingError: Ray is not installed.
     """
     if workers < 1:

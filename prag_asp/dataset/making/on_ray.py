@@ -56,7 +56,7 @@ QUIET = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "
 
 @dataclass(frozen=True)
 class RayExecutor:
-    """The cluster that ``RAY_ADDRESS`` names, or this machine as a cluster."""
+    """Validates draws on the cluster that ``RAY_ADDRESS`` names, or on this machine as a cluster."""
 
     captions: bool = True
 
@@ -100,8 +100,8 @@ def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
     are a list of `JobResult` and their rows, as pickled on the node.
 
     Raises:
-        SceneError: as `RayExecutor.run` does.
-        WorkerError: as `RayExecutor.run` does.
+        SceneError: as for `RayExecutor.run`.
+        WorkerError: as for `RayExecutor.run`.
     """
     import ray
 

@@ -63,7 +63,7 @@ Progress = Callable[[str, int, int], None]
 class DrawRecord:
     """A draw to write: its result, with a `job_result` unless it comes from the journal.
 
-    It has a `task` with its texts, unless their row is in the job result.
+    `task` holds the task and its texts, or None if the job result has their row.
     """
 
     placed: RankedDraw

@@ -173,7 +173,7 @@ def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[s
 
 
 def _by_length(manifest: Manifest) -> Iterator[str]:
-    """Yield the table of the outcomes of the draws by length."""
+    """Yield a table of the outcomes of draws for each length."""
     columns = ("length", "tasks in the space", "drawn", "trivial", "feasible", "not found", "proved infeasible")
     yield f"| {' | '.join(columns)} | most common causes |"
     yield "|---|---|---|---|---|---|---|---|"

@@ -1,6 +1,6 @@
 """Builders of Arrow columns from rows; a task has hundreds of facts, so rows are kept as flat arrays.
 
-Arrays are built from Python values by means of buffers, because `pyarrow.array` imports pandas if it is installed.
+Arrays are built from Python values through buffers, because `pyarrow.array` imports pandas if it is installed.
 """
 
 from __future__ import annotations
@@ -144,7 +144,7 @@ class TableBuilder:
             self._gather()
 
     def take(self, row: RowReference, rows: int = 1, **numbers: int) -> None:
-        """Add consecutive rows of another table; `numbers` replace its columns of these names, which may be missing."""
+        """Add consecutive rows of another table; `numbers` replace the columns of these names, which it may lack."""
         if self._waiting and not self._taken:
             self._gather()
         table, first, last = self._taken[-1] if self._taken else (None, 0, 0)
@@ -211,7 +211,7 @@ def array_of(values: Sequence[Any], kind: pa.DataType) -> pa.Array:
 
 
 def texts_of(texts: Sequence[str], validity: pa.Buffer | None = None) -> pa.Array:
-    """Return an Arrow array of texts; `validity` is the bitmap of those that are not null."""
+    """Return an Arrow array of texts; `validity` is a bitmap that marks the texts that are not null."""
     encoded = [text.encode() for text in texts]
     buffers = [validity, offsets(map(len, encoded)), pa.py_buffer(b"".join(encoded))]
     return pa.Array.from_buffers(pa.string(), len(texts), buffers)
@@ -224,10 +224,10 @@ def lists_of(sizes: Iterable[int], items: pa.Array, kind: pa.DataType, validity:
 
 
 def offsets(sizes: Iterable[int]) -> pa.Buffer:
-    """Return the offset of each item, given their sizes, and the end of the last.
+    """Return the offset of each item and the end of the last item, given the sizes of the items.
 
     Raises:
-        OverflowError: their sum exceeds 32 bits.
+        OverflowError: the sum of the sizes exceeds 32 bits.
     """
     ends = [*accumulate(sizes, initial=0)]
     if ends[-1] > LARGEST:

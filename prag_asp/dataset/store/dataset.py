@@ -31,10 +31,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Dataset:
-    """The tasks of a folder that `generate` has written; tables are read lazily.
+    """The tasks in a folder that `generate` has written; tables are read lazily.
 
-    Numbers count the tasks of all `parts` in their order, from 0. `manifest` holds the contents of dataset.json;
-    only tasks that satisfy the `conditions` are returned.
+    The tasks of all `parts` are numbered in order, from 0. `manifest` holds the contents of dataset.json; only tasks
+    that satisfy the `conditions` are returned.
     """
 
     folder: Path
@@ -67,7 +67,7 @@ class Dataset:
 
     @cached_property
     def domain(self) -> Domain:
-        """The domain of the tasks, from the files in the folder alone.
+        """The domain of the tasks, loaded only from the files in the folder.
 
         Raises:
             DomainError: the files differ from their record in dataset.json.
@@ -167,7 +167,7 @@ class Dataset:
         return self._scenarios.ranked(self.manifest.where, row["length"], number_of(row["rank"]))
 
     def scenario(self, number: int, start: int = 0) -> Scenario:
-        """Return the scenario of a task and an initial state; without physics, the scenario of the task alone.
+        """Return the scenario of a task and an initial state; without physics, it has no initial state.
 
         Raises:
             IndexError: there is no such task.
@@ -248,7 +248,7 @@ class Dataset:
         return [number for number, row in enumerate(plans) if self._fits(row["plan"])]
 
     def _ranked(self, length: int, rank: int) -> Iterator[tuple[PartManifest, Mapping[str, Any]]]:
-        """Yield the row of the task of a rank, if the dataset has it.
+        """Yield the row of the task with a given rank, if the dataset has such a task.
 
         If sampling is uniform and the split is only by tasks, the number of the draw follows from the rank.
         """

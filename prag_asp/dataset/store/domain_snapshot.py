@@ -80,7 +80,7 @@ def write_snapshot(folder: Path, files: dict[str, bytes]) -> None:
 
 
 def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False, note: str = "dataset.json") -> Domain:
-    """Load the domain of a dataset from its folder alone; `note` is the file there with the record.
+    """Load the domain of a dataset using only its folder; `note` is the file in the folder that holds the record.
 
     Raises:
         DomainError: a file is missing, differs from its record in dataset.json, or is read without a record there.
@@ -130,7 +130,7 @@ def _records(files: dict[str, bytes]) -> Iterator[FileRecord]:
 
 
 def _own_sources(domain: Domain) -> list[Source]:
-    """Return the sources that belong to this domain alone, requested rules included."""
+    """Return the sources that belong only to this domain, including requested rules."""
     from prag_asp.program.sources import HIERARCHY, core_sources
 
     core = {source.path.resolve() for source in core_sources(domain.encodings)}

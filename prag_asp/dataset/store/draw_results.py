@@ -34,7 +34,7 @@ class StartResult(msgspec.Struct):
 
     @property
     def text(self) -> str | None:
-        """The witness as JSON, or None without one."""
+        """The witness as JSON, or None if there is no witness."""
         content = bytes(self.witness)
         return None if content == bytes(NOTHING) else content.decode()
 
@@ -63,7 +63,7 @@ class DrawResult(msgspec.Struct):
 
     @property
     def colours(self) -> Mapping[str, str]:
-        """The colours that the texts of the task describe: those of the first recording, if not the scene's."""
+        """The colours in the first recording, which the texts describe; empty if they are those of the scene."""
         recording = self.starts[0].recording if self.starts else None
         return {} if recording is None else recording.colours
 

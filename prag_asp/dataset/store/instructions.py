@@ -40,7 +40,7 @@ def captioner_of(domain: Domain, language: str, seed: int, phrasings: str = "") 
 
 
 def captioner_with(writer: InstructionWriter, domain: Domain, seed: int) -> Captioner:
-    """Return the captioner of `captioner_of` for an existing writer of instructions."""
+    """Return a captioner, as `captioner_of` does, that uses an existing instruction writer."""
 
     def texts(task: Task, colours: Mapping[str, str]) -> TaskTexts:
         try:

@@ -102,7 +102,7 @@ class Share(msgspec.Struct):
 
 
 class PartManifest(msgspec.Struct):
-    """A part of the split: the numbers of its tasks in the space, requested, and in the dataset; and its shards.
+    """A part of the split: the numbers of its tasks in the space, in the request and in the dataset, and its shards.
 
     `tail` is the last shard while rows are still added to it.
     """
@@ -160,7 +160,7 @@ class Manifest(msgspec.Struct):
     def difference(self, other: Manifest, ignored: str = "") -> str:
         """Return the difference between this dataset and another, apart from their tasks, or "" if there is none.
 
-        The phrase continues "a dataset". One entry of the requests can be `ignored`.
+        The text reads as a continuation of "a dataset". One entry of the requests can be `ignored`.
         """
         if self.domain.name != other.domain.name:
             return f"of {self.domain.name}, not of {other.domain.name}"

@@ -19,7 +19,7 @@ Contents = TypeVar("Contents", bound=msgspec.Struct)
 
 @dataclass(frozen=True)
 class ManifestFile(Generic[Contents]):
-    """A kind of file that describes a folder: its `name`, format and version; `what` names the folder in errors."""
+    """A kind of file that describes a folder: its `name`, format and version; errors call the folder `what`."""
 
     name: str
     contents: type[Contents]

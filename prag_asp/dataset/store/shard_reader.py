@@ -46,7 +46,7 @@ class PartReader:
         """Return a draw; callers request draws in ascending order.
 
         Raises:
-            QueryError: a file is missing, differs from its record in dataset.json, or has no row of the draw.
+            QueryError: a file is missing, differs from its record in dataset.json, or has no row for the draw.
         """
         shards = self._note.shards
         while self._shard < len(shards) and number >= shards[self._shard].end:

@@ -40,7 +40,7 @@ class TableReader:
         return result
 
     def rows(self, note: PartManifest, table: str, columns: Sequence[str] | None = None) -> Iterator[Row]:
-        """Yield the rows of a part, with some columns or all."""
+        """Yield the rows of a part, with all columns or only some."""
         for shard in note.shards:
             yield from self.of_shard(table, shard, columns)
 
@@ -50,7 +50,7 @@ class TableReader:
             yield from rows.to_pylist()
 
     def by_rank(self, note: PartManifest, length: int, rank: int, draw: int | None) -> Iterator[Row]:
-        """Yield the row of the task of a rank; if its draw is known, only one shard is read.
+        """Yield the row of the task with a given rank; if its draw is known, only one shard is read.
 
         Otherwise the ranks of the part are read once and cached: about a hundred bytes per task.
         """

@@ -45,8 +45,8 @@ def generate_suite(
 ) -> SuiteManifest:
     """Write a dataset for each part of a suite, in a folder named after it, and return the manifest of the suite.
 
-    The same call resumes an interrupted run, and more tasks for a part extend its dataset. The bytes depend
-    on the suite alone, not on the number of `workers`.
+    The same call resumes an interrupted run, and more tasks for a part extend its dataset. The bytes depend only on the
+    suite, not on the number of `workers`.
 
     Raises:
         QueryError: parts share tasks without declaring it, or the request for a part is wrong.

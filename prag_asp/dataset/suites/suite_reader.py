@@ -174,7 +174,7 @@ class _SuiteReader:
         return budget, staging, True
 
     def _held_outs(self) -> dict[str, HeldOut]:
-        """Return everything that is held out from some parts, by its text."""
+        """Map the text of each thing that is held out from some parts to its conditions."""
         held: dict[str, HeldOut] = {}
         for name, table in self._parts.items():
             lengths = self._lengths(name, table) if table.unseen else None
@@ -243,7 +243,7 @@ class _SuiteReader:
         return self._with_phrasings(part, table, self._table.language, self._table.phrasings)
 
     def _copy(self, name: str, table: PartTable, of: str, parts: Mapping[str, SuitePart]) -> Iterator[SuitePart]:
-        """Yield a part with the tasks of another part in other words; yield nothing if that part has problems."""
+        """Yield a part that words the tasks of another part differently, or nothing if that other part has problems."""
         if of not in self._parts or self._parts[of].of is not None:
             raise QueryError(f"{unknown(of, self._parts, 'part')}, with tasks of its own")
         if of not in parts:

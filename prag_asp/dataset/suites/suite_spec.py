@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class HeldOut:
-    """Something that only some parts contain: the condition that a task has it, and the negation."""
+    """Something that only some parts contain: the condition that a task has it, and the negation of this condition."""
 
     what: str
     having: str

@@ -135,7 +135,7 @@ def _wrong_note(suite: Suite, note: SuiteManifest, progress: Progress) -> Iterat
 class _OverlapChecks:
     """Searches for tasks and texts that occur in several parts.
 
-    `tasks` holds the part and row of each task; `texts` holds the row of each text by part.
+    `tasks` holds the part and row of each task; `texts` holds, for each part, the row of each text.
     """
 
     suite: Suite

@@ -1,4 +1,4 @@
-"""Check the files of a dataset: all files of dataset.json exist unchanged, and there are no others."""
+"""Check the files of a dataset: all files that dataset.json lists exist unchanged, and there are no others."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ UNSEEN = (".git", ".cache", ".gitattributes")
 def wrong_files(folder: Path, manifest: Manifest, recordings: Set[str]) -> Iterator[Finding]:
     """Yield findings about the files that dataset.json lists, and about files that do not belong to the dataset.
 
-    `recordings` are the files in the tables of recordings, which have their digests.
+    `recordings` are the files listed in the recording tables, which also hold the digests of these files.
     """
     expected = {NAME, CARD, *recordings}
     listed: list[FileRecord | ShardFile] = [*manifest.domain.files, *manifest.domain.encodings, *manifest.pictures]
@@ -45,7 +45,7 @@ def wrong_files(folder: Path, manifest: Manifest, recordings: Set[str]) -> Itera
 def wrong_file(
     folder: Path, name: str, sha256: str, size: int | None = None, note: str = "dataset.json"
 ) -> Iterator[Finding]:
-    """Yield findings about a file, given its digest and, if it is known, its size in bytes; `note` records them."""
+    """Yield findings about a file, given its digest and, if it is known, its size in bytes, which `note` records."""
     path = folder / name
     if not is_inside(path, folder):
         yield Finding(name, None, "leads out of the dataset")

@@ -166,7 +166,7 @@ class RowChecks:
         yield from self._wrong_verdict(table, entry)
 
     def _wrong_texts(self, entry: DatasetEntry, task: Task, colours: Mapping[str, str]) -> Iterator[str]:
-        """Yield the faults of the texts: they must equal those of the seed, and instructions must parse to the plan.
+        """Yield the faults of the texts: they must be those that the seed yields; instructions must parse to the plan.
 
         The parser gets only the text and the colours; instructions too long for it are not parsed.
         """
@@ -227,13 +227,13 @@ def colours_of(tables: TableReader, shard: Shard, manifest: Manifest) -> Mapping
 
 
 def clingo_spaces(manifest: Manifest, domain: Domain) -> dict[int, TaskSpace]:
-    """Return the spaces of a dataset by length, with clingo as their engine."""
+    """Return the space for each length in a dataset, with clingo as its engine."""
     clauses = manifest.where
     return {length: TaskSpace(domain, length, engine="clingo").where(*clauses) for length in manifest.lengths}
 
 
 def tally_of(passed: list[Row], rejected: list[Row], starts: list[Mapping[str, Any]]) -> list[LengthTally]:
-    """Return the tally of the draws of a shard by its rows."""
+    """Compute the tally of the draws of a shard from its rows."""
     lengths = {row["task"]: row["length"] for _, row in passed}
     tallies = [
         tally_of_draw(row["length"], row["verdict"], passed=rows is passed)

@@ -1,4 +1,4 @@
-"""Verify one dataset by checks in order of cost."""
+"""Verify one dataset with checks in order of increasing cost."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Policies to evaluate, one module for each kind, and `load_policy`, which selects the kind by a text."""
+"""Policies to evaluate, one module for each kind, and `load_policy`, which selects the kind from a text."""
 
 from __future__ import annotations
 
@@ -30,7 +30,8 @@ A module may also have a function `environment`, which returns the options of th
 def load_policy(text: str) -> PolicyMaker:
     """Return the maker of a policy.
 
-    It is a baseline, ``module:callable``, a Stable-Baselines3 zip, a checkpoint of LeRobot, or ``ws://host:port``.
+    The text names a baseline, ``module:callable``, a Stable-Baselines3 zip, a LeRobot checkpoint, or
+    ``ws://host:port``.
 
     Makers can be pickled: each worker process makes its own policy.
 

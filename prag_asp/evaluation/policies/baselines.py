@@ -73,7 +73,7 @@ MAKERS: Mapping[str, PolicyMaker] = {"oracle": Oracle, "random": Random, "zeros"
 
 
 def maker(text: str) -> PolicyMaker:
-    """Return the maker of a baseline by its name."""
+    """Return the maker of the baseline with a given name."""
 
     def make(env: Environment) -> Policy:
         return MAKERS[text](env)

@@ -1,9 +1,9 @@
 """Read a checkpoint of LeRobot 0.4 or later: the folder ``pretrained_model``, with its processors.
 
-A checkpoint contains the shapes of its inputs and actions, but not their meaning. The meaning is in the dataset of its
-training, an export of `prag_asp.dataset.export`, whose folder the checkpoint names. The dataset determines the control
-convention, the rate and the cameras of the environment. Without the dataset, these are options of the evaluation, and
-the convention of the state follows from its shape.
+A checkpoint contains the shapes of its inputs and actions, but not their meaning. The meaning is recorded in the
+training dataset, an export of `prag_asp.dataset.export`, whose folder the checkpoint names. The dataset determines the
+control convention, the rate and the cameras of the environment. Without the dataset, these are options of the
+evaluation, and the convention of the state follows from its shape.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ class ProcessorConfig(msgspec.Struct):
 
 
 class TrainingDataset(msgspec.Struct):
-    """The folder of the dataset of a training."""
+    """The folder of a training dataset."""
 
     root: str | None = None
 
@@ -124,7 +124,7 @@ class LeRobotCheckpoint:
 
     @property
     def inputs(self) -> dict[str, ExportedFeature]:
-        """The inputs by their names in the dataset, with their shapes in the dataset: (H, W, 3) for images."""
+        """Maps the name of each input in the dataset to its shape there: (H, W, 3) for images."""
         renamed = {
             old: new
             for step in self.steps

@@ -1,4 +1,4 @@
-"""A policy from a LeRobot checkpoint: its inputs are computed from the environment by their names and shapes."""
+"""A policy from a LeRobot checkpoint; its inputs are found in the environment by name and shape."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ STATE, BODIES = "observation.state", "observation.environment_state"
 
 
 class LeRobotPolicy:
-    """Selects actions with a policy of LeRobot, on its device, by its processors.
+    """Selects actions with a LeRobot policy, on the policy's device and with its processors.
 
     The environment may have any observation: states and poses are taken from its situation, images from its
     observation, which has to be a dictionary.
@@ -37,7 +37,7 @@ class LeRobotPolicy:
         """Load the policy in one thread, so that results do not depend on the machine's number of processors.
 
         Raises:
-            QueryError: the checkpoint cannot be loaded, or the environment has other inputs or actions.
+            QueryError: the checkpoint cannot be loaded, or the inputs or actions of the environment differ.
         """
         assert isinstance(env.unwrapped, TaskEnv)
         self._env, self._level = env.unwrapped, checkpoint.level
@@ -64,7 +64,7 @@ def input_functions(checkpoint: LeRobotCheckpoint, env: Environment) -> dict[str
     """Return a function of an observation of the environment for each input of a policy.
 
     Raises:
-        QueryError: the environment has no such input, or an input of another shape.
+        QueryError: the environment lacks an input, or an input has another shape.
     """
     task_env, path = env.unwrapped, checkpoint.path
     assert isinstance(task_env, TaskEnv)

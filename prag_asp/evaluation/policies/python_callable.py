@@ -52,7 +52,7 @@ def imported(text: str, what: str) -> Callable[..., Any]:
     """Return the callable ``module:callable``; the module may be in the current folder.
 
     Raises:
-        QueryError: the module cannot be imported, or has no such callable; the message names its purpose, `what`.
+        QueryError: the module cannot be imported, or has no such callable; `what` states its purpose.
     """
     module, _, name = text.partition(":")
     with _current_folder():
@@ -70,7 +70,7 @@ def imported(text: str, what: str) -> Callable[..., Any]:
 
 
 def _takes(function: Callable[..., Any], name: str) -> bool:
-    """Return whether a function has a parameter of a name."""
+    """Return whether a function has a parameter with a given name."""
     try:
         return name in inspect.signature(function).parameters
     except (TypeError, ValueError):

@@ -1,4 +1,4 @@
-"""A policy behind a websocket, by the protocol of the policy servers of openpi.
+"""A policy behind a websocket that speaks the protocol of openpi's policy servers.
 
 Messages are msgpack; an array is a map with the binary keys ``__ndarray__`` (true), ``data`` (its bytes), ``dtype``
 (NumPy's text) and ``shape``. The server begins with a map of metadata. Each request is a map with an observation, each
@@ -100,7 +100,7 @@ class ServerPolicy:
 
 
 def maker(text: str) -> PolicyMaker:
-    """Return the maker of a client of a server."""
+    """Return the maker of a client for a server."""
 
     def make(env: Environment) -> ServerPolicy:
         return ServerPolicy(text)

@@ -1,4 +1,4 @@
-"""A policy as a zip of Stable-Baselines3 or of its contributed algorithms, without exploration."""
+"""A policy from a zip of Stable-Baselines3 or of its contributed algorithms, used without exploration."""
 
 from __future__ import annotations
 

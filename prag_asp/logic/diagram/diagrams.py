@@ -115,7 +115,7 @@ class Diagrams:
         return self._minus(0, first, second)
 
     def having(self, node: Node, level: int, mask: int) -> Node:
-        """Return a diagram restricted to the words with a bit, given as a mask, in the digit of a level."""
+        """Return a diagram restricted to the words whose digit at a level has a bit, given as a mask."""
         self._work(1)
         return self._having(0, node, level, mask)
 

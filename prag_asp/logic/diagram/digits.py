@@ -1,4 +1,4 @@
-"""Group the variables of a state into digits, and order these; both determine the size of diagrams.
+"""Group the variables of a state into digits, and order the digits; both steps determine the size of diagrams.
 
 Mutually exclusive variables (such as the places of one object) form one digit with few values. Random walks estimate
 which variables exclude each other. A wrong estimate costs time but is not an error, because a digit may take any value.

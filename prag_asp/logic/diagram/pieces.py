@@ -24,7 +24,7 @@ Read = Callable[[int], Node]
 
 @dataclass(frozen=True)
 class Piece:
-    """States in which an action, given by number, is valid and has equal effects; `labels` are the true labels."""
+    """States in which an action, given by its number, is valid and has equal effects; `labels` are the true labels."""
 
     letter: int
     states: Node
@@ -56,7 +56,7 @@ class SetStep:
         return self.diagrams.minus(states, self.diagrams.union(map(values.body, step.final)))
 
     def pieces(self, states: Node, look: Callable[[], None]) -> Iterator[Piece]:
-        """Yield the pieces of a set of states by each action, in order of the actions; `look` is called before each.
+        """Yield the pieces of a set of states for each action, in order; `look` is called before each action.
 
         The pieces of one action are disjoint.
         """

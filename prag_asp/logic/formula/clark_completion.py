@@ -7,7 +7,7 @@ function of the atoms, so each answer set is one model.
 
 *With positive loops.* M is an answer set if it is the least model of its reduct: the limit of the stages S_0 = {} and
 S_k = { a : the reduct has a rule for a with its body in S_(k-1) }. For each strongly connected component C of the
-positive dependency graph with m atoms, gates compute from M the stages of C alone, up to the m-th: negated literals and
+positive dependency graph with m atoms, gates compute from M only the stages of C, up to the m-th: negated literals and
 atoms outside of C have their value in M, atoms of C have their value in the previous stage, and a choice counts as a
 rule for its atoms in M (Simons, Niemelä and Soininen 2002). The stages only grow, and each stage before the limit adds
 an atom, so S_m is the limit. A clause for each atom of C states that it is in S_m if it is in M.

@@ -127,7 +127,7 @@ class ClauseBuilder:
         return output
 
     def _reached(self, literal: Literal, high: Literal, low: Literal) -> Literal:
-        """Return the literal of a node, given those of its `high` and `low` children; `low` implies `high`."""
+        """Return the literal of a node, given the literals of its `high` and `low` children; `low` implies `high`."""
         if high == low or literal == -TRUE:
             return low
         if literal == TRUE:

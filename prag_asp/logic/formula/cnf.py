@@ -44,7 +44,7 @@ _in_use: WeakValueDictionary[tuple[Program, int], Cnf] = WeakValueDictionary()
 
 
 def plan_cnf(program: Program, length: int, shown: EncodingPredicate = OCCURS) -> Cnf:
-    """Return the formula of the answer sets with a number of steps, projected on the atoms of a predicate.
+    """Return the formula of the answer sets with a given number of steps, projected on the atoms of a predicate.
 
     Raises:
         DomainError: clingo cannot ground the program.

@@ -2,9 +2,9 @@
 
 A line is restricting if it only removes plans: a constraint, a precondition, an initial value, an invariant, a goal.
 Each such line holds if its atom is true. A postcondition sets a fluent to a value; if it is lifted, the atom ``LOOSE``
-decides whether the postcondition has no effect or the fluent may have any value. Composites are lifted together, as by
-``--flat``, because constraints test that a plan is a concatenation of composites. Declarations of entities, fluents and
-actions are not lifted.
+decides whether the postcondition has no effect or the fluent may have any value. Composites are lifted together, as
+``--flat`` does, because constraints test that a plan is a concatenation of composites. Declarations of entities,
+fluents and actions are not lifted.
 """
 
 from __future__ import annotations

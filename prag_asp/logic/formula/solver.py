@@ -49,7 +49,8 @@ class Solver:
     def propagated(self, assumptions: Sequence[Literal]) -> list[Literal] | None:
         """Return the assumptions and the literals that unit propagation derives, or None if it derives a conflict.
 
-        They are a function of the clauses until the first call of `satisfiable`, because no clause is learned before.
+        The result depends only on the clauses and the assumptions until `satisfiable` is first called, because no
+        clause is learned before that call.
         """
         consistent, implied = self._solver.propagate(assumptions=list(assumptions))
         return list(implied) if consistent else None
@@ -65,7 +66,7 @@ class Solver:
 
 
 def smallest_conflict(solver: Solver, assumed: Sequence[Literal], literals: Sequence[Literal]) -> list[Literal]:
-    """Return a smallest set of `literals` that no model with all literals `assumed` satisfies; no model satisfies all.
+    """Return a smallest subset of `literals` that contradicts the literals `assumed`; all of `literals` must do so.
 
     A set is in conflict if it hits the complement of every maximal satisfiable set. The smallest hitting set of the
     complements found so far is solved again until it is in conflict itself (Ignatiev, Previti, Liffiton and

@@ -75,9 +75,9 @@ class GroundStep:
 def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     """Ground one step of a program for every state that it may start from.
 
-    The atoms of step t-1 are not known beforehand: the step is ground again until it derives no new ones. A step that
-    carries only the state is ground once. A step that carries more, like the hierarchy of `kitchen`, is ground at least
-    twice, because clingo instantiates the rules that read an atom only if the atom was declared before. If a step
+    The atoms of step t-1 are not known beforehand: the step is grounded again until it derives no new ones. A step that
+    carries only the state is grounded once. A step that carries more, like the hierarchy of `kitchen`, is grounded at
+    least twice, because clingo instantiates the rules that read an atom only if the atom was declared before. If a step
     always derives new atoms, like an unbounded counter, the result has an obstacle.
 
     Raises:
@@ -100,7 +100,7 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
             known = len(seeds)
             _declare(started.grounder, seeds, open_states)
             endless = _ground_until_closed(started.grounder, seeds, program, reads)
-            if endless is None and len(seeds) == known:  # the step is ground for all atoms that it carries
+            if endless is None and len(seeds) == known:  # the step is grounded for all atoms that it carries
                 ground = _ground_end(started, program, open_states, reads)
                 new = _unforeseen(ground, seeds, reads)
                 if not new:
@@ -243,7 +243,7 @@ def _ground_end(
 ) -> GroundStep:
     """Ground hindsight and the checks of the final state, which may be the initial one, on top of a step.
 
-    If no state allows a step, the checks are ground without it, because clingo grounds nothing after a conflict.
+    If no state allows a step, the checks are grounded without it, because clingo grounds nothing after a conflict.
     """
     started.ground("hindsight")
     ends = started
@@ -287,7 +287,7 @@ def unrolled(length: int) -> list[Part]:
 class Grounding:
     """A grounder with at least the base part of a program; `initial` are the initial atoms without their time.
 
-    Rules are recorded as those of a step unless another part is ground by `ground`.
+    Rules are recorded as those of a step unless another part is grounded by `ground`.
     """
 
     grounder: Grounder
@@ -302,7 +302,7 @@ class Grounding:
 
 
 def _start(program: Program, reads: StepReads) -> Grounding:
-    """Ground the base part. Rules that are ground afterwards are recorded as those of a step."""
+    """Ground the base part. Rules that are grounded afterwards are recorded as those of a step."""
     grounder, recorder = Grounder(program), GroundRecorder(base_facts=False)
     grounder.control.register_observer(recorder)
     grounder.ground([("base", [])])

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import clingo
 
 BASE = "base"
-"""The name of the program part that is ground first."""
+"""The name of the program part that is grounded first."""
 
 Condition = tuple[int, ...]
 """Literals that must all be true."""
@@ -44,10 +44,10 @@ class Rule(NamedTuple):
 class GroundRecorder(clingo.Observer):
     """Records the ground statements of a control; its methods are called by clingo.
 
-    `rules` holds the rules of each program part; the caller sets the `part` before it is ground. Without `base_facts`,
-    facts of the base part are not recorded. `shown` are the conditions under which a symbol is shown, `projected` the
-    atoms of ``#project``, or None without such a statement. `externals` holds the last value of each external atom,
-    `minimized` the weighted literals of each priority.
+    `rules` holds the rules of each program part; the caller sets the `part` before it is grounded. Without
+    `base_facts`, facts of the base part are not recorded. `shown` are the conditions under which a symbol is shown,
+    `projected` the atoms of ``#project``, or None without such a statement. `externals` holds the last value of each
+    external atom, `minimized` the weighted literals of each priority.
     """
 
     def __init__(self, *, base_facts: bool = True) -> None:

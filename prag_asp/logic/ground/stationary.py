@@ -35,7 +35,10 @@ PARTS = ("base", "step", "check")
 
 @dataclass(frozen=True)
 class Obstacle:
-    """The reason why a step is not a function of the state and the action: `what`, at a `place`, a file and a line."""
+    """A reason why a step is not a function of the state and the action.
+
+    `what` states the reason, and `place` is the file and the line that cause it.
+    """
 
     what: str
     place: str = ""
@@ -91,7 +94,7 @@ class _TimedRule:
 
 @lru_cache(maxsize=1024)
 def _reads_number(rule: _TimedRule) -> bool:
-    """Return whether a rule contains the step number other than as the time of an atom."""
+    """Return whether a rule contains the step number anywhere except as the time of an atom."""
     number = re.compile(rf"(?<![\w']){re.escape(rule.now)}(?![\w'(])")
 
     def atom_reads(atom: AtomNode) -> bool:
@@ -149,7 +152,7 @@ def read_step(program: Program) -> StepReads:
 
 
 def _acting(rules: Sequence[_TimedRule], encodings: Path | None) -> Iterator[Obstacle]:
-    """Yield the choices in encodings by which actions occur, except the one in the shipped ``step.lp``, or its lack."""
+    """Yield an obstacle for each choice of actions that differs from the shipped ``step.lp``, or if there is none."""
     remedy = "choose the engine clingo, or restore that rule"
     choices = [
         each for each in rules if not each.statement.own and each.statement.node.head.ast_type != ASTType.Literal
@@ -163,7 +166,7 @@ def _acting(rules: Sequence[_TimedRule], encodings: Path | None) -> Iterator[Obs
 
 
 def _numbered(rules: Mapping[str, Sequence[_TimedRule]], timed: Collection[Signature]) -> Iterator[Obstacle]:
-    """Yield the rules of the base part or the last check whose atoms have a step number as time."""
+    """Yield an obstacle for each rule of the base part or the last check with an atom whose time is a step number."""
     last = {atom.signature for rule in rules["check"] for atom in rule.heads if _time_of(atom) == rule.now}
     at, before = set(last), set[Signature]()
     for name in ("step", "check"):

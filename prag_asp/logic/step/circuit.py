@@ -27,7 +27,7 @@ class Layer:
 
 @dataclass(frozen=True)
 class Circuit:
-    """Gates by number: the constants, the inputs, then the layers."""
+    """Numbered gates: the constants, the inputs, then the layers."""
 
     inputs: int
     gates: int

@@ -64,9 +64,9 @@ def _atoms(bodies: Iterable[RuleBody]) -> set[int]:
 def find_breakable(step: NormalStep, invariants: list[RuleBody]) -> list[RuleBody]:
     """Return the constraints of `invariants` that some action breaks from a state that satisfies all constraints.
 
-    The states are all states that satisfy the rules and constraints on the state alone, which hold after every step.
-    The assumed constraints hold initially; the rest is an induction over the steps. The answer sets of a program are
-    the steps from any such state that break an open constraint; a constraint that is broken once is closed.
+    The states are all states that satisfy the rules and constraints that read only the state, which hold after every
+    step. The assumed constraints hold initially; the rest is an induction over the steps. The answer sets of a program
+    are the steps from any such state that break an open constraint; a constraint that is broken once is closed.
     """
     if not invariants:
         return []

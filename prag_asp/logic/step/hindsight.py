@@ -103,7 +103,7 @@ class Hindsight:
         return state, np.array([[atom in now] for atom in self._seen], dtype=np.bool_).reshape(-1, 1)
 
     def follow(self, states: Truth, letters: NDArray[np.int64]) -> tuple[Truth, Truth]:
-        """Return the states after valid actions, given by number, and the atoms of these steps that hindsight reads."""
+        """Return the states after valid actions with the given numbers, and the atoms of the steps for hindsight."""
         size = len(letters)
         columns = dict(zip(self._carried, states, strict=True))
         columns.update((atom, letters == number) for number, atom in enumerate(self.step.occurs.values()))

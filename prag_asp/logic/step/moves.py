@@ -22,7 +22,7 @@ class Move:
 
     `touched` are the constraints that read the action. In the packed state after a step without an action, the bits
     `keep` are kept, the bits `put` are set, and `changed` maps other places to the atoms that decide them; likewise
-    `labels` and `fixed_labels` for labels. `constants` are the atoms whose truth the action alone decides.
+    `labels` and `fixed_labels` for labels. `constants` are the atoms whose truth only depends on the action.
     """
 
     guards: tuple[RuleBody, ...]

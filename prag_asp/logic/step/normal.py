@@ -20,7 +20,7 @@ from prag_asp.program.predicates import OCCURS
 
 @dataclass(frozen=True)
 class RuleBody:
-    """A conjunction of literals or, with `weights`, the condition that the weights of the true ones reach `bound`."""
+    """A conjunction of literals or, with `weights`, the condition that the weights of true literals reach `bound`."""
 
     literals: tuple[int, ...]
     bound: int = 0

@@ -24,7 +24,7 @@ LOW = 2**32 - 1
 
 
 class _Rows:
-    """Distinct columns of truth values, by number."""
+    """Distinct, numbered columns of truth values."""
 
     def __init__(self) -> None:
         self._numbers: dict[bytes, int] = {}
@@ -127,7 +127,7 @@ def _look_up(table: dict[int, Any], keys: Numbers, evaluate: Callable[[list[int]
 
 
 class SolvedPlanStates:
-    """Like `PlanStates`, but by solving the unrolled program of each plan, for steps that cannot be evaluated."""
+    """Like `PlanStates`, but solves the unrolled program of each plan, for steps that cannot be evaluated."""
 
     def __init__(self, program: Program, facts: Facts) -> None:
         self._program = program

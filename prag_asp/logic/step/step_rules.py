@@ -46,7 +46,7 @@ class StepRules:
 
     @cached_property
     def idle(self) -> Mapping[int, tuple[RuleBody, ...]]:
-        """The bodies of each atom, simplified for no action."""
+        """The bodies of each atom, simplified for a step without an action."""
         return {
             atom: tuple(as_bodies(simplify(body, self.no_action) for body in self.step.bodies[atom]))
             for atom in self.order
@@ -54,7 +54,7 @@ class StepRules:
 
     @cached_property
     def idle_constraints(self) -> list[tuple[int, RuleBody]]:
-        """The constraints, simplified for no action, with their numbers."""
+        """The constraints, simplified for a step without an action, with their numbers."""
         return [
             (number, simplified)
             for number, body in enumerate(self.constraints)

@@ -80,7 +80,7 @@ class Needs:
 
 @dataclass(frozen=True)
 class Successors:
-    """The successors of a frontier by one action.
+    """The successors of a frontier under one action.
 
     `letter` is the number of the action; `sources` are the rows of the frontier in which it is valid, shape (m,);
     `states` holds the packed states after it, shape (m, words); `labels` the truth of each label, shape (m, labels).
@@ -172,7 +172,7 @@ class Transition:
         return stays
 
     def expand(self, states: Rows, candidates: NDArray[np.bool_] | None = None) -> Iterator[Successors]:
-        """Yield the successors of a frontier by each action that is valid in some state, in the order of `actions`.
+        """Yield the successors of a frontier under each action that is valid in some state, in the order of `actions`.
 
         `candidates` restricts the actions of each state, shape (states, actions); without it, all actions are tried.
         """
@@ -195,7 +195,7 @@ class Transition:
 
 @dataclass(frozen=True)
 class _Before:
-    """A frontier with every rule evaluated for no action.
+    """A frontier with every rule evaluated for a step without an action.
 
     `broken` holds the constraints that are violated in some state, `breaches` their number in each state; `after` and
     `labels` are the states and the labels after a step without an action.
@@ -252,7 +252,7 @@ def _apply(move: Move, letter: int, before: _Before, sources: NDArray[np.intp]) 
 
 
 def _unguarded(move: Move, before: _Before, tried: NDArray[np.bool_] | None) -> NDArray[np.intp]:
-    """Return the rows in which neither a guard nor a constraint that does not read the action forbids it."""
+    """Return the rows in which an action is forbidden neither by a guard nor by a constraint that does not read it."""
     size = len(before.breaches)
     if move.impossible:
         return np.zeros(0, dtype=np.intp)

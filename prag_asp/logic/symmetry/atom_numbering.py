@@ -59,7 +59,7 @@ class SpelledRule(NamedTuple):
 
 
 class Atoms:
-    """The atoms of a ground step by number, and its rules."""
+    """The numbered atoms of a ground step, and its rules."""
 
     def __init__(self, ground: GroundStep, entities: Mapping[clingo.Symbol, int]) -> None:
         shapes = Shapes(entities)

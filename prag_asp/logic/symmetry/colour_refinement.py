@@ -26,7 +26,7 @@ TOGETHER = 2**22
 class StateBits:
     """The bits set in some packed states, each a term: `state` and `term` have shape (bits,), in order of the states.
 
-    `alone` holds, for each state and entity, the set of the patterns that hold for this entity alone, as words: shape
+    `alone` holds, for each state and entity, the set of the patterns of bits that name no other entity, as words: shape
     (states, entities, words). `related` are the indices in `state` and `term` of the bits that relate several entities.
     """
 

@@ -1,4 +1,4 @@
-"""The interchangeable entities of a program, alone or together with others.
+"""The entities of a program that are interchangeable on their own or together with others.
 
 Two kinds of swaps generate all renamings: swaps of two entities of a group, and swaps of two aligned units of a joint
 group, which exchange the i-th entities of both for all i. Each group or joint group lies within one unit or outside all

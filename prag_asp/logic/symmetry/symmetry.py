@@ -282,7 +282,7 @@ class _RuleRows:
     def missing(
         self, renamed: NDArray[np.int64], entities: Iterable[int]
     ) -> Iterator[tuple[SpelledRule, SpelledRule | None]]:
-        """Yield the rules whose image is not a rule, given renamed entities, with the image.
+        """Yield each rule whose image under a renaming of entities is not a rule, together with the image.
 
         The image is None if it has an atom that is not in the program.
         """

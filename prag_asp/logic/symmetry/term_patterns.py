@@ -22,10 +22,10 @@ NOBODY = -1
 class Patterns:
     """Terms, each as a pattern and the distinct units that it names, from the left.
 
-    A unit is called an entity here; an entity that is interchangeable alone is a unit of one. `pattern` has shape
-    (terms,); `entities` has shape (terms, most entities in a term), padded with -1; `named` is the number of entities
-    that each pattern names, `places` the number of all entities. They are `complete` if every renaming of a term that
-    permutes the groups is a term again.
+    A unit is called an entity here; an entity that is interchangeable on its own is a unit of one entity. `pattern` has
+    shape (terms,); `entities` has shape (terms, most entities in a term), padded with -1; `named` is the number of
+    entities that each pattern names, `places` the number of all entities. The terms are `complete` if every renaming of
+    a term that permutes the groups is a term again.
     """
 
     pattern: NDArray[np.int64]

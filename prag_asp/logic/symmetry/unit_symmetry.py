@@ -64,7 +64,7 @@ class Renamed(Protocol):
 
 
 def joint_groups(blocks: Sequence[Block], classes: Mapping[int, Hashable], rules: Renamed) -> list[list[Block]]:
-    """Return groups of aligned units, given blocks that cannot be swapped alone; outer groups come first.
+    """Return groups of aligned units, given blocks that cannot be swapped on their own; outer groups come first.
 
     Entities of different `classes` are not interchangeable.
     """

@@ -1,4 +1,4 @@
-"""Enumeration by clingo up to a limit of work, and a prediction of the processor time for all answer sets."""
+"""Enumerate with clingo up to a work limit, and predict the processor time for enumerating all answer sets."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class Effort:
 
 
 class BoundedEnumeration:
-    """The enumeration of a program on its grounding control, which keeps the clauses learned in earlier calls."""
+    """An enumeration with the control that ground the program, which keeps the clauses learned in earlier calls."""
 
     def __init__(self, ground: GroundModels, *, project: bool) -> None:
         self._control = ground.grounder.control
@@ -55,11 +55,11 @@ class BoundedEnumeration:
         return self._count(effort, inf)
 
     def count_within(self, seconds: float) -> int | None:
-        """Return the number of answer sets, or None if counting takes more processor seconds of this process."""
+        """Return the number of answer sets, or None if counting takes more than `seconds` of processor time."""
         return self._count(None, seconds)
 
     def predicted_seconds(self) -> float | None:
-        """Return the processor time that counting is likely to take, or None if too few models are known to predict it.
+        """Predict the processor time that counting will take; return None if too few models are known.
 
         A random search for a model that makes d decisions finds it with a probability of ``2 ** -d``, so the mean of
         ``2 ** d`` estimates the number of models (Knuth 1975). A decision that a conflict reverts does not count
@@ -100,7 +100,7 @@ class BoundedEnumeration:
         return number if exhausted else None
 
     def _search(self, seconds: float) -> bool:
-        """Search up to a limit; return whether all models were found. Ctrl-C is handled between two polls."""
+        """Search up to a limit, and return whether all models were found. Ctrl-C is handled between polls."""
         until = process_time() + seconds
         with self._control.solve(async_=True) as handle:
             try:

@@ -1,7 +1,7 @@
-"""The time that each engine counts before the next one: a rule derived from measurements of a hundred diverse programs.
+"""Decide how long each engine counts before the next one starts, by a rule derived from a hundred diverse programs.
 
-The measurements are in ``benchmarks/model_engines.py``. The rule reads the predicted time of an enumeration, and the
-width of the clauses.
+The measurements are in ``benchmarks/model_engines.py``. The rule depends on the predicted time of an
+enumeration and on the width of the clauses.
 """
 
 from __future__ import annotations
@@ -65,9 +65,9 @@ class OwnEngine(Enum):
 
 
 class Turn(NamedTuple):
-    """An engine, the processor seconds of its turn, and the number of compiler looks after which it runs in parallel.
+    """An engine, its turn in processor seconds, and the number of calls of `look` after which it runs in parallel.
 
-    Without seconds, it only runs in parallel; engines of this process do not.
+    With 0 seconds, it only runs in parallel; engines of this process never run in parallel.
     """
 
     engine: Counter | OwnEngine
@@ -76,15 +76,15 @@ class Turn(NamedTuple):
 
 
 def seconds_of_enumeration(predicted: float) -> float:
-    """Return the seconds after which the prediction of an enumeration was evidently wrong."""
+    """Return the number of seconds after which the predicted time of an enumeration is evidently wrong."""
     return max(0.8, 3 * predicted)
 
 
 def turns_of_engines(predicted: float | None, width: int, *, tight: bool, whole: bool, swept: bool) -> tuple[Turn, ...]:
     """Return the turns of engines before a diagram is compiled without a limit.
 
-    `predicted` are the seconds of an enumeration, if known. A formula that is `swept` from one end to the other suits
-    the diagram compiler.
+    `predicted` is the time of an enumeration in seconds, if known. A formula that is `swept` from one end to the
+    other suits the diagram compiler.
     """
     counters = _turns_of_counters(width, tight=tight, whole=whole)
     seconds = COMPILATION if predicted is None or predicted <= LATER else LONGER_COMPILATION
@@ -106,7 +106,7 @@ def turns_of_engines(predicted: float | None, width: int, *, tight: bool, whole:
 
 
 def _turns_of_counters(width: int, *, tight: bool, whole: bool) -> tuple[Turn, ...]:
-    """Return the turns of counters.
+    """Return the turns that counters get.
 
     d4 splits clauses into parts, and counts most narrow formulas immediately; it only accepts formulas without
     projection.

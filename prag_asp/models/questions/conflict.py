@@ -114,7 +114,7 @@ def _liftable_lines(given: GivenProgram, ground: GroundModels, data: Container[S
 
 @dataclass(frozen=True)
 class _LiftableLines:
-    """Lines of a program that restrict answer sets, and the literal that keeps each."""
+    """Lines of a program that restrict answer sets, each with the literal that keeps it."""
 
     _control: clingo.Control
     _lines: Sequence[RestrictingLine]
@@ -181,7 +181,7 @@ def _derived(statement: Statement) -> list[AtomNode]:
 
 
 def _liftable(statement: Statement, kept: str, may: str) -> Iterator[str]:
-    """Yield the rules of a statement that hold if an atom is true, and its lifted form otherwise."""
+    """Yield rules that state a statement if an atom is true, and its lifted form otherwise."""
     body = "".join(f"{text}; " for _, text in statement.literals)
     yield f"{statement.node.head} :- {body}{kept}."
     allowed = [str(element) for element in _elements(statement.node.head)]

@@ -50,7 +50,7 @@ class Facet:
 
 @dataclass(frozen=True)
 class _Companions:
-    """The facets of some answer sets: bit sets of the atoms that some of them contain, and that some of them lack."""
+    """Bit sets of the atoms that at least one of some answer sets contains, and that at least one of them lacks."""
 
     having: int = 0
     lacking: int = 0
@@ -64,7 +64,7 @@ class _Companions:
 def facets_of_diagram(
     diagram: Diagram, printed: Sequence[tuple[clingo.Symbol, Literal]], numbers: Mapping[Literal, int], total: int
 ) -> dict[clingo.Symbol, Facet]:
-    """Return the facets of a compiled formula with a model, given the number of models of each literal and in total.
+    """Return the facets of a satisfiable formula, given the number of models with each literal and in total.
 
     One pass collects, for each literal, the literals that occur in models together with it.
     """

@@ -109,7 +109,7 @@ def _as_text(rule: _Rule, names: Mapping[int, str]) -> str:
 
 
 def _names(statements: Iterator[str]) -> Iterator[tuple[int, str]]:
-    """Yield the atoms that are alone in an output, with their names; the first output of each comes last."""
+    """Yield the atoms that are the only condition of an output, with the output's name, in reverse order."""
     for text in reversed(list(statements)):
         name, condition = _output(text)
         if len(condition) == 1 and condition[0] > 0:

@@ -41,7 +41,7 @@ def find_optimum(given: GivenProgram, ground: GroundModels) -> Optimum | None:
     """Return the optimum that clingo proves, or None if there is no answer set.
 
     Raises:
-        DomainError: the weights of a priority sum to more than 32 bits, which clingo adds up wrongly.
+        DomainError: the weights of a priority add up to more than 32 bits, so clingo computes their sum wrongly.
     """
     for priority, literals in ground.minimized:
         if sum(abs(weight) for _, weight in literals) > LARGEST:

@@ -101,7 +101,7 @@ class ActionReader:
         return found
 
     def _timed_condition(self, tree: Expression, scope: Scope, time: tuple[str, str]) -> Formula:
-        """Return the part of a durative action's condition for a time specifier."""
+        """Return the part of a durative action's condition that has a given time specifier."""
         if tree.head == "and" or not tree.parts:
             parts = (self._source.list_of([each], tree.line) for each in tree.rest)
             return Junction(True, tuple(self._timed_condition(each, scope, time) for each in parts), tree.line)
@@ -127,9 +127,9 @@ class ActionReader:
         condition: Formula,
         time: tuple[str, str] | None = None,
     ) -> Iterator[Effect]:
-        """Yield the effects of a list, within the quantified variables `outer` and a `condition`.
+        """Yield the effects in a list, under the quantified variables `outer` and a `condition`.
 
-        In a durative action, yield only the effects at a time.
+        In a durative action, yield only the effects at the given time.
         """
         head, rest, line = tree.head, tree.rest, tree.line
         if not tree.parts:
@@ -171,7 +171,7 @@ class ActionReader:
         condition: Formula,
         time: tuple[str, str] | None,
     ) -> Iterator[Effect]:
-        """Yield the effects of a change of a function. A numeric change without a time applies at the end."""
+        """Yield the effects that change a function. A numeric change without a time specifier applies at the end."""
         target, value = tree.rest
         if scope.is_object_function(target):
             if time or tree.head != "assign":
@@ -220,7 +220,7 @@ class ActionReader:
         condition: Formula,
         time: tuple[str, str] | None,
     ) -> Iterator[Effect]:
-        """Yield the effects of a ``when``, under the conjunction of its condition and those around it."""
+        """Yield the effects of a ``when``, under the conjunction of its condition and the enclosing conditions."""
         if time is None:
             both = (condition, scope.formula(guard))
             yield from self._effects(part, scope, outer, Junction(True, both, guard.line))

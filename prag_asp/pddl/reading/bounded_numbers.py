@@ -74,7 +74,7 @@ def bounded(
 
 
 def joined(action: Schema, functions: Collection[str]) -> Schema:
-    """Return an action that changes each term of the given functions once, by the sum of its unconditional changes.
+    """Return an action that changes each term of the given functions once, by summing its unconditional changes.
 
     A change that another change cancels is dropped, but the action still requires that every function that it reads has
     a value.
@@ -106,7 +106,7 @@ def joined(action: Schema, functions: Collection[str]) -> Schema:
 
 
 def read_functions(domain: DomainFile, problem: ProblemFile) -> set[str]:
-    """Return the functions that comparisons read, and those that changes of such functions read."""
+    """Return the functions that comparisons read, and the functions that changes to these functions read."""
     formulas = [problem.goal, *(each.formula for each in domain.derived)]
     for action in domain.actions:
         formulas += [action.precondition, *(each.condition for each in action.effects)]
@@ -124,19 +124,19 @@ def read_functions(domain: DomainFile, problem: ProblemFile) -> set[str]:
 
 
 def terms_of(comparison: Comparison) -> dict[FunctionTerm, None]:
-    """Return the functions of a comparison."""
+    """Return the function terms in a comparison."""
     return dict.fromkeys((*function_terms(comparison.left), *function_terms(comparison.right)))
 
 
 def holds(comparison: Comparison, values: Mapping[FunctionTerm, Fraction]) -> bool:
-    """Return whether a comparison holds for values of all its functions."""
+    """Return whether a comparison holds, given the values of its functions; it needs all of them."""
     left, right = quantity_value(comparison.left, values), quantity_value(comparison.right, values)
     known = left is not None and right is not None
     return known and COMPARE[comparison.operator](left, right) == comparison.positive  # type: ignore[arg-type]
 
 
 def _changed(effect: NumericEffect, row: Row) -> Fraction | None:
-    """Return the value of a function after an effect, or None if it has no value."""
+    """Return the value that a function has after an effect, or None if it has no value."""
     operators = {"increase": "+", "decrease": "-", "scale-up": "*", "scale-down": "/"}
     if effect.operator == "assign":
         return quantity_value(effect.value, row)
@@ -181,7 +181,7 @@ class _FunctionValues:
         return sorted(self._values.get(term.function, ()))
 
     def rows(self, effect: NumericEffect, action: Schema) -> list[Row]:
-        """Return the values of the functions in an effect for which it may occur."""
+        """Return the combinations of function values for which an effect may occur."""
         needed = dict.fromkeys(function_terms(effect.value))
         needed |= {} if effect.operator == "assign" else {effect.function: None}
         parts = (*conjuncts(action.precondition), *conjuncts(effect.condition))
@@ -197,7 +197,7 @@ class _FunctionValues:
         return [*found.values()]
 
     def combinations(self, terms: Iterable[FunctionTerm], line: int, source: PddlSource) -> Iterator[Row]:
-        """Return all values of some functions."""
+        """Return all combinations of values of some functions."""
         terms = [*terms]
         values = [self.of(each) for each in terms]
         rows = prod(map(len, values))
@@ -209,7 +209,7 @@ class _FunctionValues:
 
 @dataclass
 class _Numbers:
-    """The predicates of values; converts comparisons and changes to conditions and effects on them."""
+    """The predicates that stand for values; converts comparisons and changes to conditions and effects on these."""
 
     source: PddlSource
     domain: DomainFile
@@ -276,7 +276,7 @@ class _Numbers:
         return replace(action, precondition=self.formula(whole, self.source), effects=tuple(effects))
 
     def _needed(self, effect: NumericEffect) -> Iterator[Formula]:
-        """Yield the conditions for the functions of an effect to have values, without which it cannot occur."""
+        """Yield conditions which state that the functions in an effect have values; otherwise, it cannot occur."""
         terms = dict.fromkeys(function_terms(effect.value))
         for term in {**terms, **({} if effect.operator == "assign" else {effect.function: None})}:
             stated = sum(function == term.function for function, _ in self.problem.values)

@@ -64,7 +64,7 @@ def settled(
 
 
 class _Comparisons:
-    """The predicates of comparisons, one for each, and their facts."""
+    """The predicates that stand for comparisons, one for each comparison, and their facts."""
 
     def __init__(self, domain: DomainFile, problem: ProblemFile) -> None:
         self._domain = domain
@@ -92,7 +92,7 @@ class _Comparisons:
         return replace(self._literals[key], line=comparison.line)
 
     def _rows(self, comparison: Comparison, source: PddlSource) -> Iterator[dict[Variable, str]]:
-        """Yield the objects of the variables for which a comparison holds."""
+        """Yield the objects that make a comparison true when assigned to its variables."""
         needed = dict.fromkeys((*function_terms(comparison.left), *function_terms(comparison.right)))
         rows: Iterable[tuple[dict[Variable, str], dict[FunctionTerm, Fraction]]] = [({}, {})]
         for term in needed:

@@ -40,7 +40,7 @@ class DomainReader:
         self._object_functions: dict[str, str] = {}
 
     def declarations(self) -> None:
-        """Read all sections but rules and actions."""
+        """Read all sections except rules and actions."""
         sections = self._definition.sections
         check_requirements(self._source, sections.get(":requirements"))
         check_constraints(self._source, sections.get(":constraints"))
@@ -62,7 +62,7 @@ class DomainReader:
             self._read_functions(sections[":functions"].rest)
 
     def domain(self, *, untimed: bool) -> DomainFile:
-        """Return the domain, with durative actions as instantaneous ones if `untimed`."""
+        """Return the domain; if `untimed`, durative actions become instantaneous."""
         derived = [self._derived(each) for each in self._definition.repeated if each.head == ":derived"]
         derived_names = frozenset(each.predicate for each in derived)
         reader = ActionReader(self._source, self.declared, derived_names, untimed=untimed)

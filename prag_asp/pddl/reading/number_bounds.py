@@ -1,4 +1,4 @@
-"""Bounds of numbers that actions change: one action undoes the change of another, which an atom records.
+"""Find bounds of numbers that actions change, if an atom records each change that another action may undo.
 
 If each action that decreases f(z) by w(y) requires and deletes p(y,z), and each action that adds p(y,z) increases f(z)
 by w(y), then f(z) minus the sum of w over the true atoms p(_,z) never decreases. The sum is not negative, so f(z) never
@@ -25,13 +25,13 @@ class ValueBounds(NamedTuple):
     most: Fraction | None
 
     def hold(self, value: Fraction) -> bool:
-        """Return whether a value is within the bounds."""
+        """Return whether a value lies within these bounds."""
         return not (self.least is not None and value < self.least) and not (self.most is not None and value > self.most)
 
 
 @dataclass(frozen=True)
 class _RememberedChange:
-    """A predicate that records changes of a function, with the places of its arguments that are the function's terms.
+    """A predicate that records changes of a function, and the positions of the function's terms in its arguments.
 
     `weight` is the size of a change: a number, or a function and the arguments of the predicate that are its terms.
     """
@@ -50,7 +50,7 @@ class _RememberedChange:
 
 
 def value_bounds(function: str, actions: Sequence[Schema], problem: ProblemFile, changing: set[str]) -> ValueBounds:
-    """Return the bounds of the values of a function that the initial state and the actions imply."""
+    """Return the bounds that the initial state and the actions imply for the values of a function."""
     changes = [(action, each) for action in actions for each in action.numeric if each.function.function == function]
     names = [action.name for action, _ in changes]
     plain = all(is_unconditional(each) and each.operator in SIGNS for _, each in changes) and len(set(names)) == len(
@@ -86,7 +86,7 @@ def _is_positive(value: Quantity, problem: ProblemFile, changing: set[str]) -> b
 
 
 def _memories(changes: Sequence[tuple[Schema, NumericEffect]], sign: int) -> Iterator[_RememberedChange]:
-    """Yield predicates that may record the changes opposite to a sign, inferred from the first such change."""
+    """Yield predicates that may record changes with the opposite sign, inferred from the first such change."""
     taking = next(((action, each) for action, each in changes if SIGNS[each.operator] == -sign), None)
     if taking is None:
         return
@@ -106,7 +106,7 @@ def _memories(changes: Sequence[tuple[Schema, NumericEffect]], sign: int) -> Ite
 
 
 def _is_kept(memory: _RememberedChange, function: str, actions: Sequence[Schema], sign: int) -> bool:
-    """Return whether all actions respect a record: a new atom comes with its change; a reverse change deletes one."""
+    """Return whether actions keep a record correct: a new atom comes with its change, a reverse change deletes one."""
     for action in actions:
         change = next((each for each in action.numeric if each.function.function == function), None)
         added = [

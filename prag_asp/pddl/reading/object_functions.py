@@ -1,7 +1,7 @@
-"""Functions with objects as values, as predicates with the value as the last argument; each has at most one value.
+"""Represent functions whose values are objects as predicates with the value as last argument, at most one value each.
 
-``undefined`` is a value like any other (PDDL 3.1): two functions without a value are equal. A literal with a function
-without a value is false.
+``undefined`` is a value like any other (PDDL 3.1): two functions without a value are equal. A literal that contains a
+function without a value is false.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ UNDEFINED = "undefined"
 
 @dataclass(frozen=True)
 class Terms:
-    """Terms of a formula. The `new` variables stand for functions; the literals of `values` define their values."""
+    """Terms of a formula. The `new` variables stand for functions; the literals in `values` define their values."""
 
     terms: tuple[Variable | str, ...]
     new: tuple[Variable, ...]
     values: tuple[Literal, ...]
 
     def bound(self, formula: Formula) -> Formula:
-        """Return a formula for the values of the functions, which is false if one has no value."""
+        """Bind the functions in a formula to their values; the result is false if a function has no value."""
         if not self.new:
             return formula
         return Quantified(False, self.new, Junction(True, (*self.values, formula), formula.line), formula.line)

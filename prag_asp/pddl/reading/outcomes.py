@@ -1,4 +1,4 @@
-"""Nondeterministic effects (``oneof``) as separate actions, one for each outcome.
+"""Turn nondeterministic effects (``oneof``) into separate actions, one for each outcome.
 
 This is the all-outcomes determinization (Yoon, Fern and Givan 2007): its plans are sequences of actions with outcomes
 that lead to the goal.
@@ -38,7 +38,7 @@ def chosen_effect(parts: Iterable[Expression | Word]) -> Word | None:
 
 
 def words_of(part: Expression | Word) -> Iterator[Word]:
-    """Return the words of a part of an expression."""
+    """Return the words in a part of an expression."""
     return iter([part]) if isinstance(part, Word) else part.all_words
 
 

@@ -24,13 +24,13 @@ ATTACHED = re.compile(r"-([^\W\d][^?:]*)?")
 
 @dataclass
 class PddlSource:
-    """A file whose mistakes are refused with its path and line; `warnings` are about accepted irregularities."""
+    """A file whose mistakes are reported with path and line; `warnings` are about irregularities that are accepted."""
 
     path: Path
     warnings: list[Problem] = field(default_factory=list)
 
     def refuse(self, line: int, text: str) -> NoReturn:
-        """Raise a DomainError at a line."""
+        """Raise a DomainError that names a line."""
         raise DomainError(f"{self.path}:{line}: {text}")
 
     def warn(self, line: int, text: str, name: str) -> None:
@@ -80,7 +80,7 @@ class PddlSource:
     def typed_words(
         self, parts: Iterable[Expression | Word], types: dict[str, tuple[str, ...]] | None, *, variables: bool = False
     ) -> Iterator[tuple[Word, tuple[str, ...]]]:
-        """Yield the words of a typed list, each with its alternative types, none if it has no type.
+        """Yield the words of a typed list, each with its alternative types; a word without a type has none.
 
         An unknown type is added to `types` with a warning, unless it is a misspelling; if `types` is None, any type is
         valid.

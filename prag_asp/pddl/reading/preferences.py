@@ -10,7 +10,7 @@ PREFERENCE = "preference"
 
 
 def without_preferences(source: PddlSource, tree: Expression) -> Expression:
-    """Return a condition without its preferences, alone or in ``and`` and ``forall``, and warn of them."""
+    """Return a condition without its preferences, which may be nested in ``and`` and ``forall``, with a warning."""
     if tree.head == PREFERENCE:
         source.warn(tree.line, "preferences are ignored: plans need not meet them", "ignored")
         return Expression((), tree.line, tree.end)

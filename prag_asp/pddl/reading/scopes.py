@@ -65,7 +65,7 @@ class Scope:
         return inner
 
     def fix_duration(self, duration: Expression | Word | None) -> None:
-        """Set the value of an action's duration, None if it may have several values."""
+        """Set the value of an action's duration, or None if it may have several values."""
         self._duration = (self, duration) if duration is not None else None
 
     def narrowed(self, variables: Iterable[Variable]) -> Scope:
@@ -116,7 +116,7 @@ class Scope:
         return str(name)
 
     def new_variable(self, types: tuple[str, ...]) -> Variable:
-        """Return a new variable, which no formula has."""
+        """Return a new variable, which occurs in no formula."""
         variable = Variable(variable_name("value", self._taken), types)
         self._taken.add(variable.name)
         return variable
@@ -136,7 +136,7 @@ class Scope:
         return ObjectFunction(predicate, terms, types, part.line)
 
     def check_value(self, function: ObjectFunction, value: Variable | str) -> None:
-        """Refuse a value whose type may differ from those of the values of a function."""
+        """Refuse a value whose type may not be among the types of a function's values."""
         for kind in value.types if isinstance(value, Variable) else (self._declared.objects[value],):
             above, waiting = {kind, OBJECT}, [kind]
             while waiting:
@@ -217,7 +217,7 @@ class Scope:
         return whole if positive else negated(whole)
 
     def _object_equality(self, left: Expression, right: Expression | Word) -> Formula:
-        """Return the formula that two terms, the first an object function, have the same value or both have none."""
+        """Return the formula which states that an object function and a term have the same value or both have none."""
         one, line = self.function_value(left), left.line
         if right == UNDEFINED and UNDEFINED not in self._declared.objects:
             return one.terms.bound(self._has_no_value(one))

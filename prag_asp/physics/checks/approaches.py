@@ -39,7 +39,7 @@ class End(NamedTuple):
 def approach_problems(
     motion: Sequence[Waypoint], tools: Sequence[Pose], before: End, after: End, simulator: Simulator
 ) -> Iterator[str]:
-    """Yield grasps and releases of objects that are elsewhere, and motions to or from an object that are not straight.
+    """Yield grasps and releases of objects that are not at the gripper, and curved motions to or from an object.
 
     `tools` are the poses of the tool at the waypoints. Grips of handles are left to `handling_problems`.
     """
@@ -73,7 +73,10 @@ def approach_problems(
 
 
 def _end(end: End, robot: str, simulator: Simulator) -> Stop:
-    """Return the stop of an arm in a state; it is down if a fact puts it at an object, or its object is supported."""
+    """Return the stop of an arm in a state.
+
+    The arm is down if a fact states that it is at an object, or if the object that it holds is supported.
+    """
     situation = situation_of(simulator, end.moment.poses, end.moment.openings, end.moment.arms)
     arm = end.moment.arms[robot]
     if arm.held is not None:
@@ -100,5 +103,5 @@ def _not_above(passed: Sequence[Stop]) -> Iterator[str]:
 
 
 def _straight_off(off: Pose, low: Pose) -> bool:
-    """Return whether one pose of the tool is `LIFT` straight above another, or behind it along the fingers."""
+    """Return whether a tool pose is `LIFT` straight above another tool pose, or behind that pose along the fingers."""
     return near(off, raised(low, LIFT)) or near(off, backed(low))

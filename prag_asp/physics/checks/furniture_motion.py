@@ -21,7 +21,7 @@ Openings = Mapping[str, float]
 
 
 def opening_problems(moment: Moment, physical: PhysicalTask, scene: Scene) -> Iterator[str]:
-    """Yield furniture whose opening is missing or beyond its limits, and openings of other entities."""
+    """Yield furniture whose opening is missing or beyond its limits, and other entities that have an opening."""
     furniture = {entity for entity in physical.objects if scene.shapes[entity].traits.furniture}
     for entity in sorted(furniture):
         opening = moment.openings.get(entity, math.nan)

@@ -37,7 +37,7 @@ Rest = tuple[Mapping[str, Pose], Mapping[str, float], tuple[str, ...]]
 
 
 class Settling:
-    """Settles witnesses in a PyBullet world of objects alone; use `open_settling`, which closes it."""
+    """Settles witnesses in a PyBullet world that contains only objects; use `open_settling`, which closes it."""
 
     def __init__(self, scene: Scene, client: int):
         self._scene = scene
@@ -46,8 +46,8 @@ class Settling:
     def fault(self, physical: PhysicalTask, witness: Witness) -> PhysicsFault | None:
         """Return the reason why a state of a witness is not stable, or None if all states are stable.
 
-        An object may move by `LARGEST_MOVE`, turn by `LARGEST_TURN` and end with a speed of `LARGEST_SPEED`;
-        then every fact of the state has to pass its predicate's own check.
+        An object may move by `LARGEST_MOVE`, turn by `LARGEST_TURN` and end with a speed of `LARGEST_SPEED`; then the
+        predicate of every fact of the state has to confirm the fact.
         """
         scene = self._scene.with_sizes(witness.sizes)
         start_world(self._client)
@@ -107,7 +107,7 @@ def open_settling(scene: Scene) -> Iterator[Settling]:
 
 
 def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
-    """Return the reason (one of `CAUSES`) why a state of a witness is not stable, or None if all states are stable.
+    """Return why a state of a witness is not stable (one of `CAUSES`), or None if all states are stable.
 
     Raises:
         SceneError: the task names an entity that has no shape.

@@ -92,7 +92,7 @@ def tilt(quaternion: Quaternion, direction: Vector) -> float:
 def situation_of(
     simulator: Simulator, poses: Mapping[str, Pose], openings: Mapping[str, float], arms: Mapping[str, Arm]
 ) -> Situation:
-    """Return a situation with tool poses from the simulator's own forward kinematics."""
+    """Return a situation with tool poses that the simulator computes by forward kinematics."""
     tools = {}
     for name, arm in arms.items():
         simulator.turn_to(name)
@@ -102,7 +102,7 @@ def situation_of(
 
 
 def tool_in(simulator: Simulator) -> Pose:
-    """Return the pose of the acting tool from the simulator's own forward kinematics."""
+    """Return the pose of the acting tool, which the simulator computes by forward kinematics."""
     robot = simulator.robot
     offset = Pose((0.0, 0.0, robot.tool_offset), yaw_quaternion(robot.tool_turn))
     return compose(simulator.flange(), offset)

@@ -33,7 +33,7 @@ GAP = 0.001
 
 
 class ArmMotors:
-    """The targets of the motors of one arm, which follow actions; `command` holds the latest ones."""
+    """The motor targets of one arm, which follow the actions; `command` holds the latest targets."""
 
     def __init__(self, robot: Robot, control: Control, command: ArmCommand):
         self.command = command
@@ -47,7 +47,7 @@ class ArmMotors:
     def follow(self, values: Floats, arm: Arm) -> ArmCommand:
         """Return the command of the arm until the next action.
 
-        `values` are the numbers of the robot in an action, in their units; `arm` is its actual state.
+        `values` are the robot's numbers in an action, in their units; `arm` is the actual state of the arm.
         """
         joints, here = np.array(self.command.joints), np.array(arm.joints)
         step = self._aim(self, joints, values) - joints
@@ -65,11 +65,11 @@ class ArmMotors:
         return self.command
 
     def joint_position(self, joints: Floats, values: Floats) -> Floats:
-        """Return the joint angles of an action."""
+        """Return the joint angles that an action specifies."""
         return values[:7]
 
     def joint_delta(self, joints: Floats, values: Floats) -> Floats:
-        """Return joint angles after the changes of an action."""
+        """Return the joint angles after adding the changes in an action."""
         return joints + values[:7]
 
     def ee_position(self, joints: Floats, values: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""The control conventions: names, units and scales of the numbers of an action."""
+"""The control conventions: names, units and scales of the numbers in an action."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ FARTHEST = 1.5
 
 
 class Convention(NamedTuple):
-    """The numbers of an action of one robot, with their units.
+    """The numbers that control one robot in an action, with their units.
 
     Actions of an `absolute` convention have these units; others are scaled to -1 to 1.
     """
@@ -59,15 +59,15 @@ CONVENTIONS: dict[ControlName, Convention] = {
 
 @dataclass(frozen=True, eq=False)
 class Control:
-    """A control convention for the robots of a scene: the meaning of the N numbers of an action.
+    """A control convention for the robots of a scene: the meaning of the N numbers in an action.
 
     ``joint_position`` contains the target angle of each joint, ``ee_position`` the target pose of the tool: its
-    position in the scene, and the rotation vector, along the axes of the scene, from the tool that points straight down
-    with its x axis along that of the scene. ``joint_delta`` and ``ee_delta`` contain the changes of these targets in a
-    step; the change of the pose consists of a translation and of a rotation vector applied after the current rotation,
-    both along the axes of the scene. Changes add up on the targets, not on the measured state. All four conventions
-    contain the target opening of the gripper. ``ee_delta_upright`` contains a translation and a turn about the vertical
-    of a tool that points down, and the change of the opening.
+    position in the scene, and the rotation vector, along the axes of the scene, from the orientation in which the tool
+    points straight down and its x axis is parallel to the x axis of the scene. ``joint_delta`` and ``ee_delta`` contain
+    the changes of these targets in a step; the change of the pose consists of a translation and of a rotation vector
+    applied after the current rotation, both along the axes of the scene. Changes add up on the targets, not on the
+    measured state. All four conventions contain the target opening of the gripper. ``ee_delta_upright`` contains a
+    translation and a turn about the vertical of a tool that points down, and the change of the opening.
 
     An action contains the numbers of each robot in turn; there are `rate` actions per second. `names` (N,) are names
     like ``panda/joint_1``, `units` (N,) are ``m`` or ``rad``. `lower` and `upper` (N,) are the smallest and largest
@@ -83,7 +83,7 @@ class Control:
 
     @classmethod
     def of(cls, name: str, scene: Scene, rate: int = USUAL_RATE, *, scale: float = 1.0) -> Control:
-        """Return a convention by its name; `scale` is a factor of its changes, except those of the fingers.
+        """Return the convention with a given name; `scale` multiplies its changes, except those of the gripper opening.
 
         Raises:
             QueryError: there is no such convention or rate, or absolute values are scaled.
@@ -128,11 +128,11 @@ class Control:
         return self.upper if self.convention.absolute else np.full(len(self.upper), 1.0)
 
     def values(self, action: Floats) -> Floats:
-        """Return the numbers of actions in their units; the last axis has N."""
+        """Return the numbers of actions in their units; the last axis has length N."""
         return action if self.convention.absolute else self.from_unit(action)
 
     def actions(self, values: Floats) -> Floats:
-        """Return the actions with given numbers in their units; the last axis has N."""
+        """Return the actions whose numbers are given in their units; the last axis has length N."""
         return values if self.convention.absolute else self.to_unit(values)
 
     def from_unit(self, shares: Floats) -> Floats:
@@ -146,7 +146,7 @@ class Control:
 
 
 def _bounds(name: str, robot: Robot, rate: int) -> tuple[Floats, Floats]:
-    """Return the lower and upper bounds of the numbers of one robot, in their units."""
+    """Return the lower and upper bounds of one robot's numbers, in their units."""
     at = robot.base.position
     lower: Sequence[float]
     upper: Sequence[float]

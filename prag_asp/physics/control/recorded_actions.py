@@ -24,7 +24,7 @@ EXCESS = 1e-6
 
 
 def recorded_actions(control: Control, scene: Scene, commands: Numbers) -> Floats:
-    """Return the actions of a control that lead from each of some motor commands to the next; shape (N, size).
+    """Return the actions of a control that lead from each motor command to the next; shape (N, size).
 
     `commands` (N + 1, R, 8) holds the joint angles and the opening of each robot; the first row is the command before
     the actions.
@@ -60,15 +60,15 @@ def recorded_states(name: ControlName, scene: Scene, arms: Numbers) -> Floats:
 
 
 def state_names(names: Iterable[ControlName], scene: Scene) -> list[str]:
-    """Return the names of the numbers of states in absolute conventions, in sequence, each name once."""
+    """Return the names of the numbers in states in several absolute conventions, in order, without duplicates."""
     numbers = (f"{robot}/{each}" for name in names for robot in scene.robots for each in CONVENTIONS[name].numbers)
     return list(dict.fromkeys(numbers))
 
 
 def states_in(names: Iterable[ControlName], scene: Scene, arms: Numbers) -> Floats:
-    """Return the states of the robots in some absolute conventions; shape (N, size), the numbers of `state_names`.
+    """Return the states of the robots in several absolute conventions, in the order of `state_names`; shape (N, size).
 
-    `arms` (N, R, 8) have the joint angles and the opening of each robot.
+    `arms` (N, R, 8) holds the joint angles and the opening of each robot.
     """
     names = list(names)
     columns: dict[str, Floats] = {}

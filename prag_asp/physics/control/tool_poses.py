@@ -1,7 +1,7 @@
-"""Poses of tools as six numbers: a position, and a rotation vector from the tool that points straight down.
+"""Tool poses as six numbers: a position, and a rotation vector relative to a tool that points straight down.
 
-A rotation vector of the tool itself would be useless: for a tool that points down, its length is near pi, where it
-jumps between opposite vectors.
+A rotation vector relative to the scene would be useless: for a tool that points down, its length is near pi, where the
+vector jumps between opposite directions.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def moved_pose(pose: Floats, motion: Floats) -> Floats:
 
 
 def motion_between(one: Floats, two: Floats) -> Floats:
-    """Return the motion with which `moved_pose` leads from one pose to another; shape (6,)."""
+    """Return the motion that `moved_pose` needs to get from one pose to another; shape (6,)."""
     return np.concatenate([two[:3, 3] - one[:3, 3], rotation_vector(two[:3, :3] @ one[:3, :3].T)])
 
 
@@ -58,7 +58,7 @@ def rotation(vector: Floats) -> Floats:
 
 
 def rotation_vector(turn: Floats) -> Floats:
-    """Return the rotation vector of a rotation matrix, of a length from 0 to pi, by its unit quaternion."""
+    """Return the rotation vector of a rotation matrix, computed from its unit quaternion; its length is 0 to pi."""
     x, y, z, w = quaternion_of(turn.tolist())
     if w < 0.0:
         x, y, z, w = -x, -y, -z, -w

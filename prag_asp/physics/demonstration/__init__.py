@@ -1,1 +1,1 @@
-"""Execution of tasks by the robots in a dynamic simulation."""
+"""Let the robots execute tasks in a dynamic simulation."""

@@ -85,7 +85,7 @@ class Actor:
         self._drive(robot, ways)
 
     def _fingers_move(self, waypoint: Waypoint) -> bool:
-        """Return whether the opening of an empty gripper differs from that of a waypoint."""
+        """Return whether an empty gripper has a different opening than a waypoint requires."""
         return self._arms[waypoint.robot].held is None and waypoint.width != self._commands[waypoint.robot].opening
 
     def _drive(self, robot: str, ways: list[Angles]) -> None:
@@ -126,7 +126,7 @@ class Actor:
             self._step()
 
     def _command(self, robot: str, command: ArmCommand, speeds: Sequence[float] = STILL) -> None:
-        """Set the targets of an arm's motors, with target speeds of the joints in rad/s."""
+        """Set the targets of an arm's motors, including the target speeds of the joints in rad/s."""
         self._commands[robot] = command
         self._world.drive(robot, command, speeds)
 

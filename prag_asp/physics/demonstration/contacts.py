@@ -1,7 +1,7 @@
 """The contacts that a task intends, and the unintended contacts in an episode.
 
-The check covers the contacts of robots and of moved bodies: those that a finger touches, and those that rest on them. A
-task intends contacts between
+The check covers the contacts of robots and of moved bodies: bodies that a finger touches, and bodies that rest on them.
+A task intends contacts between
 
 - the fingers of a gripper and the object that it holds, grasps, releases or is at, before or after the action, or the
   furniture that the action opens or closes;
@@ -58,7 +58,7 @@ class Touch(NamedTuple):
     depth: float = 0.0
 
     def sentence(self) -> str:
-        """Return a sentence for the contact."""
+        """Return a sentence that describes the contact."""
         deep = f", {1000 * self.depth:.1f} mm deep" if self.depth > DEEPEST else ""
         return f"{_named(self.one)} presses on {_named(self.two)} with {self.force:.1f} N{deep}"
 
@@ -76,7 +76,7 @@ class IntendedContacts:
 
 
 def intended_contacts(physical: PhysicalTask, number: int, *around: Situation) -> IntendedContacts:
-    """Return the contacts that a task intends during an action; actions count from 1, and 0 is before the first one.
+    """Return the contacts that a task intends during an action; actions count from 1, and 0 means before action 1.
 
     `around` are the situations before and after the action.
     """
@@ -127,7 +127,7 @@ class HandledContact(NamedTuple):
 
 
 def handled_contacts(touches: Iterable[Touch], intended: IntendedContacts) -> Iterator[HandledContact]:
-    """Yield the contacts of robots and moved bodies: those that fingers touch, and those that rest on them."""
+    """Yield the contacts of robots and moved bodies: bodies that fingers touch, and bodies that rest on these."""
     frames: dict[int, list[Touch]] = {}
     for touch in touches:
         frames.setdefault(touch.frame, []).append(touch)
@@ -157,7 +157,7 @@ def _strongest(touches: Iterable[Touch]) -> list[Touch]:
 def _is_intended(pair: Pair, touched: set[str], moved: set[str], intended: IntendedContacts) -> bool:
     """Return whether a contact of a robot or a moved body is intended.
 
-    `moved` are the bodies `touched` by fingers, and those that rest on them.
+    `moved` are the bodies `touched` by fingers, and the bodies that rest on these.
     """
     (part, robot), (other_part, other_robot) = map(_part, pair)
     if part and other_part:
@@ -176,5 +176,5 @@ def _part(body: str) -> tuple[str, str]:
 
 
 def _named(body: str) -> str:
-    """Return the name of a body for a sentence."""
+    """Return the name of a body for use in a sentence."""
     return f"the {body}" if _part(body)[0] or body == BOARD else body

@@ -115,7 +115,7 @@ class Demonstration:
         )
 
     def arms(self, frame: int) -> dict[str, Arm]:
-        """Return the arms in a frame by robot name."""
+        """Return the states of the arms in a frame, by robot name."""
         rows = zip(self.robots, self.joints[frame].tolist(), self.widths[frame].tolist(), strict=True)
         return {name: Arm(tuple(angles), width) for name, angles, width in rows}
 
@@ -202,7 +202,7 @@ def _open_episode(path: str | Path, within: str | Path | None) -> Iterator[Binar
 
 
 def read_variation(path: str | Path, *, within: str | Path | None = None) -> Variation | None:
-    """Return the variation of the episode in a file, None if it has none, without reading anything else.
+    """Return the variation of the episode in a file, or None if it has no variation, without reading anything else.
 
     Raises:
         QueryError: the file cannot be read, or is not an episode.
@@ -212,7 +212,7 @@ def read_variation(path: str | Path, *, within: str | Path | None = None) -> Var
 
 
 def _variation(text: NDArray[Any] | None) -> Variation | None:
-    """Return the variation of an episode from its text, None if there is none.
+    """Parse the variation of an episode, or return None if there is none.
 
     Raises:
         ValueError: the text has a wrong format.
@@ -230,9 +230,9 @@ def _variation(text: NDArray[Any] | None) -> Variation | None:
 def situation_of(
     scene: Scene, objects: Sequence[str], poses: Floats, openings: Mapping[str, float], arms: Mapping[str, Arm]
 ) -> Situation:
-    """Return a situation from the poses of objects, shape (O, 7), and the states of the arms.
+    """Make a situation from the poses of objects, shape (O, 7), and the states of the arms.
 
-    `openings` are those of furniture, in metres or radians.
+    `openings` are the openings of furniture, in metres or radians.
     """
     from prag_asp.physics.situation import Situation  # noqa: PLC0415 - verdicts are read without predicates
 
@@ -241,13 +241,13 @@ def situation_of(
 
 
 def pose_of(row: list[float]) -> Pose:
-    """Return a pose from its seven numbers."""
+    """Return the pose that seven numbers describe."""
     x, y, z, qx, qy, qz, qw = row
     return Pose((x, y, z), (qx, qy, qz, qw))
 
 
 def _require_fitting(content: Mapping[str, NDArray[Any]]) -> None:
-    """Check that the shapes and types of an episode's arrays match.
+    """Check that the shapes and types of an episode's arrays are consistent.
 
     Raises:
         ValueError: the shape or type of an array does not match the others.

@@ -1,4 +1,4 @@
-"""Check an episode by the predicates, and by the contacts that its task intends."""
+"""Check an episode with the predicates, and for contacts that its task does not intend."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The camera recordings of an episode: videos, and the motion of the grippers between them."""
+"""The camera recordings of an episode: videos, and the motion of the grippers between images."""
 
 from __future__ import annotations
 
@@ -39,7 +39,8 @@ def are_equal(one: Any, other: Any) -> bool:
 class CameraImage(NamedTuple):
     """A camera image: `rgb` (H, W, 3), `depth` (H, W) in metres, `segmentation` (H, W).
 
-    The depth is along the axis of the camera, 0 for the background; the segmentation has indices into the legend.
+    The depth is measured along the axis of the camera, and is 0 for the background. The segmentation consists of
+    indices into the legend.
     """
 
     rgb: NDArray[np.uint8]
@@ -51,8 +52,8 @@ class CameraImage(NamedTuple):
 class CameraVideo:
     """The video of one camera: N images of H x W pixels, see `CameraImage`.
 
-    `intrinsics` (3, 3) has fx, fy, cx and cy in pixels; `extrinsics` (N, 4, 4) the pose of the camera in the scene in
-    metres, with x to the right, y down and z ahead; `limits` (2,) the near and far plane in metres.
+    `intrinsics` (3, 3) contains fx, fy, cx and cy in pixels; `extrinsics` (N, 4, 4) the pose of the camera in the scene
+    in metres, with x to the right, y down and z ahead; `limits` (2,) the near and far plane in metres.
     """
 
     intrinsics: NDArray[np.float32]
@@ -135,7 +136,7 @@ class Footage:
 
 
 def read_footage(file: BinaryIO, frames: int, robots: int, at_most: int) -> Footage | None:
-    """Return the footage of an episode with a number of frames and robots, None if it has none.
+    """Return the footage of an episode with the given numbers of frames and robots, or None if it has no footage.
 
     `at_most` limits the size in bytes of the arrays without images.
 

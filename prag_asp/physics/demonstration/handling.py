@@ -72,7 +72,7 @@ def _in_hand(episode: Demonstration, robot: str) -> Iterator[tuple[int, int, str
 
 
 def _slip(episode: Demonstration, scene: Scene, arm: int, frames: tuple[int, int], entity: str) -> HandlingFault | None:
-    """Return the fault if an object moves in the hand between the arm's first motion and the release, else None."""
+    """Return a fault if an object moves in the hand between the arm's first motion and the release, or else None."""
     first, last = frames
     commands: NDArray[np.float64] = np.abs(np.diff(episode.commands[first : last + 1, arm].astype(float), axis=0))
     moving = np.flatnonzero(commands[:, :7].max(axis=1, initial=0.0) > STANDSTILL)

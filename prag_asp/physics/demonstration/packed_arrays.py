@@ -1,4 +1,4 @@
-"""Arrays that are compressed row by row, and written into a .npz archive without decompression.
+"""Compress arrays row by row, and write them into a .npz archive without decompressing them.
 
 An uncompressed video is large, so each image is compressed when it is taken. The format of the archive's parts is that
 of PKWARE's APPNOTE (6.3.10, 4.3.7, 4.3.12 and 4.3.16).
@@ -37,7 +37,7 @@ BROKEN = "the pictures of an episode were cut off or changed; record it anew"
 
 @dataclass(frozen=True)
 class Packed:
-    """An array of N rows as the compressed stream of a .npy file, with its checksum and uncompressed size."""
+    """An array of N rows as a compressed .npy stream, with its checksum and uncompressed size."""
 
     count: int
     row: tuple[int, ...]
@@ -77,7 +77,7 @@ class Packed:
 
 
 class Packer:
-    """Compresses an array of a known number of rows, row by row."""
+    """Compresses an array with a known number of rows, row by row."""
 
     def __init__(self, count: int, row: tuple[int, ...], dtype: str):
         self._shape, self._kind = (count, *row), np.dtype(dtype)
@@ -103,7 +103,7 @@ class Packer:
 
 
 def with_packed(archive: bytes, arrays: Mapping[str, Packed]) -> bytes:
-    """Return an archive with more arrays, given by name.
+    """Return an archive with further arrays added; they are given by name.
 
     Raises:
         ValueError: the archive would exceed 4 GB, the limit of the format.
@@ -167,7 +167,7 @@ def _head(shape: tuple[int, ...], kind: np.dtype[Any]) -> bytes:
 
 
 def _unpacked(packed: Packed, head: int, length: int) -> Iterator[bytes]:
-    """Yield the header of an array's stream, then its rows, each of a given length in bytes.
+    """Yield the header of an array's stream, then the rows of the array, each with a given length in bytes.
 
     Raises:
         QueryError: the stream is truncated or has changed.

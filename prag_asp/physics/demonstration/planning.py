@@ -1,7 +1,7 @@
 """Plan the paths of an arm between the waypoints of a witness from the actual poses of the objects.
 
-The robot knows where the objects are: it grasps each as in the witness, but at its actual pose, and places it at its
-pose in the witness, whatever the actual grasp. Small errors therefore do not accumulate.
+The robot knows where the objects are: it grasps an object as in the witness, but at the object's actual pose, and
+places the object at its pose in the witness, whatever the actual grasp. Small errors therefore do not accumulate.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ LARGEST_TURN = 0.3
 
 @dataclass(frozen=True)
 class Action:
-    """An action of a witness: its effect, the moments before and after it, and the waypoints between them."""
+    """An action of a witness: its effect, the moments before and after the action, and the waypoints between them."""
 
     effect: ActionEffect
     before: Moment
@@ -50,7 +50,7 @@ class Action:
 class Leg:
     """A part of an action: a waypoint, the transit path to it in the witness, and the object that the arm approaches.
 
-    `start` are the joint angles of the arm in the witness when the leg begins.
+    `start` contains the joint angles of the arm in the witness when the leg begins.
     """
 
     waypoint: Waypoint
@@ -75,8 +75,8 @@ def action_legs(action: Action) -> Iterator[Leg]:
 def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, action: Action) -> Angles | None:
     """Return the joint angles of every time step on a path, shape (steps, 7); None if no free path is found.
 
-    The path is straight (up, down or along the fingers), that of the witness, or another free path; a heavy object is
-    accelerated less. `situation` is the actual situation, `arm` the target of the motors.
+    The path is straight (up, down or along the fingers), the path in the witness, or another free path; heavy objects
+    are accelerated less. `situation` is the actual situation, `arm` the target of the motors.
     """
     robot, waypoint = planner.robot, leg.waypoint
     most = MOST if arm.held is None else bearable_acceleration(situation.scene, arm.held, waypoint.robot)
@@ -113,7 +113,7 @@ def _moved_on(robot: Robot, leg: Leg, joints: Joints) -> Pose:
 
 
 def plan_pull(planner: Simulator, situation: Situation, arm: Arm, furniture: str, opening: float) -> Angles:
-    """Return the joint angles of every time step for moving furniture to an opening, shape (steps, 7).
+    """Return the joint angles of every time step of a motion that moves furniture to an opening, shape (steps, 7).
 
     `opening` is in metres or radians.
     """
@@ -123,12 +123,12 @@ def plan_pull(planner: Simulator, situation: Situation, arm: Arm, furniture: str
 
 
 def _measured_grasp(situation: Situation, robot: str, held: str | None) -> Pose | None:
-    """Return the actual grasp of the object that a gripper holds in a situation, None if it holds none."""
+    """Return the actual grasp of the object that a gripper holds in a situation, or None if it holds no object."""
     return None if held is None else compose(invert(situation.tool(robot)), situation.poses[held])
 
 
 def _corrected(leg: Leg, planned: Pose, situation: Situation, action: Action) -> Pose:
-    """Return the tool pose at a waypoint, `planned` in the witness, corrected for the actual poses of objects.
+    """Return a tool pose corrected for the actual poses of objects; `planned` is the tool pose in the witness.
 
     A held object is moved to its pose in the witness; a free tool is moved to its pose in the witness relative to the
     object that it approaches.
@@ -155,6 +155,6 @@ def _corrected(leg: Leg, planned: Pose, situation: Situation, action: Action) ->
 
 
 def _turn(one: Pose, two: Pose) -> tuple[float, float, float, float]:
-    """Return the rotation about z from the heading of one pose to that of another; the identity if it is not small."""
+    """Return the rotation about z that turns one pose to the heading of another, or the identity if it is not small."""
     angle = wrap(yaw_of(two.quaternion) - yaw_of(one.quaternion))
     return yaw_quaternion(angle if abs(angle) < LARGEST_TURN else 0.0)

@@ -19,7 +19,7 @@ FRAME_STEPS = 6
 
 
 class Recorder:
-    """Collects the frames of one episode, as the numbers for the file."""
+    """Collects the frames of one episode, as the numbers that the file will contain."""
 
     def __init__(self, world: Dynamics, objects: Sequence[str]):
         self._world = world

@@ -73,7 +73,7 @@ def low_files(kind: str) -> Mapping[str, bytes]:
 def _simplified(
     link: ElementTree.Element, visual: ElementTree.Element, stem: str, named: Mapping[str, Colour]
 ) -> dict[str, bytes]:
-    """Replace the visual mesh of a link by simplified ones, one for each colour, and return their files.
+    """Replace the visual mesh of a link by simplified meshes, one for each colour, and return their files.
 
     File names begin with a stem that is unique to the robot, because PyBullet caches meshes by path. `named` are the
     colours of the robot's materials.
@@ -100,7 +100,7 @@ def _simplified(
 def _by_colour(source: Path, default: Colour) -> dict[Colour, list[Mesh]]:
     """Return the simplified parts of a mesh by colour.
 
-    `default` is the colour in the URDF; if that is white, the materials of the mesh decide.
+    `default` is the colour in the URDF; if it is white, the materials of the mesh determine the colours.
     """
     try:
         parts = read_parts(source.read_text(encoding="utf-8", errors="replace"))
@@ -155,7 +155,7 @@ def _colours(text: str) -> Mapping[str, Colour]:
 
 
 def cluster_corners(mesh: Mesh, cell: float) -> Mesh:
-    """Return a mesh in which the vertices of each grid cell are merged at their mean; `cell` is its side in metres.
+    """Merge the vertices of a mesh in each grid cell at their mean; `cell` is the side of a grid cell in metres.
 
     Degenerate and duplicate triangles are removed.
     """
@@ -175,7 +175,7 @@ def cluster_corners(mesh: Mesh, cell: float) -> Mesh:
 
 
 def _lines(meshes: Sequence[Mesh]) -> Iterator[str]:
-    """Yield the lines of an .obj file of meshes, whose vertex normals are area-weighted means over triangles."""
+    """Yield the lines of an .obj file with several meshes; vertex normals are area-weighted means over triangles."""
     before = 1
     for corners, triangles in meshes:
         edges = corners[triangles]

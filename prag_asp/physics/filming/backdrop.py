@@ -67,7 +67,7 @@ def _rays(camera: Camera) -> tuple[Floats, Floats]:
 
 
 def patches(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
-    """Return the zones of a scene as rectangles; `numbers` are those of the entities."""
+    """Return the zones of a scene as rectangles; `numbers` are the numbers of the entities."""
     return [_patch(scene, entity, numbers) for entity, shape in scene.shapes.items() if shape.kind == "zone"]
 
 
@@ -78,13 +78,13 @@ def has_still_floor(scene: Scene, entity: str) -> bool:
 
 
 def floors(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
-    """Return the floors of containers that are fixed on the table; `numbers` are those of the entities."""
+    """Return the floors of containers that are fixed on the table; `numbers` are the numbers of the entities."""
     entities = (entity for entity in scene.shapes if entity in numbers and has_still_floor(scene, entity))
     return [_patch(scene, entity, numbers, scene.shapes[entity].wall) for entity in entities]
 
 
 def _patch(scene: Scene, entity: str, numbers: Mapping[str, int], wall: float = 0.0) -> LevelPatch:
-    """Return the rectangle of a fixed entity up to the middle of its walls, at a height equal to their thickness."""
+    """Return the rectangle of a fixed entity's floor, as high as the walls are thick, up to the middle of the walls."""
     (x, y, yaw), (half_x, half_y, _) = scene.fixed[entity], scene.shapes[entity].half
     half = (half_x - wall / 2, half_y - wall / 2)
     return LevelPatch(x, y, half, yaw, scene.color(entity), numbers[entity], wall)
@@ -99,7 +99,7 @@ def backdrop(
     light: Vector,
     raised: Sequence[LevelPatch] = (),
 ) -> Backdrop:
-    """Return the image of the table, the zones, the rectangles `raised` above it and the background for a camera pose.
+    """Return an image from a camera pose of the table, the zones, the rectangles `raised` above it and the background.
 
     `table` is the number of the table; `light` is the direction to the light.
     """
@@ -155,10 +155,10 @@ def sky(size: tuple[int, int]) -> NDArray[np.uint8]:
 
 
 def _shade(axis: int, side: float, light: Vector) -> float:
-    """Return the brightness of a surface with its normal along an axis, or against it if `side` is negative."""
+    """Return the brightness of a surface whose normal points along an axis, or against it if `side` is negative."""
     return AMBIENT + DIFFUSE * max(0.0, math.copysign(1.0, side) * light[axis] / math.hypot(*light))
 
 
 def _shaded(color: str, shade: float) -> NDArray[np.uint8]:
-    """Return the RGB values, from 0 to 255, of a colour like ``#e4572e`` at a brightness."""
+    """Return the RGB values, from 0 to 255, of a colour like ``#e4572e`` with a given brightness."""
     return np.array([min(255.0, part * shade) for part in rgb(color)]).astype(np.uint8)

@@ -1,4 +1,4 @@
-"""Render the frames of an episode with cameras at a frame rate."""
+"""Render the camera images of an episode at a given frame rate."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def render_cameras(demonstration: Demonstration, scene: Scene, staging: Staging)
 def render_frames(
     demonstration: Demonstration, scene: Scene, cameras: Mapping[str, Camera], frames: Sequence[int]
 ) -> Footage:
-    """Return the camera images of some frames of an episode.
+    """Return the camera images for the selected frames of an episode.
 
     Raises:
         SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.
@@ -78,7 +78,7 @@ def subgoal_at(demonstration: Demonstration, frame: int) -> int:
 
 
 def moment_of(demonstration: Demonstration, frame: int) -> Moment:
-    """Return the moment in a frame of an episode."""
+    """Return a frame of an episode as a moment."""
     poses = dict(zip(demonstration.objects, map(pose_of, demonstration.poses[frame].tolist()), strict=True))
     return Moment(poses, demonstration.arms(frame), demonstration.openings_at(frame))
 

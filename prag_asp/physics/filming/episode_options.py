@@ -21,7 +21,8 @@ RATES = tuple(rate for rate in range(1, FRAMES_A_SECOND + 1) if FRAMES_A_SECOND 
 class Staging:
     """The cameras of a scene that record demonstrations, and the properties that vary: some of `KINDS`.
 
-    `size` is the width and height of images in pixels, by default that of each camera; `rate` is in images per second.
+    `size` is the width and height of images in pixels, by default the size of each camera; `rate` is in images per
+    second.
 
     Raises:
         QueryError: a camera is named twice, a size or a rate is invalid, or a kind of variation is unknown.
@@ -48,11 +49,11 @@ class Staging:
             raise QueryError(f"a camera's picture has {low} to {high} pixels a side; got {width}x{height}")
 
     def sample_variation(self, scene: Scene, objects: Sequence[str], seeds: Sequence[int]) -> Variation | None:
-        """Return a random variation for a demonstration with the given objects, None if nothing varies."""
+        """Return a random variation for a demonstration with the given objects, or None if nothing varies."""
         return draw_variation(scene, self.vary, objects, seeds) if self.vary else None
 
     def cameras_of(self, scene: Scene) -> dict[str, Camera]:
-        """Return the cameras that record in a scene by name, with the requested image size.
+        """Return the cameras that record in a scene, by name, with the requested image size.
 
         Raises:
             QueryError: the scene lacks one of the cameras.

@@ -23,7 +23,7 @@ because machines round differently."""
 
 
 def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
-    """Return the differences between the footage of an episode and the views of the scene's cameras; none if it passes.
+    """Return the differences between the footage of an episode and the images that the scene's cameras should record.
 
     Raises:
         SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.

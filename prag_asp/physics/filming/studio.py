@@ -118,7 +118,7 @@ class Studio:
         return matrix(tool_pose(self._robots[camera.mount], self._joints[camera.mount])) @ self._poses[camera]
 
     def take(self, camera: Camera) -> CameraImage:
-        """Return the current image of a camera."""
+        """Take an image with a camera, and return it."""
         pose = self.pose(camera)
         behind = None if camera.mount else self._fixed.get(camera)
         if behind is None:

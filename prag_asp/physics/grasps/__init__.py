@@ -1,1 +1,1 @@
-"""Grasps of a parallel gripper on the geometry of a body, in the body's frame, without an arm or a scene."""
+"""Grasps of a body by a parallel gripper, in the body's frame, without an arm or a scene."""

@@ -1,4 +1,4 @@
-"""Antipodal grasps of a parallel gripper on the surface of a body.
+"""Antipodal grasps of a body by a parallel gripper.
 
 A grasp is antipodal if the line between its two contacts lies in both friction cones; with soft fingers it is then in
 force closure (Nguyen, "Constructing force-closure grasps", 1988). Candidates are sampled: a point of the surface, a
@@ -68,10 +68,10 @@ from one direction.
 class Grasp(NamedTuple):
     """A way to hold a body.
 
-    `tool` is the pose of the tool in the frame of the body; `width` the distance in metres between the pads in contact
-    and `approach` that between the pads on the approach; `tilt` the angle between the tool's direction and straight
-    down in radians; `lever` the horizontal distance in metres of the centre of mass from the line between the pads;
-    `radius` the lever arm of friction about that line, in metres; `score` is higher for better grasps.
+    `tool` is the pose of the tool in the frame of the body. `width` is the distance in metres between the pads in
+    contact, and `approach` their distance during the approach. `tilt` is the angle in radians between the tool's
+    direction and straight down, `lever` the horizontal distance in metres from the centre of mass to the line between
+    the pads, and `radius` the lever arm of friction about that line, in metres. `score` is higher for better grasps.
     """
 
     tool: Pose
@@ -96,7 +96,7 @@ class GraspProblem(NamedTuple):
 
 
 def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Grasp, ...]:
-    """Return distinct grasps of a body, the most promising first; none if no sample is a grasp.
+    """Return distinct grasps of a body, the most promising first; the result is empty if no sample is a grasp.
 
     The samples are fixed, so the same body has the same grasps.
     """
@@ -144,12 +144,12 @@ def _promises(points: Floats, facing: Floats, gripper: ParallelGripper, friction
 
 
 def dense_points(parts: Sequence[Floats]) -> Floats:
-    """Return points of the surface of a body that must not be inside the hand, shape (n, 3), in its frame in metres."""
+    """Return surface points of a body that must not be inside the hand, shape (n, 3), in the body's frame in metres."""
     return surface_points(parts, DENSE, np.random.default_rng(0))[0]
 
 
 def open_width(points: Floats, gripper: ParallelGripper, tool: Pose, width: float) -> float | None:
-    """Return the widest opening in metres at which the hand at a tool pose is free of a body, None if there is none.
+    """Return the widest opening in metres at which the hand does not penetrate a body, or None if there is none.
 
     `points` are the points of `dense_points`; `width` is the width of the material between the pads.
     """
@@ -157,7 +157,7 @@ def open_width(points: Floats, gripper: ParallelGripper, tool: Pose, width: floa
 
 
 def hand_is_free(points: Floats, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
-    """Return whether the hand at a tool pose, with the pads `width` metres apart, penetrates a body by `SOFT` at most.
+    """Return whether the hand penetrates a body by at most `SOFT` at a tool pose with the pads `width` metres apart.
 
     `points` are the points of `dense_points`.
     """
@@ -173,7 +173,7 @@ def _soft_boxes(gripper: ParallelGripper, width: float) -> list[Box]:
 
 
 def _widest(points: Floats, gripper: ParallelGripper, width: float) -> float | None:
-    """Return the widest opening in metres at which points in the hand's frame are outside it, None if there is none."""
+    """Return the widest opening in metres at which given points are outside the hand, or None if there is none."""
     openings = (gripper.opening, width + 4 * ROOM, width + 2 * ROOM)
     return next((wide for wide in openings if wide <= gripper.opening and _free(points, gripper.boxes(wide))), None)
 
@@ -181,7 +181,7 @@ def _widest(points: Floats, gripper: ParallelGripper, width: float) -> float | N
 def _judged(
     problem: GraspProblem, gripper: ParallelGripper, triangles: Floats, dense: Floats, place: Pose, tilt: float
 ) -> Grasp | None:
-    """Return the grasp with the pads at a place on the body, or None if there is no grasp there."""
+    """Return the grasp at a place on the body, or None if the pads cannot grasp it there."""
     contact = gripper.contact(in_frame(triangles, place))
     if contact is None or contact.width > gripper.opening - 2 * ROOM or not _holds(contact, problem.friction):
         return None
@@ -231,9 +231,9 @@ def _free(points: Floats, boxes: Sequence[Box]) -> bool:
 
 
 def _is_distinct(tool: Pose, kept: Sequence[Grasp], kind: int) -> bool:
-    """Return whether a tool differs enough in position or orientation from those of grasps, for a kind of grasp.
+    """Return whether a tool pose differs enough from those of the grasps found so far, for a given kind of grasp.
 
-    Half a turn about the tool's own axis does not count as a difference.
+    Half a turn of the tool about its axis does not count as a difference.
     """
     ax, ay, az, aw = tool.quaternion
     for grasp in kept:

@@ -1,4 +1,4 @@
-"""The material of a primitive between two pads, in closed form.
+"""Compute the width of a primitive between two pads, in closed form.
 
 The pads sweep a prism along y of the tool: a rectangle of x and z. A primitive is convex, so the part of it in the
 prism begins and ends at points where no other point of it is farther along y: corners, stationary points of its edges
@@ -52,7 +52,7 @@ class PadWindow(NamedTuple):
 
 
 def width_between(shape: Shape, pose: Pose, window: PadWindow, tool: Pose) -> float:
-    """Return the width along y of the tool of a primitive's part between the pads, in metres; 0 if there is nothing.
+    """Return the width in metres, along the tool's y axis, of the part of a primitive between the pads; 0 if none.
 
     A shape that is neither a cylinder nor a ball counts as the box around it.
     """
@@ -81,7 +81,8 @@ def width_between(shape: Shape, pose: Pose, window: PadWindow, tool: Pose) -> fl
 def _between_faces(shape: Shape, pose: Pose, window: PadWindow, opening: Vector) -> float:
     """Return the width along an axis of the strip between the two faces of a box that are nearest to the pads.
 
-    The box may turn about the fingers, or about the pads' other axis, along which they are about as long.
+    The box may turn about the direction of the fingers, or about the pads' other axis, along which the pads are about
+    as long.
     """
     x, y, z, w = pose.quaternion
     slopes = [max(abs(slope), PARALLEL) for slope in rotate((-x, -y, -z, w), opening)]
@@ -90,7 +91,7 @@ def _between_faces(shape: Shape, pose: Pose, window: PadWindow, opening: Vector)
 
 
 def _on_line(shape: Shape, place: Pose, line: tuple[float, float]) -> Interval:
-    """Return the interval of a body on a line along y with an x and z, relative to its centre; empty if low > high."""
+    """Return the interval of a body on the line along y at an x and z relative to its centre; empty if low > high."""
     x, y, z, w = place.quaternion
     inverse = (-x, -y, -z, w)
     start = rotate(inverse, (line[0] - place.position[0], 0.0, line[1] - place.position[2]))
@@ -113,7 +114,7 @@ def _on_line(shape: Shape, place: Pose, line: tuple[float, float]) -> Interval:
 
 
 def _ends_of_box(shape: Shape, place: Pose, window: PadWindow) -> Iterator[float]:
-    """Yield y at the ends of the parts of a box's edges between the pads."""
+    """Yield y at the ends of the sections of a box's edges that lie between the pads."""
     half = shape.half
     sides = [rotate(place.quaternion, axis) for axis in AXES]
     x, y, z = place.position
@@ -130,7 +131,7 @@ def _ends_of_box(shape: Shape, place: Pose, window: PadWindow) -> Iterator[float
 
 
 def _within(begin: float, slope: float, ends: Interval, low: float, high: float) -> Interval:
-    """Return the part of an interval of t in which ``begin + slope * t`` is between two ends; empty if low > high."""
+    """Return the part of an interval of t where ``begin + slope * t`` is between two bounds; empty if low > high."""
     if abs(slope) <= PARALLEL:
         return (low, high) if ends[0] - ON_SIDE <= begin <= ends[1] + ON_SIDE else NOTHING
     first, last = (ends[0] - begin) / slope, (ends[1] - begin) / slope
@@ -138,7 +139,7 @@ def _within(begin: float, slope: float, ends: Interval, low: float, high: float)
 
 
 def _ends_of_cylinder(shape: Shape, place: Pose, window: PadWindow) -> Iterator[float]:
-    """Yield y at stationary points of a cylinder's rims and side, and at those in the sides of the prism."""
+    """Yield y at stationary points of a cylinder's rims and side, and at their intersections with the prism's sides."""
     radius, _, long = shape.half
     axis = rotate(place.quaternion, AXES[2])
     points = chain(
@@ -148,14 +149,14 @@ def _ends_of_cylinder(shape: Shape, place: Pose, window: PadWindow) -> Iterator[
 
 
 def _extremes(radius: float, long: float, axis: Vector, centre: Vector) -> Iterator[Vector]:
-    """Yield the first and the last point of each rim along y; the centres of the ends if the axis is parallel to y."""
+    """Yield the first and the last point of each rim along y; the rim's centre if the axis is parallel to y."""
     outward = _unit_across(axis, AXES[1])
     for end in (_point(centre, -long, axis), _point(centre, long, axis)):
         yield from (end,) if outward is None else (_point(end, -radius, outward), _point(end, radius, outward))
 
 
 def _unit_across(axis: Vector, direction: Vector) -> Vector | None:
-    """Return the unit vector of the part of a direction across an axis; None if they are parallel."""
+    """Return the unit vector of a direction's component perpendicular to an axis, or None if they are parallel."""
     along = sum(a * b for a, b in zip(axis, direction, strict=True))
     x, y, z = (b - along * a for a, b in zip(axis, direction, strict=True))
     length = math.hypot(x, y, z)
@@ -163,7 +164,7 @@ def _unit_across(axis: Vector, direction: Vector) -> Vector | None:
 
 
 def _point(start: Vector, far: float, way: Vector) -> Vector:
-    """Return the point at a distance from another one along a vector."""
+    """Return the point at a distance from a given point along a vector."""
     return start[0] + far * way[0], start[1] + far * way[1], start[2] + far * way[2]
 
 

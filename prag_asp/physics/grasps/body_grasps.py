@@ -1,4 +1,4 @@
-"""The grasps of bodies with a model, found once for each body and gripper and cached in memory and on disk."""
+"""The grasps of bodies with a model, computed once for each body and gripper, and cached in memory and on disk."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ SUFFIX = ".grasps"
 
 
 def body_grasps(shape: Shape, gripper: ParallelGripper, friction: float) -> tuple[Grasp, ...]:
-    """Return the grasps of a body with a model in its frame, the best first; `friction` is that between pad and body.
+    """Return the grasps of a body with a model, in its frame, the best first; `friction` is between pad and body.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -47,7 +47,7 @@ def body_grasps(shape: Shape, gripper: ParallelGripper, friction: float) -> tupl
 class GraspTable(NamedTuple):
     """The grasps of a body as arrays: poses of the tool as matrices (n, 4, 4) and quaternions (4, n), and scores (n,).
 
-    `loads` (n,) are the factors by which their levers raise their loads, see `grip_load`.
+    `loads` (n,) are the factors by which the levers of the grasps raise the loads, see `grip_load`.
     """
 
     frames: NDArray[np.float64]
@@ -77,7 +77,7 @@ def pad_contact(shape: Shape, gripper: ParallelGripper, tool: Pose) -> PadContac
 
 
 def free_opening(shape: Shape, gripper: ParallelGripper, tool: Pose, width: float) -> float | None:
-    """Return the widest opening in metres at which the fingers around a held body are free of it.
+    """Return the widest opening in metres at which the fingers around a held body do not penetrate it.
 
     The result is None if the fingers cannot release the body. `width` is the width of the material between the pads.
 
@@ -88,7 +88,7 @@ def free_opening(shape: Shape, gripper: ParallelGripper, tool: Pose, width: floa
 
 
 def is_hand_free(shape: Shape, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
-    """Return whether no finger, nor the palm, penetrates the held body deeper than the rubber of the pads yields.
+    """Return whether neither a finger nor the palm penetrates the held body deeper than the rubber of the pads yields.
 
     `tool` is the pose of the tool in the frame of the body, `width` the distance between the pads in metres.
 
@@ -132,7 +132,7 @@ def _table(shape: Shape, gripper: ParallelGripper, friction: float, files: tuple
 
 
 def _grasp(row: Mapping[str, Any]) -> Grasp:
-    """Return a grasp from its fields in a file."""
+    """Make a grasp from its fields in a file."""
     position, quaternion = row["tool"]
     return Grasp(**{**row, "tool": Pose(tuple(position), tuple(quaternion))})
 

@@ -1,4 +1,4 @@
-"""Candidates of antipodal grasps: points of a surface, the points opposite to them, and tools around that line."""
+"""Candidates for antipodal grasps: points of a surface, the points opposite to them, and tools around their line."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ LONG_LEVER, TILT_COST = 0.05, 0.3
 
 
 class Candidate(NamedTuple):
-    """A candidate of a grasp: its cost and number, by which candidates are tried, and the place of the tool.
+    """A candidate for a grasp: its cost and number, which determine the order of attempts, and the place of the tool.
 
     `tilt` is the angle between the tool's direction and straight down in radians; `middle` (3,) the point between the
     contacts in metres; `rotation` (3, 3) has the axes of the tool as columns; all in the frame of the body.
@@ -62,7 +62,7 @@ class Candidate(NamedTuple):
 def grasp_candidates(
     parts: Sequence[Floats], centre: tuple[float, float, float], friction: float, opening: float
 ) -> list[Candidate]:
-    """Return candidates of grasps of a body, the most promising first; the samples are fixed.
+    """Return candidates for grasps of a body, the most promising first; the samples are fixed.
 
     `parts` (n, 3, 3) are its convex parts as triangles and `centre` is its centre of mass, in its frame in metres;
     `friction` is the coefficient between pad and body, `opening` the opening of the gripper in metres.
@@ -80,7 +80,7 @@ def grasp_candidates(
 
 
 def surface_points(parts: Sequence[Floats], number: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
-    """Return points of the surface, evenly by area, and their outward normals, without those inside another part."""
+    """Return points sampled evenly on the surface, except inside other parts, and their outward normals."""
     owners = np.concatenate([np.full(len(part), i) for i, part in enumerate(parts)])
     triangles = np.concatenate(parts)
     crossed = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
@@ -128,7 +128,7 @@ def _antipodal_pairs(
 
 
 def _axes(normal: Floats, least: float) -> Iterator[Floats]:
-    """Yield closing axes at a contact: its normal, and flatter axes within the cone of cosine `least`.
+    """Yield closing axes at a contact: the normal, and flatter axes in a cone with `least` as the half-angle's cosine.
 
     The hand is broad along this axis: the flatter the axis, the farther the hand is from the ground.
     """
@@ -178,7 +178,7 @@ def crossed(one: Floats, two: Floats) -> Floats:
 
 
 def above_ground(gripper: ParallelGripper, lowest: float, middle: Floats, rotation: Floats) -> Pose | None:
-    """Return the pose of a tool with its fingertips above the ground, moved back as far as necessary.
+    """Return the pose of a tool, moved back as far as necessary for its fingertips to be above the ground.
 
     `lowest` is the height of the ground in metres. The result is None if fingers from the side, or the palm, would be
     in the ground.

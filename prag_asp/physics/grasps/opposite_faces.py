@@ -44,7 +44,7 @@ def is_never_spanned(shape: Shape, gripper: ParallelGripper, friction: float) ->
 
 @lru_cache(maxsize=256)
 def _decided(shape: Shape, gripper: ParallelGripper, friction: float, files: tuple[tuple[int, int], ...]) -> bool:
-    """Return the result for a body; the states of its files are part of the cache key."""
+    """Return whether the proof succeeds for a body; the states of its files are part of the cache key."""
     return exceeds_opening(part_surfaces(shape), gripper, friction)
 
 
@@ -91,13 +91,13 @@ def _is_convex(part: Floats) -> bool:
 
 
 def _radii(triangles: Floats) -> Floats:
-    """Return the maximum distance in metres of each triangle's corners from its centroid."""
+    """Return, for each triangle, the maximum distance in metres of its corners from its centroid."""
     radii: Floats = np.linalg.norm(triangles - triangles.mean(1, keepdims=True), axis=2).max(1)
     return radii
 
 
 def _quarters(triangles: Floats) -> Floats:
-    """Return the four triangles of half the size in each triangle, shape (4 n, 3, 3)."""
+    """Divide each triangle into four triangles of half its size, shape (4 n, 3, 3)."""
     a, b, c = triangles.transpose(1, 0, 2)
     ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
     return np.concatenate([np.stack(each, 1) for each in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca))])

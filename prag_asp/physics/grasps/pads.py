@@ -28,7 +28,7 @@ TINY = 1e-15
 
 
 class PadContact(NamedTuple):
-    """The contact of the two closed pads: the interval of the material along y in metres, and both patches."""
+    """The contact of the two closed pads: the interval that the material covers along y in metres, and both patches."""
 
     low: float
     high: float
@@ -41,7 +41,7 @@ class PadContact(NamedTuple):
 
     @property
     def radius(self) -> float:
-        """The smaller radius of gyration of the patches in metres: the lever arm of friction about the line of both."""
+        """The smaller radius of gyration of both patches in metres: the lever arm of friction about their line."""
         return min(patch.gyration for patch in self.patches)
 
 
@@ -124,7 +124,7 @@ class Polygons(NamedTuple):
     normals: Floats
 
     def cut(self, axis: int, sign: float, end: float) -> Polygons:
-        """Return the parts where ``sign * coordinate <= end`` along an axis (Sutherland and Hodgman, 1974)."""
+        """Return the polygons cut to ``sign * coordinate <= end`` along an axis (Sutherland and Hodgman, 1974)."""
         corners, normals = self.corners, self.normals
         depth = end - sign * corners[:, :, axis]
         inside = depth >= 0.0

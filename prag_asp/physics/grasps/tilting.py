@@ -1,11 +1,11 @@
-"""The load with which the weight of a body tilts it out of the pads that hold it, such as a plate held at its rim.
+"""The load with which the weight of a body, such as a plate held at its rim, tilts it out of the pads.
 
 Friction bears the torque about the line through both pads; pressure bears the rest. A pad presses with a force F
-somewhere on its patch. If one presses at the upper end of its patch and the other one at the lower end of its own, the
-two forces form a couple of F times the difference in height: no grip bears a larger torque about the horizontal axis
-along the pads. The same holds about the direction of the fingers, with the ends of the patches along the pads. A rim
-that leans is therefore held best by fingers that lean with it: upright pads touch it at the bottom inside and at the
-top outside, which helps to tilt it.
+somewhere on its patch. If one pad presses at the upper end of its patch and the other pad at the lower end of its
+patch, the two forces form a couple of F times the difference in height: no grip bears a larger torque about the
+horizontal axis along the pads. The same holds about the direction of the fingers, with the ends of the patches along
+the pads. A rim that leans is therefore held best by fingers that lean with it: upright pads touch it at the bottom
+inside and at the top outside, which helps to tilt it.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ SHORTEST = 1e-4
 
 
 class TiltingLoad(NamedTuple):
-    """The torque of a body's weight as a share of the largest one that the pads bear by pressure alone, or in `total`.
+    """The torque of a body's weight, as a share of the maximum that the pads bear by pressure, or in `total`.
 
-    The total includes friction. Each pad presses with a force equal to the weight of the body.
+    The total includes friction. Both shares assume that each pad presses with a force equal to the weight of the body.
     """
 
     pressure: float
@@ -40,7 +40,7 @@ class TiltingLoad(NamedTuple):
 def tilting_loads(shape: Shape, gripper: ParallelGripper, friction: float) -> NDArray[np.float64]:
     """Return how strongly a body tilts out of each of its grasps, in the order of `body_grasps`, shape (n, 2).
 
-    The columns are those of `TiltingLoad`; `friction` is the coefficient between pad and body.
+    The columns are the fields of `TiltingLoad`; `friction` is the coefficient between pad and body.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -58,7 +58,7 @@ def _loads(
 
 
 def grip_tilting(shape: Shape, gripper: ParallelGripper, friction: float, tool: Pose) -> TiltingLoad:
-    """Return the load of an upright body with a tool at a pose in its frame.
+    """Return the tilting load of an upright body held by a tool; the pose of the tool is in the body's frame.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -74,7 +74,7 @@ def tilting_load(
     tool: Pose,
     friction: float,
 ) -> TiltingLoad:
-    """Return the load of a grasp of an upright body; 0 if there is nothing between the pads.
+    """Return the tilting load of an upright body in a grasp; 0 if there is nothing between the pads.
 
     `triangles`, shape (n, 3, 3), are the body's surface, and `centre` is its centre of mass, both in the body's frame.
     """

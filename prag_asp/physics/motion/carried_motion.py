@@ -45,7 +45,7 @@ def bearable_acceleration(scene: Scene, entity: str, robot: str) -> float:
 def time_carried(
     robot: Robot, path: Sequence[Joints], time_step: float, limits: JointLimits, most: float
 ) -> NDArray[np.float64]:
-    """Return the result of `time_path`, slowed down until the tool accelerates by at most `most` m/s²."""
+    """Return the result of `time_path`, slowed down until the acceleration of the tool is at most `most` m/s²."""
     angles = time_path(path, time_step, limits)
     for _ in range(SLOWDOWNS if most < MOST else 0):
         peak = peak_acceleration(robot, path[0], angles, time_step)

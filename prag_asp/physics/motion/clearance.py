@@ -1,4 +1,4 @@
-"""The clearance of an arm and its load on a path: `CLEARANCE` from all bodies that are not close at one of its ends."""
+"""Check that an arm and its load keep `CLEARANCE` on a path from all bodies that are not close at one of its ends."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class ArmPassage(NamedTuple):
 
 
 def gaps(simulator: Simulator, passage: ArmPassage) -> Gaps:
-    """Return the distances of the acting arm and its load to each other and to all other bodies.
+    """Return the distances between the acting arm and its load, and from both to all other bodies.
 
     Contacts of the fingers with a held object are ignored, and so are the base, which never moves, and pairs of links
     of one arm that cannot collide.
@@ -45,16 +45,16 @@ def gaps(simulator: Simulator, passage: ArmPassage) -> Gaps:
 
 
 def keeps_clear(start: Gaps, way: Sequence[Gaps], goal: Gaps) -> bool:
-    """Return whether a path keeps clear: it is close to a body only right after its start or right before its goal.
+    """Return whether a path keeps clear: it is close to a body only directly after its start or before its goal.
 
-    There, the arm comes no closer to the body than it is at this end.
+    There, the arm comes no closer to the body than at that end of the path.
     """
     since, until = _uneased(start, way), reversed(_uneased(goal, way[::-1]))
     return all(one.isdisjoint(two) for one, two in zip(since, until, strict=True))
 
 
 def _uneased(end: Gaps, way: Sequence[Gaps]) -> list[set[tuple[str, str]]]:
-    """Return the pairs that are too close at each point of a path, except those that have been close since its end."""
+    """Return the pairs that are too close at each point of a path, except those close at all points from the end on."""
     since, result = dict(end), []
     for here in way:
         since = {pair: gap for pair, gap in since.items() if pair in here}

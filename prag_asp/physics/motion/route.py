@@ -39,14 +39,14 @@ STRAIGHT = 1e-3
 
 
 def grasp_of(held: str | None, *arms: Arm) -> Pose | None:
-    """Return the grasp of the first of the arm states that hold an object, None if none does."""
+    """Return the grasp of the first arm state that holds an object, or None if no state does."""
     return next(
         (arm.grasp for arm in arms if arm.held is not None and arm.held == held and arm.grasp is not None), None
     )
 
 
 def carry_object(arm: Arm, width: float, held: str | None, grasp: Pose | None) -> Arm:
-    """Return an arm with a gripper opening in metres and the held object, or no object if the grasp is unknown."""
+    """Return an arm with a gripper opening in metres and a held object, or no object if the grasp is unknown."""
     return Arm(arm.joints, width, None if grasp is None else held, grasp)
 
 
@@ -106,7 +106,7 @@ def free_path(
 ) -> NDArray[np.float64] | None:
     """Return a collision-free path from the state of the arm to a goal, one row per time step, shape (steps, 7).
 
-    None if none is found.
+    The result is None if no path is found.
     """
     for path in _candidate_paths(simulator, arm.joints, goal):
         angles = time_path(path, time_step, joint_limits(simulator.robot, loaded=arm.held is not None))
@@ -121,7 +121,7 @@ def checked_path(
     """Return waypoints of a collision-free path from the state of the arm to a goal, a stride apart.
 
     The ends are omitted, and joints move linearly between waypoints. If the ends are in line with each other, only the
-    straight path is tried. None if none is found.
+    straight path is tried. The result is None if no path is found.
     """
     start = arm.joints
     if is_straight(simulator.robot, start, goal):
@@ -158,7 +158,7 @@ def _candidate_paths(simulator: Simulator, start: Joints, goal: Joints) -> Itera
 
 
 def _above(simulator: Simulator, joints: Joints, height: float) -> Joints | None:
-    """Return a nearby configuration with the tool higher, None if there is none."""
+    """Return a nearby configuration that puts the tool higher, or None if there is none."""
     return next(inverse(simulator.robot, raised(tool_pose(simulator.robot, joints), height), near=joints), None)
 
 

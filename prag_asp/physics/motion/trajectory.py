@@ -3,8 +3,8 @@
 The speed along a piecewise linear path is the highest that the joints allow: the slowest joint limits it at every
 point, and the weakest joint limits its change (a forward and a backward pass over the squared speed, as in Bobrow,
 Dubowsky and Gibson, "Time-optimal control of robotic manipulators along specified paths", 1985). The motion is then
-averaged over `ROUNDING`, which keeps both limits and bounds the jerk by twice the acceleration in this time. The
-average cuts corners, which are passed slowly enough for the joints.
+averaged over `ROUNDING`, which keeps both limits and bounds the jerk to a change of twice the acceleration limit within
+this time. The averaged motion cuts corners, slowly enough for the joints.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ class _Cells(NamedTuple):
 
 
 def _cells(points: Angles, limits: JointLimits) -> _Cells | None:
-    """Return the cells of a path, None if it does not move."""
+    """Return the cells of a path, or None if the path does not move."""
     pieces = np.diff(points, axis=0)
     lengths = np.abs(pieces).max(axis=1)
     moving = lengths > STILL

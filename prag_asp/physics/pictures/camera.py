@@ -24,7 +24,7 @@ OVERSAMPLING = 2
 
 
 def picture(simulator: Simulator, moment: Moment, size: tuple[int, int], view: View) -> Image.Image:
-    """Return a picture of a moment, of `size` in pixels; the simulator must have been opened with `visual`."""
+    """Return a picture of a moment, `size` in pixels; the simulator must have been opened with `visual`."""
     image_type = pillow()
     simulator.show(moment)
     width, height = size[0] * OVERSAMPLING, size[1] * OVERSAMPLING

@@ -59,9 +59,9 @@ def film_strip(
 ) -> Image.Image:
     """Return a picture of the states of a witness or a demonstration, or of `frames` of them, including first and last.
 
-    They are arranged in rows of at most `columns`; `size` is that of one picture in pixels. Below each are the action
-    and its positive effects in plain words. `headings` that are not None replace the words for the actions; `captions`
-    replace all words by a heading and a text for each state.
+    They are arranged in rows of at most `columns`; `size` is the size of one picture in pixels. Below each picture are
+    the action and its positive effects in plain words. `headings` that are not None replace the words for the actions;
+    `captions` replace all words by a heading and a text for each state.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
@@ -114,8 +114,8 @@ def animate(
 ) -> None:
     """Write an animation of a demonstration, `speed` times as fast, as a .gif or .webp according to the suffix.
 
-    It shows `RATE` frames per second, each of `size` in pixels, with the current action below. `progress` is called
-    with the number of rendered frames and their total.
+    It shows `RATE` frames per second with the current action below; `size` is the size of a frame in pixels. `progress`
+    is called with the number of rendered frames and the total number of frames.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
@@ -147,7 +147,7 @@ def animate(
 
 
 def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
-    """Return the moments of the states of a task in a witness or a demonstration."""
+    """Return the moments in a witness or a demonstration that belong to the states of a task."""
     if isinstance(shown, Witness):
         unfit = count_mismatch(shown, len(task.actions))
         if unfit is not None:
@@ -160,7 +160,7 @@ def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
 
 
 def _actions(task: Task) -> str:
-    """Return the number of actions of a task in words."""
+    """Return a phrase that states the number of actions in a task."""
     return plural(len(task.actions), "action")
 
 
@@ -213,7 +213,7 @@ def make_captions(
     headings: Sequence[str | None] | None,
     captions: Sequence[tuple[str, str]] | None = None,
 ) -> list[tuple[str, str]]:
-    """Return heading and text of some states; the first text explains left and right if they are the robot's."""
+    """Return the heading and text of each state; the first text explains left and right if the robot defines them."""
     texts = [captions[k] if captions is not None else _caption(task, scene, k, headings) for k in chosen]
     if scene.frame == "viewer" or not any(SIDES.search(text) for pair in texts for text in pair):
         return texts

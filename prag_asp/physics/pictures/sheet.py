@@ -67,12 +67,12 @@ def sheet(panels: Sequence[Panel], columns: int, *, lines: int = 1) -> Image.Ima
 
 
 def line_count(panels: Sequence[Panel]) -> int:
-    """Return the number of lines of the longest heading."""
+    """Return the number of lines in the longest heading."""
     return max(len(wrap(panel.heading, _font(HEADING), panel.image.width - 2)) for panel in panels)
 
 
 def wrap(text: str, font: Any, width: int) -> list[str]:
-    """Return a text wrapped to a width in pixels; a longer word gets a separate line."""
+    """Return a text wrapped to a width in pixels; a word that exceeds the width gets a separate line."""
     lines: list[str] = []
     for word in text.split():
         longer = f"{lines[-1]} {word}" if lines else word
@@ -84,7 +84,7 @@ def wrap(text: str, font: Any, width: int) -> list[str]:
 
 
 def _font(size: int) -> Any:
-    """Return the font of a size in pixels."""
+    """Return the font with a size in pixels."""
     from PIL import ImageFont  # noqa: PLC0415 - pictures are optional
 
     return ImageFont.load_default(size=size)

@@ -42,9 +42,9 @@ def best_view(
 ) -> View:
     """Return the view that shows the actions of a task best; `size` is the size of a picture in pixels.
 
-    For each state, the entities of its action and subgoal and the acting hand get the ratio of their visible pixels to
-    the most in any view; a view scores the mean and the minimum of the ratios. `moments` are all states; `states` are
-    the drawn ones, by default all.
+    For each state, the acting hand and the entities of the action and the subgoal are rated by the ratio of their
+    visible pixels to their maximum over all views. The score of a view combines the mean and the minimum of these
+    ratios. `moments` are the moments of all states; `states` are the states to draw, by default all.
     """
     aspect = size[0] / size[1]
     views = [view_from(scene, aspect, towards) for towards in DIRECTIONS]
@@ -69,7 +69,7 @@ def best_view(
 
 
 def acting(task: Task, scene: Scene, state: int) -> set[str]:
-    """Return the entities of the action that leads to a state, and of its subgoal; none for the initial state."""
+    """Return the entities in the action that leads to a state and in its subgoal; none for the initial state."""
     if state == 0:
         return set()
     action, subgoal = task.actions[state - 1], task.subgoals[state - 1]

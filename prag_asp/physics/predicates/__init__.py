@@ -33,9 +33,9 @@ NAMED: Mapping[str, Predicate] = {
 
 
 def predicate_of(scene: Scene, name: str) -> Predicate:
-    """Return a spatial predicate of a scene by its name, always the same object.
+    """Return the spatial predicate of a scene with a given name; the same name always returns the same object.
 
-    In scenes with several robots its sentence names the gripper.
+    In scenes with several robots, the sentence of the predicate names the gripper.
 
     Raises:
         SceneError: the scene has no such predicate, or its Python file is not trusted or fails.

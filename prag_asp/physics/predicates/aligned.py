@@ -33,7 +33,7 @@ def _side_yaw(situation: Situation, entity: str) -> float:
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield the distance in metres from the nearest row, and the deviation in radians from parallel yaws."""
+    """Yield the distance in metres from the nearest row, and the deviation in radians of the yaws from parallel."""
     one, two = situation.body(arguments[0]), situation.body(arguments[1])
     apart = [abs(a - b) for a, b in zip(one.centre[:2], two.centre[:2], strict=True)]
     close = [one.half[axis] + two.half[axis] + GAP for axis in (0, 1)]

@@ -2,7 +2,7 @@
 
 The scene chooses the frame. For the robot, which looks along +x, left is +y and in front (nearer to it) is -x. For a
 viewer who faces the robot, left is -y and in front (nearer to the viewer) is +x. The bounding boxes are at least `GAP`
-apart along the axis, and the offset of the centres across it is at most `SPREAD` times that along it.
+apart along the axis, and the offset between the centres across the axis is at most `SPREAD` times the offset along it.
 """
 
 from __future__ import annotations
@@ -61,7 +61,10 @@ def _volume(name: str, situation: Situation, arguments: Arguments, quaternion: Q
 
 
 def wedge(situation: Situation, side: Direction, other: str, half: Vector, gap: float) -> Volume:
-    """Return the region on one side of a body for the centre of a box with half-extents `half`, `gap` metres away."""
+    """Return the possible positions of a box's centre on one side of a body.
+
+    `half` contains the half-extents of the box, which is at least `gap` metres away from the body.
+    """
     axis, sign = side
     at = situation.body(other).centre
     edge = at[axis] + sign * (half[axis] + situation.half(other)[axis] + gap)

@@ -22,7 +22,7 @@ MARGIN = 0.003
 
 
 def _ends(situation: Situation, entity: str, direction: Vector) -> tuple[float, float]:
-    """Return the reach of a body from the centre of its bounding box against and along a direction, in metres."""
+    """Return how far a body extends from the centre of its bounding box against and along a direction, in metres."""
     body = situation.body(entity)
     if situation.shape(entity).traits.furniture:
         half = abs(direction[0]) * body.half[0] + abs(direction[1]) * body.half[1]
@@ -41,10 +41,10 @@ def _line(situation: Situation, arguments: Arguments) -> tuple[float, Vector]:
 
 
 class _Room(NamedTuple):
-    """The range of the middle of a body along a line, its maximum distance from the line, and offsets, in metres.
+    """The range for the middle of a body along a line, its maximum distance from the line, and offsets, in metres.
 
-    The range begins at the centre of the first of the two others. The offsets are those of the middle from the origin
-    of the body, along the line and to its left.
+    Positions in the range are relative to the centre of the first of the two other bodies. The offsets are from the
+    origin of the body to its middle, along the line and to the left of the line.
     """
 
     begin: float
@@ -54,7 +54,7 @@ class _Room(NamedTuple):
 
 
 def _room(situation: Situation, arguments: Arguments, quaternion: Quaternion, line: tuple[float, Vector]) -> _Room:
-    """Return the room for a rotated body between the two others."""
+    """Return the room for a rotated body between the two other bodies."""
     subject, one, two = arguments
     length, along = line
     shape = situation.shape(subject)

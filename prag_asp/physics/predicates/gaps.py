@@ -27,7 +27,7 @@ Z = 2
 
 
 class Gap(NamedTuple):
-    """The constraint that the coordinate of `high` exceeds that of `low` by at least `least` metres, maybe negative."""
+    """The constraint that the coordinate of `high` minus the coordinate of `low` is at least `least` metres."""
 
     low: Node
     high: Node
@@ -64,7 +64,7 @@ def top(entity: str) -> Node:
 
 
 def thinnest(entity: str, axis: int, scene: Scene) -> float:
-    """Return the smallest reach of a body from its origin along an axis over all orientations, in metres."""
+    """Return the smallest distance in metres that a body extends from its origin along an axis in any orientation."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     if place is None:
         return least_reach(shape)
@@ -73,7 +73,7 @@ def thinnest(entity: str, axis: int, scene: Scene) -> float:
 
 
 def above(scene: Scene, entity: str, support: str, half: tuple[float, float]) -> Iterator[Demand]:
-    """Yield constraints that a body's centre is above a rectangle, or the circle in it, around another's centre."""
+    """Yield constraints that a body's centre is above a rectangle or its inscribed circle, centred on another body."""
     place = scene.fixed.get(support)
     round_top = scene.shapes[support].traits.round
     for axis in (0, 1):

@@ -1,4 +1,4 @@
-"""The friction of two pads: whether it bears the weight of a body, and its torque about an off-centre grip."""
+"""Whether the friction of two pads bears the weight of a body, and its torque about an off-centre grip."""
 
 from __future__ import annotations
 
@@ -37,16 +37,16 @@ The robot also accelerates the object, so it may drop lighter bodies; a proof ne
 
 
 def grasps_in_body(situation: Situation, entity: str, robot: str) -> tuple[Grasp, ...]:
-    """Return the grasps of a body with a model in its frame, the best first."""
+    """Return the grasps of a body with a model, in the body's frame, the best first."""
     gripper = ParallelGripper.of(situation.robot(robot))
     return body_grasps(situation.shape(entity), gripper, pad_friction(situation.scene, entity))
 
 
 def bearable(scene: Scene, entity: str, robot: str) -> float:
-    """Return the largest mass in kilograms of a body's material that the fingers of a robot hold by friction.
+    """Return the largest mass in kilograms that a robot's fingers can hold by friction on a body's material.
 
-    By Coulomb's law it is 2 mu F / g, with the force F of a finger and the product mu of both friction coefficients, as
-    PyBullet combines them.
+    By Coulomb's law, the mass is 2 mu F / g, with the force F of a finger and the product mu of both friction
+    coefficients, as PyBullet combines them.
     """
     return 2 * pad_friction(scene, entity) * robot_of(scene, robot).grip_force / GRAVITY
 
@@ -59,8 +59,8 @@ def pad_friction(scene: Scene, entity: str) -> float:
 def finger_force(scene: Scene, entity: str | None, robot: str) -> float:
     """Return the force in newtons with which each finger of a robot presses on a held body.
 
-    The force on a light body with a model is lower, `LIGHTLY` times its weight: friction still bears a hundred times
-    the weight.
+    The force on a light body with a model is only `LIGHTLY` times the weight of the body: friction still bears a
+    hundred times the weight.
     """
     most = robot_of(scene, robot).grip_force
     if entity is None or scene.shapes[entity].model is None:
@@ -78,7 +78,7 @@ def slips(scene: Scene, entity: str, robot: str) -> str | None:
 
 
 def gripper_words(scene: Scene, robot: str) -> str:
-    """Return the gripper's name for a sentence."""
+    """Return the gripper's name for use in a sentence."""
     return f"the {words(robot)} gripper" if len(scene.robots) > 1 else "the gripper"
 
 
@@ -86,9 +86,9 @@ def grip_load(scene: Scene, entity: str, robot: str, lever_arm: float, radius: f
     """Return the load of a grip as a share of the load that friction bears; above 1 the body slips or turns.
 
     Gravity pulls at the centre of mass, `lever_arm` metres from the axis through both pads, and turns the body about
-    that axis. With uniform pressure each pad bears the force mu F, or the torque mu F r with the mean distance r of its
-    points from its centre, `radius` in metres. Both together follow an ellipse (Howe and Cutkosky, "Practical
-    force-motion models for sliding manipulation", 1996).
+    that axis. With uniform pressure, each pad bears the force mu F, or the torque mu F r, where r (`radius`, in metres)
+    is the mean distance of the pad's points from its centre. Combinations of force and torque are limited by an ellipse
+    (Howe and Cutkosky, "Practical force-motion models for sliding manipulation", 1996).
     """
     most = 2 * pad_friction(scene, entity) * robot_of(scene, robot).grip_force
     force = GRAVITY * weight(scene, entity)
@@ -98,9 +98,10 @@ def grip_load(scene: Scene, entity: str, robot: str, lever_arm: float, radius: f
 def held_load(situation: Situation, entity: str, robot: str) -> float:
     """Return the `grip_load` of a body that a gripper holds in the air; 0 if there is nothing between the pads.
 
-    For a body with a model it is at least the share of the bearable torque with which the body tilts out of the pads.
-    The whole area of the pads touches a primitive. Only a part may touch a body with a model; its radius of gyration
-    replaces the mean distance, which is up to 7 % smaller for a rectangle like a pad.
+    For a body with a model, the load is at least the torque that tilts the body out of the pads, as a share of the
+    bearable torque. The whole area of the pads touches a primitive. Only a part of the area may touch a body with a
+    model; the radius of gyration of that part replaces the mean distance, which is up to 7 % smaller for a rectangle
+    like a pad.
     """
     shape, tool = situation.shape(entity), situation.tool(robot)
     if shape.model is not None:

@@ -29,7 +29,7 @@ PAD_OVERLAP = 0.002
 
 
 def grip_width(situation: Situation, entity: str, robot: str, tool: Pose | None = None) -> float:
-    """Return the width in metres of what is between the pads of a gripper when they close on an object.
+    """Return the width in metres of the material between the pads of a gripper when they close on an object.
 
     The width is 0 if there is nothing between them. `tool` replaces the pose of the tool, for a body without a model.
     """
@@ -42,7 +42,7 @@ def grip_width(situation: Situation, entity: str, robot: str, tool: Pose | None 
 
 
 def contact_at(situation: Situation, entity: str, robot: str) -> PadContact | None:
-    """Return the contact of the pads of a gripper when they close on a body, None if there is nothing between them."""
+    """Return the contact of a gripper's pads when they close on a body, or None if there is nothing between them."""
     tool = compose(invert(situation.pose(entity)), situation.tool(robot))
     return pad_contact(situation.shape(entity), ParallelGripper.of(situation.robot(robot)), tool)
 
@@ -61,7 +61,7 @@ def is_flat(robot: Robot, height: float) -> bool:
 
 
 def rise_over_flat(robot: Robot, height: float) -> float:
-    """Return the maximum height in metres of the tool above the top of a grasped object; 0 for one that is not flat."""
+    """Return the maximum height in metres of the tool above the top of a grasped object; 0 if it is not flat."""
     return max(0.0, min(TIP_ROOM + robot.fingertip - height, robot.fingertip - PAD_OVERLAP))
 
 

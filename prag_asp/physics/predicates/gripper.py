@@ -1,4 +1,4 @@
-"""``at``, ``holding``, ``gripper_open`` and ``over``: a gripper's width, and its pose relative to an object.
+"""``at``, ``holding``, ``gripper_open`` and ``over``: the opening of a gripper, and its pose relative to an object.
 
 A gripper holds one object at a time, and is not open while it holds one.
 """
@@ -83,7 +83,7 @@ def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> 
 
 
 def _contact_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield the distances of the pads from opposite sides of a body with a model: metres, radians to the cone."""
+    """Yield how far the pads are from opposite sides of a body with a model in metres, and from the cone in radians."""
     robot, entity = arguments
     contact = contact_at(situation, entity, robot)
     if contact is None:
@@ -113,9 +113,9 @@ def _at_volume(situation: Situation, arguments: Arguments, quaternion: Quaternio
 
 
 def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield the distances in metres of the tool from the object, and of the fingers from what is between the pads.
+    """Yield the distances in metres of the tool from the object, and of the fingers from the material between the pads.
 
-    The width is not compared if the tool is so far away that the error of the width cannot be the largest.
+    The width is not compared if the tool is so far away that the error of the width cannot be the largest error.
     """
     robot, entity = arguments
     shape, width = situation.shape(entity), situation.arm(robot).width
@@ -192,7 +192,7 @@ def _way_to_grasp(situation: Situation, robot: str, entity: str) -> float:
 
 
 def _holding_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return a place for the tool, the centre of the object or its best grasp, and the opening that grips it there."""
+    """Return the place for the tool (the object's centre or best grasp), and the opening to grip the object there."""
     tight, (robot, entity) = GRIP_TOLERANCE - MARGIN, arguments
     if situation.shape(entity).model is not None:
         for grasp in grasps_in_body(situation, entity, robot):
@@ -269,7 +269,7 @@ def _holding_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
 
 
 def _holding_excludes(scene: Scene, arguments: Arguments, other: Predicate, others: Arguments) -> str | None:
-    """Return the reason if the gripper would hold two objects, or be open while it holds one, else None."""
+    """Return a reason if the gripper would hold two objects, or would be open while it holds one, or else None."""
     robot, entity = arguments
     if others[0] != robot:
         return None

@@ -1,10 +1,9 @@
 """``inside`` and ``located``: a body is in the cavity of a container or, for ``located``, right above it.
 
-All of the body has to be between the walls. A body with a model is measured by its solids,
-along the axes of the cavity.
+The whole body has to be between the walls. A body with a model is measured by its solids, along the axes of the cavity.
 
-Furniture is a container, too: the cavity of a drawer is that of its tray, and moves with it. ``located`` at the table
-means on the table or right above it, but not over a hollow body.
+Furniture is a container, too: the cavity of a drawer is the cavity of its tray, and moves with the tray. ``located`` at
+the table means on the table or right above it, but not over a hollow body.
 """
 
 from __future__ import annotations
@@ -44,7 +43,7 @@ ROUNDING = 1e-6
 
 
 def hollow(situation: Situation, container: str) -> tuple[Pose, Vector]:
-    """Return a pose at the centre of a cavity seen from above, and the cavity's inner sides and depth in metres."""
+    """Return a pose at the centre of a cavity, seen from above, and the cavity's inner sides and depth in metres."""
     shape = situation.shape(container)
     elsewhere = shape.traits.furniture or shape.model is not None
     middle = situation.floor(container) if elsewhere else situation.pose(container)
@@ -60,7 +59,7 @@ def floor_height(situation: Situation, container: str) -> float:
 
 
 def rims(situation: Situation, container: str, margin: float = 0.0) -> Iterator[Outline]:
-    """Yield the convex outlines that a container covers from above, enlarged by a margin in metres on each side."""
+    """Yield the convex outlines of a container, seen from above, enlarged by a margin in metres on each side."""
     shape, pose = situation.shape(container), situation.pose(container)
     if shape.model is not None:
         covered = silhouette(shape, pose)
@@ -75,7 +74,7 @@ def rims(situation: Situation, container: str, margin: float = 0.0) -> Iterator[
 
 
 def _extent_within(situation: Situation, subject: str, container: str, quaternion: Quaternion) -> BodyExtent:
-    """Return the bounding box of a rotated body in the axes of a container."""
+    """Return the bounding box of a rotated body along the axes of a container."""
     x, y, z, w = situation.pose(container).quaternion
     return extent(situation.shape(subject), multiply((-x, -y, -z, w), quaternion))
 
@@ -106,7 +105,7 @@ def _inside_violations(situation: Situation, arguments: Arguments) -> Iterator[f
 
 
 def _located_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield the distances in metres of a body from the space in the container or on the table, and up to `HOVER` above.
+    """Yield how far a body is, in metres, from the space in the container or on the table, up to `HOVER` above it.
 
     The space over the table excludes the space over hollow bodies.
     """
@@ -136,7 +135,7 @@ def _hollow_others(situation: Situation, subject: str) -> list[str]:
 def _room(
     situation: Situation, arguments: Arguments, quaternion: Quaternion, height: float, margin: float = MARGIN
 ) -> Volume:
-    """Return the region for the centre of a body in a cavity, on its floor or up to `height` metres higher."""
+    """Return where the centre of a body in a cavity may lie if the body is at most `height` metres above the floor."""
     subject, container = arguments
     pose, inner = hollow(situation, container)
     middle, half = _extent_within(situation, subject, container, quaternion)
@@ -150,7 +149,7 @@ def _room(
 
 
 def _spare(room: float, margin: float) -> float:
-    """Return the largest offset in metres of a body from the centre, off the walls, given the room on either side."""
+    """Return how far off the centre a body may be without touching a wall, given the room on either side, in metres."""
     return room - margin if room >= margin else room / 2
 
 
@@ -188,7 +187,7 @@ def _impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
 
 
 def _exceeds(width: float, area: float, inner_x: float, inner_y: float) -> bool:
-    """Return whether a body with such smallest width and projection cannot be between the sides of a cavity."""
+    """Return whether a body is too large for the sides of a cavity, given its smallest width and projection."""
     return width > min(inner_x, inner_y) or area > inner_x * inner_y
 
 
@@ -201,7 +200,7 @@ def _located_demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
 def _cavity_demands(scene: Scene, arguments: Arguments, room: float) -> Iterator[Demand]:
     """Yield constraints that a body is in the cavity of another, at most `room` metres above its floor.
 
-    There are none for a container from a file, whose cavity may be anywhere in it.
+    There are no constraints for a container from a file, because its cavity may be anywhere in it.
     """
     entity, container = arguments
     if scene.shapes[container].model is not None:

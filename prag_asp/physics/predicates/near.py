@@ -1,7 +1,7 @@
 """``near`` and ``far``: the width of the gap between two bodies seen from above.
 
-The gap is the horizontal distance between their axis-aligned bounding boxes, 0 if one is above the other. It is at
-most `NEAR` metres for ``near``, at least `FAR` metres for ``far``. Both predicates are symmetric.
+The gap is the horizontal distance between their axis-aligned bounding boxes, or 0 if one body is above the other. It is
+at most `NEAR` metres for ``near``, at least `FAR` metres for ``far``. Both predicates are symmetric.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def _gap(situation: Situation, arguments: Arguments) -> float:
 
 
 def _around(situation: Situation, arguments: Arguments, quaternion: Quaternion, gaps: tuple[float, float]) -> Ring:
-    """Return the region of the subject where the gap is between two bounds in metres."""
+    """Return the region for the subject in which the gap is between two bounds in metres."""
     subject, other = arguments
     (x, y, _), half = situation.body(other).centre, situation.half(other)
     (dx, dy, _), own = extent(situation.shape(subject), quaternion)

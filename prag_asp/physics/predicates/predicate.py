@@ -1,4 +1,4 @@
-"""The type of spatial predicates, which placement, checks, rewards, proofs and captions share."""
+"""The class of spatial predicates, which is used for placement, checks, rewards, proofs and captions."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ The rectangle is given by the corners with its lowest and highest coordinates, w
 
 
 class SentenceFunction(Protocol):
-    """Returns a sentence which states that a predicate holds for some entities, or does not hold."""
+    """Returns a sentence which states that a predicate holds or does not hold for some entities."""
 
     def __call__(self, arguments: Arguments, value: bool = True) -> str:
         """Return the sentence."""
@@ -70,7 +70,7 @@ class Direction(NamedTuple):
     sign: float
 
     def in_frame(self, frame: str) -> Direction:
-        """Return the direction in the frame of the robot; a direction of a viewer, who faces the robot, is opposite."""
+        """Return the direction in the frame of the robot; a viewer faces the robot and sees the opposite direction."""
         return self if frame == "robot" else self.opposite
 
     @property
@@ -83,11 +83,12 @@ class Direction(NamedTuple):
 class Predicate:
     """A spatial predicate with all its properties; other modules read these, and never test its name.
 
-    Definition: `violations` are the distances of a situation from each condition, in metres or radians. `subject` is
-    the index of the argument that moves to make the predicate true. `volume` is the region of the gripper if
-    `of_gripper`, the range of the joint of furniture if `of_joint`, otherwise the region of the subject; with `turns`,
-    it has ranges of yaws. `inverse` names the predicate that then holds for the swapped arguments: the predicate itself
-    if it is symmetric. With `looks_around`, the violations may depend on bodies that are not arguments.
+    Definition: `violations` returns how far a situation is from satisfying each condition, in metres or radians.
+    `subject` is the index of the argument that moves to make the predicate true. `volume` is the region of the gripper
+    if `of_gripper`, the range of the joint of furniture if `of_joint`, otherwise the region of the subject; with
+    `turns`, it has ranges of yaws. `inverse` names the predicate that holds for the swapped arguments if this predicate
+    holds; a symmetric predicate names itself. With `looks_around`, the violations may depend on bodies that are not
+    arguments.
 
     Words: `sentence` states the predicate, `robot_sentence` does so in scenes with several robots. Captions state
     predicates in the order of `caption_rank`, and those of infinite rank only if there are no others.
@@ -98,12 +99,12 @@ class Predicate:
     distance between the bounding boxes of the first two arguments, in metres. With `lies_between`, the subject is
     between the two others. `gripper` is the relation of a gripper that the predicate states.
 
-    For rewards: `way` is the length of a path to a situation that satisfies the predicate, if longer than the distance:
-    fingers, for instance, have to open before they close around an object.
+    For rewards: `way` is the length of a path to a situation that satisfies the predicate, if it is longer than the
+    distance: fingers, for instance, have to open before they close around an object.
 
     For the search: with `on_the_spot`, a rotation about z suffices to satisfy the predicate anywhere; with
     `seen_close`, people recognise the relation only between near bodies. A sample of the volume `otherwise` violates
-    the predicate. The `tight_volume` has no margin to its border: it is for packing objects.
+    the predicate. The `tight_volume` has no margin at its border, and is used to pack objects.
 
     For proofs, which have to be valid for all poses of the bodies: the reasons why it is `impossible`, its `demands` on
     positions, the reason why it `excludes` another predicate, and whether it holds `nowhere` over a rectangle.
@@ -145,8 +146,8 @@ class Predicate:
     def signed_distance(self, situation: Situation, arguments: Arguments) -> float:
         """Return the largest violation, in metres or radians; it is at most 0 if and only if the predicate holds.
 
-        In that case, its absolute value is the margin. It changes by at most the distance that the subject moves;
-        that of `holding` may change faster where an edge or a curved side is between the pads.
+        In that case, its absolute value is the margin. It changes by at most the distance that the subject moves; only
+        the violation of `holding` may change faster, where an edge or a curved side is between the pads.
         """
         return max(self.violations(situation, arguments))
 
@@ -166,12 +167,12 @@ class Predicate:
 
 
 def words(entity: str) -> str:
-    """Return an entity's name for a sentence: ``apple_1`` becomes ``apple 1``."""
+    """Return an entity's name for use in a sentence: ``apple_1`` becomes ``apple 1``."""
     return entity.replace("_", " ")
 
 
 def states(text: str) -> SentenceFunction:
-    """Return a function that replaces ``{0}`` and ``{1}`` in a template by arguments, ``{is}`` by "is" or "is not"."""
+    """Return a function that fills ``{0}`` and ``{1}`` in a template with arguments, ``{is}`` with "is" or "is not"."""
 
     def sentence(arguments: Arguments, value: bool = True) -> str:
         return text.format(*map(words, arguments), **{"is": "is" if value else "is not"})

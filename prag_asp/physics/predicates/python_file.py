@@ -1,7 +1,7 @@
 """Predicates that a domain defines in a Python file, which runs only if the user trusts the domain.
 
-Like the modules of this package, the file defines `PREDICATES`, a mapping from names to predicates. Every error in it
-becomes a `SceneError` with the file and the line.
+Like the modules of this package, the file defines `PREDICATES`, a mapping from names to predicates. Every error in the
+file becomes a `SceneError` that names the file and the line.
 """
 
 from __future__ import annotations
@@ -121,7 +121,7 @@ def _is_volume(result: object) -> bool:
 
 
 def _are_numbers(result: list[Any]) -> bool:
-    """Return whether there are values, all of them numbers: a predicate without violations would always hold."""
+    """Return whether there are values, and all are numbers: a predicate without violations would always hold."""
     return bool(result) and all(isinstance(value, Real) and not math.isnan(value) for value in result)
 
 

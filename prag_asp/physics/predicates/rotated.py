@@ -1,4 +1,4 @@
-"""``rotated``: the yaw of a body is that of a named rotation of the scene, within `TOLERANCE`."""
+"""``rotated``: the yaw of a body equals the yaw of a named rotation of the scene, within `TOLERANCE`."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
 
 
 def _excludes(scene: Scene, arguments: Arguments, other: Predicate, others: Arguments) -> str | None:
-    """Return the reason if the body would have two different yaws, else None."""
+    """Return a reason if the body would have two different yaws, or else None."""
     if other.name != "rotated" or others[0] != arguments[0]:
         return None
     entity, one, two = *arguments, others[1]

@@ -1,10 +1,9 @@
 """``touching``: the gap between two bodies is at most `TOLERANCE`, and so is their penetration depth.
 
-The gap is the distance between the bodies; if they overlap, it is minus the penetration depth. It is exact for
-upright boxes, cylinders and balls with any yaw. A body with a model counts as the upright prism around it. Other
-bodies, and bodies with a tilt of more than `LEAN`, count as their bounding boxes. So a body inside a container overlaps
-it and does not touch it. A body touches another if it stands on it or leans against its side. The predicate is
-symmetric.
+The gap is the distance between the bodies or, if they overlap, the negated penetration depth. It is exact for upright
+boxes, cylinders and balls with any yaw. A body with a model counts as the upright prism around it. Other bodies, and
+bodies with a tilt of more than `LEAN`, count as their bounding boxes. So a body inside a container overlaps it and does
+not touch it. A body touches another if it stands on it or leans against its side. The predicate is symmetric.
 """
 
 from __future__ import annotations
@@ -158,7 +157,7 @@ def _outward(one: Point, two: Point) -> Point:
 
 
 def _sector(corner: Point, ends: tuple[float, float], near: float, far: float) -> tuple[Side, ...]:
-    """Return the half-planes of a sector of a ring around a corner between two headings, from a chord to a tangent."""
+    """Return the half-planes that bound a ring sector around a corner: between two headings, a chord and a tangent."""
     (x, y), (begin, end) = corner, ends
     middle, chord = (begin + end) / 2, near * math.cos((end - begin) / 2)
     return tuple(
@@ -173,7 +172,7 @@ def _sector(corner: Point, ends: tuple[float, float], near: float, far: float) -
 
 
 def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield constraints that the bodies (almost) overlap along each axis; there are none for the table and zones."""
+    """Yield constraints that the bodies (almost) overlap along each axis; none for the table and zones."""
     one, two = arguments
     if not all(scene.shapes[entity].traits.body for entity in arguments):
         return
@@ -185,7 +184,7 @@ def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
 
 
 def _broadest(entity: str, axis: int, scene: Scene) -> float:
-    """Return the largest reach of a body from its origin along an axis over all orientations, in metres."""
+    """Return the largest distance in metres that a body extends from its origin along an axis in any orientation."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     if place is not None:
         middle, half = extent(shape, yaw_quaternion(place[2]))

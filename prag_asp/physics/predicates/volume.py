@@ -54,7 +54,7 @@ class Yaws(NamedTuple):
 
 
 class Volume(NamedTuple):
-    """A region for the centre of a predicate's subject and ranges of its yaws, or ranges for a gripper or furniture.
+    """A region for the centre of a predicate's subject and ranges of its yaw, or ranges for a gripper or furniture.
 
     The region is the intersection of an axis-aligned box from `low` to `high`, half-planes, rings, and the union of the
     volumes in each of the `unions`, without the `holes`, which are convex and counter-clockwise seen from above. By
@@ -111,7 +111,7 @@ class Volume(NamedTuple):
         )
 
     def parts(self) -> tuple[Volume, ...]:
-        """Return volumes without unions, none known to be empty, whose union is this volume."""
+        """Return volumes without unions whose union is this volume; volumes known to be empty are omitted."""
         if not self.unions:
             return (self,)
         volumes = [self._replace(unions=())]
@@ -121,7 +121,7 @@ class Volume(NamedTuple):
         return tuple(volumes)
 
     def miss_distance(self, point: Vector) -> float:
-        """Return the largest violation in metres of the region's constraints by a point; 0 within the region."""
+        """Return the largest violation, in metres, of the region's constraints at a point; 0 within the region."""
         x, y, _ = point
         missed = [low - value for low, value in zip(self.low, point, strict=True)]
         missed += [value - high for high, value in zip(self.high, point, strict=True)]
@@ -136,8 +136,8 @@ class Volume(NamedTuple):
     def floor(self, room: float = 0.0) -> Floor | None:
         """Return the region seen from above, ignoring its rings and holes; None if it is empty.
 
-        It keeps a margin of `room` metres, or a third of the box if that is less, from the borders. The box has to be
-        finite along x and y.
+        The result keeps a margin of `room` metres from the borders, or of a third of the box if that is less. The box
+        has to be finite along x and y.
         """
         patches = [patch for part in self.parts() if (patch := part.patch(room)) is not None]
         return tuple(patches) if patches else None
@@ -160,7 +160,7 @@ class Volume(NamedTuple):
 
     @staticmethod
     def sample(floor: Floor, uniform: Callable[[float, float], float]) -> Vector | None:
-        """Return a uniform sample over a `floor`, with its height; None if the rings and holes reject all tries."""
+        """Return a position sampled uniformly over a `floor`; None if the rings and holes reject all tries."""
         sums = list(accumulate(patch.areas[-1] for patch in floor))
         for _ in range(RING_TRIES):
             patch = floor[0]
@@ -197,7 +197,7 @@ class FloorPatch(NamedTuple):
     volume: Volume
 
     def sample(self, uniform: Callable[[float, float], float]) -> tuple[float, float]:
-        """Sample a point of the polygon uniformly: a triangle of the fan by area, then a point in it."""
+        """Sample a point of the polygon uniformly: first a triangle of the fan by area, then a point inside it."""
         # The last triangle absorbs rounding errors.
         i = bisect_left(self.areas, uniform(0.0, self.areas[-1]), 0, len(self.areas) - 1)
         (ax, ay), (bx, by), (cx, cy) = self.polygon[0], self.polygon[i + 1], self.polygon[i + 2]
@@ -238,7 +238,7 @@ def over_rectangle(
 def over_polygon(polygon: Outline, margin: float, heights: tuple[float, float]) -> Volume:
     """Return the region between two heights over a convex counter-clockwise polygon, with a margin to its border.
 
-    The margin, in metres, is at most half the distance of the mean of the corners from the border.
+    The margin, in metres, is at most half the distance from the mean of the corners to the border.
     """
     xs, ys = zip(*polygon, strict=True)
     margin = max(0.0, min(margin, inside_by(polygon, (sum(xs) / len(xs), sum(ys) / len(ys))) / 2))
@@ -252,7 +252,7 @@ def over_polygon(polygon: Outline, margin: float, heights: tuple[float, float]) 
 
 
 def opposite(vector: Vector) -> Vector:
-    """Return a vector of the opposite direction and the same length."""
+    """Return a vector with the opposite direction and the same length."""
     return (-vector[0], -vector[1], -vector[2])
 
 

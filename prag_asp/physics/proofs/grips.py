@@ -1,4 +1,4 @@
-"""Warnings about bodies that may be held according to the domain, but that no gripper can hold."""
+"""Warn about bodies that may be held according to the domain, but that no gripper can hold."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def _faults(scene: Scene, name: str, entity: str) -> Iterator[tuple[str, str, st
 
 
 def _line(domain: Domain, table: str, entity: str) -> int:
-    """Return the line of domain.toml with an entity's entry in a table of the scene, else the line with its shape."""
+    """Return the line in domain.toml of an entity's entry in a table of the scene, or else the line of its shape."""
     facts = domain.facts
     line = ancestors(facts.entity_names[entity], facts.class_names)
     for each in (table, "shapes"):

@@ -12,7 +12,7 @@ from prag_asp.scene.surfaces import least_extent
 
 
 def demands(fact: Fact, scene: Scene) -> tuple[Demand, ...]:
-    """Return the constraints of a fact that holds; none for furniture."""
+    """Return the constraints that a fact implies if it holds; none for furniture."""
     demanded = fact.predicate.demands
     if demanded is None or any(scene.shapes[entity].traits.furniture for entity in bodies(fact, scene)):
         return ()
@@ -41,5 +41,5 @@ def bodies(fact: Fact, scene: Scene) -> tuple[str, ...]:
 
 
 def all_demands(fact: Fact, scene: Scene) -> tuple[Demand, ...]:
-    """Return the constraints of a fact, and those on its bodies in any state."""
+    """Return the constraints that a fact implies, and the constraints on its bodies in any state."""
     return (*demands(fact, scene), *chain.from_iterable(body_demands(entity, scene) for entity in bodies(fact, scene)))

@@ -42,7 +42,8 @@ class Impossibility:
     """A proof that a state is impossible or cannot be reached: the reason in words, and the facts that imply it.
 
     The set of facts is minimal. `state` counts from 0, the initial state; `after` is the action that leads to the
-    state, None for the initial one. If the action itself is impossible, the facts include some of the previous state.
+    state, or None for the initial state. If the action itself is impossible, the facts include facts of the previous
+    state.
     """
 
     reason: str
@@ -56,7 +57,7 @@ class Impossibility:
 
 
 class Constraints(NamedTuple):
-    """The constraints of a fact for all sizes of its bodies, and the movable bodies and grippers in them."""
+    """The constraints that a fact implies for all sizes of its bodies, and the movable bodies and grippers in them."""
 
     demands: tuple[Demand, ...]
     names: frozenset[str]
@@ -72,7 +73,7 @@ class Prover:
         self._known: dict[frozenset[Fact], str | None] = {}
 
     def impossibility(self, physical: PhysicalTask) -> Impossibility | None:
-        """Return a proof that a task is infeasible, None if nothing is proved."""
+        """Return a proof that a task is infeasible, or None if nothing is proved."""
         seen = set[Fact]()
         for k, facts in enumerate(physical.states):
             fresh = [fact for fact in facts if fact not in seen]
@@ -91,7 +92,7 @@ class Prover:
         return None
 
     def refutation(self, facts: Sequence[Fact]) -> str | None:
-        """Return the reason why some facts cannot hold together, None if nothing is proved."""
+        """Return the reason why some facts cannot hold together, or None if nothing is proved."""
         return next(self._reasons(facts, facts), None)
 
     def fewest(self, facts: Sequence[Fact]) -> tuple[Fact, ...]:
@@ -146,7 +147,7 @@ class Prover:
         return [frozenset(members) for _, members in groups]
 
     def _together(self, group: frozenset[Fact]) -> str | None:
-        """Return the reason why the bodies of some facts have no positions, None if nothing is proved; cached."""
+        """Return the reason why no positions of the bodies satisfy some facts, or None if nothing is proved; cached."""
         if group not in self._known:
             true = sorted(group, key=lambda fact: (fact.predicate.name, fact.arguments))
             gaps: tuple[dict[Gap, None], ...] = ({}, {}, {})
@@ -160,7 +161,7 @@ class Prover:
         return self._known[group]
 
     def _constrain(self, fact: Fact) -> Constraints:
-        """Return the constraints of a fact, each with the weakest bound over all sizes of its bodies; cached."""
+        """Return the constraints that a fact implies, with the weakest bounds over all sizes of its bodies; cached."""
         if fact not in self._constraints:
             bounds = []
             for sized in self._sized(fact):
@@ -175,17 +176,17 @@ class Prover:
         return self._constraints[fact]
 
     def _sized(self, fact: Fact) -> Iterator[Scene]:
-        """Yield the scene for each combination of sizes of the bodies of a fact."""
+        """Yield the scene with each combination of sizes of the bodies in a fact."""
         drawn = [entity for entity in bodies(fact, self._scene) if entity in self._scene.ranges]
         for shapes in product(*(self._scene.ranges[entity] for entity in drawn)):
             yield self._scene.with_shapes(dict(zip(drawn, shapes, strict=True)))
 
 
 def _lift(effect: ActionEffect, before: tuple[Fact, ...]) -> tuple[Fact, Fact, Fact] | None:
-    """Return the facts that an object is at a place, that it is held, and that it is no longer there; None if it stays.
+    """Return the facts that an object is at a place, is held, and is no longer at the place; None if it stays.
 
-    A gripper may close around anything that it spans, but only lifting loads it. A witness lifts each object that it
-    moves: the arm retreats straight up after a grasp, and comes straight down before a release.
+    A gripper may close around anything that it spans, but only lifting puts a load on it. A witness lifts each object
+    that it moves: the arm retreats straight up after a grasp, and comes straight down before a release.
 
     Only actions that move nothing but the object, and open nothing, keep the place itself still. An object in a
     handover may stay where it is.

@@ -1,7 +1,7 @@
-"""The reasons, in words, why facts cannot hold: impossible facts, exclusions, and lack of room.
+"""State in words why facts cannot hold: impossible facts, exclusions, and lack of room.
 
-Room is a system of difference constraints, lower bounds on differences of coordinates. It is unsatisfiable if and only
-if its graph has a cycle of positive length, which the Bellman-Ford algorithm finds.
+Room is expressed by difference constraints: lower bounds on differences of coordinates. These are unsatisfiable if and
+only if their graph has a cycle of positive length, which the Bellman-Ford algorithm finds.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
 
 
 def gap_reasons(true: Sequence[Fact]) -> Iterator[str]:
-    """Yield, in words, pairs of facts of which one requires two objects to be closer than the other allows."""
+    """Yield a sentence for each pair of facts of which one requires two objects to be closer than the other allows."""
     close = [fact for fact in true if fact.predicate.apart[1] < math.inf]
     for fact in true if close else ():
         least = fact.predicate.apart[0]
@@ -60,7 +60,7 @@ def exclusions(true: Sequence[Fact], scene: Scene) -> Iterator[str]:
 
 
 def room_reasons(true: Sequence[Fact], axis: int, gaps: Sequence[Gap]) -> Iterator[str]:
-    """Yield cycles of relations, rows that are too long for their room, and positions that exclude each other."""
+    """Yield reasons: cycles of relations, rows that are too long for their room, positions that exclude each other."""
     row = impossible_row(gaps)
     if not row:
         return
@@ -75,7 +75,7 @@ def room_reasons(true: Sequence[Fact], axis: int, gaps: Sequence[Gap]) -> Iterat
 
 
 def reach_reasons(true: Sequence[Fact], scene: Scene, gaps: Sequence[Iterable[Gap]]) -> Iterator[str]:
-    """Yield the reasons why the facts allow a body no position, for example within reach of a gripper."""
+    """Yield the reasons why the facts allow no position for a body, for example within reach of a gripper."""
     if not any(fact.predicate.places and fact.arguments[-1] in scene.fixed for fact in true):
         return
     least = [lowest(gaps[axis], ORIGIN) for axis in (0, 1)]
@@ -129,7 +129,7 @@ def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:
 
 
 def lowest(gaps: Iterable[Gap], start: Node) -> Mapping[Node, float]:
-    """Return the lower bounds that gaps imply on the differences of coordinates from that of `start`.
+    """Return the lower bounds that gaps imply on the differences between all coordinates and that of `start`.
 
     The gaps have to be satisfiable.
     """

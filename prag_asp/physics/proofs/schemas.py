@@ -35,7 +35,8 @@ Entities = tuple[str, ...]
 class ExclusionRule:
     """A rule that excludes fluents; `kinds` holds an entity, a class or `ANYTHING` for each variable.
 
-    `different` are pairs of variables that must be different entities. `proofs` are the proofs that the rule covers.
+    `different` contains pairs of variables that must be different entities, and `proofs` the proofs that the rule
+    covers.
     """
 
     shape: Shape
@@ -59,7 +60,7 @@ class ExclusionRule:
 
 
 class _InstanceTable(NamedTuple):
-    """All instances of a shape over the fluents of a domain: their entities, proofs and reasons."""
+    """All instances of a shape among the fluents of a domain: their entities, proofs and reasons."""
 
     proofs: dict[Entities, Fluents]
     reasons: dict[Entities, str | None]
@@ -67,7 +68,7 @@ class _InstanceTable(NamedTuple):
 
 
 def rules(proofs: Proofs, stated: Facts) -> list[ExclusionRule]:
-    """Return rules that cover all proofs and nothing else, each proof once, in the order of their first proofs."""
+    """Return rules that cover all proofs and nothing else, each proof once; rules are ordered by their first proofs."""
     folding = _Folding(proofs, stated)
     result: list[ExclusionRule] = []
     covered = set[Fluents]()
@@ -103,7 +104,7 @@ class _Folding:
         self._fluents = list(map(atom_of, stated.fluents))
 
     def rule(self, fluents: Fluents, reason: str) -> ExclusionRule:
-        """Return the most general rule for a proof whose instances are all proved for the same reason."""
+        """Generalise a proof to the most general rule whose instances are all proved for the same reason."""
         shape, entities = self._abstract(fluents)
         table = self._tables[shape]
         reason_pattern = _in_variables(reason, entities)
@@ -159,7 +160,7 @@ class _Folding:
         return tables
 
     def _different(self, shape: Shape, kinds: Sequence[str]) -> tuple[tuple[str, str], ...]:
-        """Return the pairs of variables that need an inequality, because fluents could have one entity for both."""
+        """Return the pairs of variables that need an inequality, because both could stand for the same entity."""
         ranges = {VARIABLES[i]: self._members.get(kind, {kind}) for i, kind in enumerate(kinds)}
         for name, arguments in shape:
             for i, argument in enumerate(arguments):

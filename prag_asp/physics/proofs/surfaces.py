@@ -1,7 +1,7 @@
 """Proofs about the table's top and its zones: a body stands on exactly the surfaces under its centre.
 
 A surface is a convex region of one plane, and a body stands on it if it stands on the plane with its centre over the
-region. A body that is known to stand on several surfaces thus has its centre over their intersection.
+region. The centre of a body that is known to stand on several surfaces is thus over their intersection.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def outline_of(surface: str, scene: Scene) -> Outline:
 
 
 def within(outline: Outline, other: Outline) -> Outline:
-    """Return the intersection of two convex outlines within `ROUNDING`, () if it is empty."""
+    """Return the intersection of two convex outlines within `ROUNDING`, or () if it is empty."""
     for (ax, ay), (bx, by) in zip(other, other[1:] + other[:1], strict=True):
         length = ((bx - ax) ** 2 + (by - ay) ** 2) ** 0.5
         a, b = (by - ay) / length, (ax - bx) / length

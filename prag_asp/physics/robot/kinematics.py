@@ -1,8 +1,8 @@
 """Forward and inverse kinematics of the robots; every solution is verified.
 
 Each robot's inverse kinematics is closed-form except for one redundant angle, which is swept lazily: first around its
-value for an arm bent in one plane (or around the current one), then coarsely over its range, and finely if that finds
-nothing.
+value for an arm bent in one plane (or around its current value), then coarsely over its range, and finely if the coarse
+sweep finds nothing.
 """
 
 from __future__ import annotations
@@ -56,8 +56,8 @@ def tool_pose(robot: Robot, joints: Joints) -> Pose:
 def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Joints]:
     """Yield at most `MAX_SOLUTIONS` joint configurations that bring the tool to a pose, the best first.
 
-    The best are nearest to `near`, by default to the robot's posture turned towards the target. Each is within the
-    joint limits, and forward kinematics puts the tool within 0.01 mm of the target.
+    The best configurations are nearest to `near`, by default to the robot's posture turned towards the target. Each is
+    within the joint limits, and forward kinematics puts the tool within 0.01 mm of the target.
     """
     tool, solver = _from_base(robot, tool), robot.solver
     from_tool = Pose((0.0, 0.0, -robot.tool_offset), yaw_quaternion(-robot.tool_turn))
@@ -90,7 +90,7 @@ def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Jo
 
 
 def adjust_joints(robot: Robot, tool: Pose, near: Joints) -> Joints | None:
-    """Return a joint configuration close to `near` that brings the tool to a nearby pose, None if none is found.
+    """Return a joint configuration close to `near` that brings the tool to a nearby pose, or None if none is found.
 
     It uses damped least squares which, unlike a sweep, changes the posture no more than necessary.
     """
@@ -131,7 +131,7 @@ def nudge_joints(
 def track_joints(robot: Robot, joints: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return joint angles within their limits that bring the tool as close to a nearby pose as possible.
 
-    `target` is a homogeneous matrix in the frame of the base. The method is that of `nudge_joints`, repeated.
+    `target` is a homogeneous matrix in the frame of the base. The method repeats the step of `nudge_joints`.
     """
     posture_step = POSTURE_GAIN * (np.array(robot.posture) - joints)
     posture_step[0] = 0.0
@@ -166,12 +166,12 @@ def _twist(one: NDArray[np.float64], two: NDArray[np.float64]) -> NDArray[np.flo
 
 
 def _from_base(robot: Robot, tool: Pose) -> Pose:
-    """Return a pose of the world in the frame of a robot's base."""
+    """Transform a pose from the world frame to the frame of a robot's base."""
     return tool if robot.base is ORIGIN else compose(invert(robot.base), tool)
 
 
 def quaternion_of(r: Sequence[Sequence[float]]) -> Quaternion:
-    """Return the unit quaternion of a rotation matrix, or of that in a homogeneous matrix, by Shepperd's method."""
+    """Return the unit quaternion of the rotation in a rotation matrix or a homogeneous matrix, by Shepperd's method."""
     (a, b, c), (d, e, f), (g, h, i) = (row[:3] for row in r[:3])
     squares = (1 + a - e - i, 1 - a + e - i, 1 - a - e + i, 1 + a + e + i)
     largest = squares.index(max(squares))

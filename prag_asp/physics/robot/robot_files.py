@@ -1,4 +1,4 @@
-"""The URDF files of the robots: those of PyBullet's wheel, with a gripper made of exact boxes.
+"""The URDF files of the robots: PyBullet's files, with grippers made of exact boxes.
 
 In the wheel's URDF each finger of the Panda is one convex hull, which fills the recess above the fingertips and is 1 mm
 thicker than the finger. Boxes for the pad and the shank have the true dimensions of Franka's finger, so the opening of

@@ -51,7 +51,7 @@ def advance(
 
 
 def _act(search: Search, snapshot: Snapshot, effect: ActionEffect, attempt: int) -> Snapshot:
-    """Return a snapshot after the gripper's part of an action.
+    """Return a snapshot after the gripper has performed its part of an action.
 
     Raises:
         Failure: the gripper cannot perform its part in this attempt.

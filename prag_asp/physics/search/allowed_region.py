@@ -27,7 +27,7 @@ def relevant_facts(facts: Iterable[Fact], entity: str, situation: Situation) -> 
 
 
 def shapes_volume(fact: Fact, entity: str) -> bool:
-    """Return whether the volume of an object expresses a fact exactly."""
+    """Return whether a fact is expressed exactly by the volume of an object."""
     subject = fact.arguments[fact.predicate.subject]
     return fact.value and (subject == entity or fact.predicate.inverse is not None)
 
@@ -42,7 +42,7 @@ def allowed_volume(situation: Situation, fact: Fact, entity: str, quaternion: Qu
 
 
 def yaw_ranges(situation: Situation, entity: str, facts: Iterable[Fact]) -> tuple[Yaws, ...] | None:
-    """Return the ranges of yaws that facts allow for an object, None if they allow any yaw.
+    """Return the yaw ranges that facts allow for an object, or None if they allow any yaw.
 
     Raises:
         Failure: the facts allow no yaw.

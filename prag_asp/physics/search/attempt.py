@@ -63,7 +63,7 @@ CAUSES = (
 class PhysicsFault(NamedTuple):
     """The reason why an attempt or a witness failed: the cause, the bodies, and the violated fact or a text.
 
-    The cause is one of `CAUSES`, or a problem of a witness that is checked again.
+    The cause is one of `CAUSES`, or a problem found when a witness is checked again.
     """
 
     cause: str
@@ -73,7 +73,7 @@ class PhysicsFault(NamedTuple):
 
 
 class Failure(Exception):
-    """An attempt of the search failed for one of `CAUSES`; the search catches this exception.
+    """An attempt of the search failed, with one of `CAUSES` as its cause; the search catches this exception.
 
     `missed` is the amount by which it failed, in metres, or in radians for a fact about a rotation; 0 if unknown.
     """
@@ -90,11 +90,11 @@ class Exhausted(Exception):
 
 @dataclass(frozen=True)
 class Search:
-    """The inputs of a search: the simulator, the task's objects and random generator, and the room for later actions.
+    """The input of a search: the simulator, the task's objects and random generator, and the room for later actions.
 
     If it `packs`, it places objects tightly, for tasks that random placement does not solve. If it `returns`, it undoes
     actions, back to an action that may be the cause, when all attempts at an action fail. The best `passed_over` grasps
-    of bodies with a model are tried last: witnesses with them failed a later check.
+    of bodies with a model are tried last, because witnesses with these grasps failed a later check.
     """
 
     simulator: Simulator
@@ -146,7 +146,7 @@ class Snapshot:
 
     @property
     def above(self) -> Joints | None:
-        """The joint configuration straight above the acting gripper, None if it is not lowered to an object."""
+        """The joint configuration straight above the acting gripper, or None if it is not lowered to an object."""
         return self.lowered.get(self.acting)
 
     def moment(self) -> Moment:
@@ -155,18 +155,18 @@ class Snapshot:
         return Moment(dict(situation.poses), dict(situation.arms), dict(situation.openings))
 
     def turned_to(self, robot: str | None) -> Snapshot:
-        """Return the snapshot with another acting robot; None keeps the current one."""
+        """Return the snapshot with another acting robot; None keeps the current robot."""
         return self if robot is None else replace(self, acting=robot)
 
     def with_arm(self, arm: Arm, above: Joints | None = None) -> Snapshot:
-        """Return the snapshot with another state of the acting arm, lowered from the configuration `above` if given."""
+        """Return the snapshot with a new state of the acting arm, lowered from the configuration `above` if given."""
         lowered = {robot: joints for robot, joints in self.lowered.items() if robot != self.acting}
         if above is not None:
             lowered[self.acting] = above
         return replace(self, situation=self.situation.with_arm(self.acting, arm), lowered=lowered)
 
     def with_poses(self, poses: Mapping[str, Pose]) -> Snapshot:
-        """Return the snapshot with other poses of the objects."""
+        """Return the snapshot with new poses of the objects."""
         return replace(self, situation=self.situation.with_poses(poses))
 
     def with_waypoint(self, name: str) -> Snapshot:

@@ -1,4 +1,4 @@
-"""The failed attempts of a search: the number of each fault, and the attempts that came nearest to success."""
+"""The failed attempts of a search: the count of each fault, and the attempts that came nearest to success."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from prag_asp.wording import plural
 
 
 class FailureLog:
-    """Counts the faults of all attempts, and separately of the attempts that completed the most actions.
+    """Counts the faults of all attempts, and separately the faults of the attempts that completed the most actions.
 
     `grasp_to_blame` is true if an object could not be moved or put down with its grasp, and no other grasp was tried.
     """
@@ -25,7 +25,7 @@ class FailureLog:
         self._missed = dict[PhysicsFault, float]()
 
     def add(self, fault: PhysicsFault, done: int, missed: float = 0.0) -> None:
-        """Count a fault that occurred after the initial state and `done` actions; -1 stands for the initial state.
+        """Count a fault that occurred after `done` actions, or while the initial state was sampled if `done` is -1.
 
         `missed` is the amount by which the attempt failed, as in `Failure`.
         """
@@ -42,7 +42,7 @@ class FailureLog:
     def nearest(self, effects: Sequence[ActionEffect]) -> str:
         """Return, in words, how far the best attempts at a task came, and the fault that ended most of them.
 
-        The text includes by how much the nearest attempt failed, if known.
+        The text states by how much the nearest attempt failed, if this is known.
         """
         if not self._last:
             return ""

@@ -1,4 +1,4 @@
-"""Room for later objects: an object is kept off the workspace's border if another is placed beside it later.
+"""Keep an object off the border of the workspace if another object will be placed beside it later.
 
 This only guides sampling; all checks stay the same.
 """
@@ -34,7 +34,7 @@ def foresee(physical: PhysicalTask, scene: Scene) -> Foresight:
 
 
 def _named(facts: Iterable[Fact]) -> set[str]:
-    """Return the objects of facts whose predicates have a direction."""
+    """Return the objects in facts whose predicates have a direction."""
     return {entity for fact in facts if fact.value and fact.predicate.direction for entity in fact.arguments}
 
 
@@ -53,9 +53,9 @@ def _rooms(physical: PhysicalTask, scene: Scene, k: int, entity: str, wide: bool
 
 
 def _later(physical: PhysicalTask, scene: Scene, k: int, entity: str) -> Iterator[tuple[int, str, Direction]]:
-    """Yield each object placed beside an object that rests since state `k`: its state, the object and its direction.
+    """Yield each object that is placed beside one at rest since state `k`: the state, the object and its direction.
 
-    After the initial state, an object that is moved onto or into another one takes no room beside it.
+    After the initial state, an object that is moved onto or into another object takes no room beside that object.
     """
     if k == 0:
         yield from ((0, *beside) for beside in _beside(physical.initial, entity))

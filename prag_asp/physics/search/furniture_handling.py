@@ -39,14 +39,14 @@ ENDS = (IS_OPEN, IS_CLOSED)
 
 
 def sample_openings(search: Search, situation: Situation, facts: Iterable[Fact]) -> dict[str, float]:
-    """Return random openings of all furniture in a situation, in metres or radians, as facts require."""
+    """Return random openings that the facts allow for all furniture in a situation, in metres or radians."""
     all_facts = list(facts)
     furniture = [entity for entity in situation.poses if situation.shape(entity).traits.furniture]
     return {entity: sample_opening(search, situation, entity, all_facts) for entity in furniture}
 
 
 def sample_opening(search: Search, situation: Situation, furniture: str, facts: Iterable[Fact]) -> float:
-    """Return a random opening of furniture in metres or radians, as facts require; open or closed without facts.
+    """Return a random opening that the facts allow for furniture, in metres or radians; without facts, open or closed.
 
     Raises:
         Failure: the facts allow no opening.

@@ -78,7 +78,7 @@ class CollisionQuery(NamedTuple):
 
 
 class GraspOption(NamedTuple):
-    """A tool pose that grasps an object, and the opening of the fingers in metres on the approach."""
+    """A tool pose that grasps an object, and the opening of the fingers during the approach in metres."""
 
     tool: Pose
     approach: float
@@ -217,9 +217,9 @@ def configure(search: Search, tool: Pose, query: CollisionQuery, near: Joints | 
 def descend(
     search: Search, tool: Pose, at: CollisionQuery, above: CollisionQuery, back: bool = False
 ) -> tuple[Joints, Joints]:
-    """Return collision-free joint configurations at a tool pose and, close to the first, `LIFT` straight above.
+    """Return collision-free joint configurations at a tool pose and, close to the first one, `LIFT` straight above it.
 
-    With `back`, the second is `LIFT` back along the direction of the fingers instead.
+    With `back`, the second configuration is `LIFT` back along the direction of the fingers instead.
 
     Raises:
         Failure: every configuration collides, or there is none for one of the poses.
@@ -243,9 +243,9 @@ def descend(
 def raise_joints(
     search: Search, low: Joints, tool: Pose, query: CollisionQuery, tries: int | None = None
 ) -> Joints | None:
-    """Return a collision-free joint configuration with the tool `LIFT` above a pose, close to one at that pose.
+    """Return a collision-free configuration with the tool `LIFT` above a pose, close to a configuration at that pose.
 
-    None if none of the first `tries` configurations, by default of all, is collision-free and close.
+    The result is None if none of the first `tries` configurations (by default, all) is collision-free and close.
     """
     return near_joints(search, low, raised(tool, LIFT), query, tries)
 
@@ -255,7 +255,7 @@ def near_joints(
 ) -> Joints | None:
     """Return a collision-free joint configuration for a tool pose that is close to another configuration.
 
-    None if none of the first `tries` configurations, by default of all, is collision-free and close.
+    The result is None if none of the first `tries` configurations (by default, all) is collision-free and close.
     """
     # The elbow swings more at a slant; the least change of all joints keeps the path between both straight.
     adjusted = None if is_downward(tool) else adjust_joints(search.robot, tool, low)
@@ -282,7 +282,7 @@ def _touched(query: CollisionQuery) -> tuple[str, ...]:
 
 
 def collide(search: Search, joints: Joints, query: CollisionQuery) -> ArmCollision | None:
-    """Return the collision of the acting arm, None if it is free."""
+    """Return the collision of the acting arm, or None if there is none."""
     return arm_collision(search.simulator, query.situation, joints, query.width, query.touched)
 
 

@@ -62,7 +62,7 @@ def _about(physical: PhysicalTask, entity: str, situation: Situation) -> tuple[F
 
 
 def _in_the_air(physical: PhysicalTask, entity: str) -> bool:
-    """Return whether a held object is known to have no support: some fact denies one, and none states one."""
+    """Return whether a held object is known to have no support: some fact denies a support, and no fact states one."""
     supports = [fact for fact in physical.initial if fact.predicate.supports and fact.arguments[0] == entity]
     return bool(supports) and not any(fact.value for fact in supports)
 
@@ -92,8 +92,8 @@ def _bring(search: Search, snapshot: Snapshot, physical: PhysicalTask) -> Snapsh
 def _arrange(search: Search, physical: PhysicalTask, still: Situation) -> Situation:
     """Return a situation with all objects at poses that the facts allow, placed one after the other.
 
-    If there is no pose for an object, backtrack to an earlier object related to it: to the last one first, the next
-    time to the one before that. A search that `packs` places the objects tightly instead.
+    If there is no pose for an object, backtrack to an earlier object related to it: first to the last such object, the
+    next time to the one before that. A search that `packs` places the objects tightly instead.
 
     Raises:
         Failure: there is no earlier object to backtrack to, or the search has backtracked `BACKTRACKS` times.

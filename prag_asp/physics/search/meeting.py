@@ -23,7 +23,7 @@ OFF_CENTRE = 0.02
 
 
 def move_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> Snapshot:
-    """Move the gripper, with any held object, over a zone or an object.
+    """Move the gripper, with the object that it holds, if any, over a zone or an object.
 
     Raises:
         Failure: the arm cannot get there in this attempt without a collision.
@@ -40,7 +40,7 @@ def move_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> S
 
 
 def take_over(search: Search, snapshot: Snapshot, giver: str) -> Snapshot:
-    """Let the giver in a handover open its gripper and retreat upwards after the receiver has grasped the object.
+    """Open the giver's gripper in a handover and retreat upwards, after the receiver has grasped the object.
 
     Raises:
         Failure: the giver cannot retreat without a collision.
@@ -55,7 +55,7 @@ def take_over(search: Search, snapshot: Snapshot, giver: str) -> Snapshot:
 
 
 def _tool_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> Pose:
-    """Return a random tool pose over a place, on the robot's side of it, with a held object clear of the place.
+    """Return a random tool pose over a place, on the side nearer to the robot; a held object stays clear of the place.
 
     Raises:
         Failure: there is no room over the place.

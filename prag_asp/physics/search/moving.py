@@ -25,14 +25,14 @@ from prag_asp.scene.robots import Joints
 
 
 def turn_to(search: Search, snapshot: Snapshot, robot: str | None) -> Snapshot:
-    """Make another robot the acting one; None keeps the current one."""
+    """Make another robot the acting robot; None keeps the current robot."""
     turned = snapshot.turned_to(robot)
     search.simulator.turn_to(turned.acting)
     return turned
 
 
 def raise_arm(search: Search, snapshot: Snapshot) -> Snapshot:
-    """Move a lowered gripper straight up with its load, or an empty one back along the direction of its fingers.
+    """Move a lowered gripper straight up with its load, or an empty gripper back along the direction of its fingers.
 
     Raises:
         Failure: the object slips out of the gripper or turns in it, or there is a collision.

@@ -1,8 +1,9 @@
 """Pack objects tightly, side by side from a corner, where random placement leaves no room for all of them.
 
-Objects are placed in order of size, axis-aligned or along their support, at the first free places from a random corner:
-vertices of the allowed region, places next to a neighbour with some spacing, and a lattice. If there is no place for an
-object, the search backtracks to the object before it. Of several spacings, the largest that succeeds is used.
+Objects are placed in order of size, axis-aligned or aligned with their support, at the first free place from a random
+corner. Places to try are vertices of the allowed region, places next to a neighbour with some spacing, and a lattice.
+If there is no place for an object, the search backtracks to the object before it. Several spacings are tried; the
+largest that succeeds is used.
 """
 
 from __future__ import annotations
@@ -89,7 +90,7 @@ class Corner(NamedTuple):
 def pack(
     search: Search, still: Situation, order: Sequence[str], about: Callable[[str, Situation], Iterable[Fact]]
 ) -> Situation:
-    """Return a situation with all objects of an `order` placed, so that the facts `about` each of them hold.
+    """Return a situation with all objects in `order` placed so that the facts `about` each object hold.
 
     Raises:
         Failure: there is no room for an object.
@@ -105,7 +106,7 @@ def pack(
 
 
 def resting_pose(search: Search, situation: Situation, entity: str, facts: Iterable[Fact], state: int) -> Pose:
-    """Return a random pose of an object on a support or, if that fails in a search that `packs`, a tight one.
+    """Return a random pose of an object on a support or, if that fails in a search that `packs`, a tight pose.
 
     Raises:
         Failure: every support is ruled out, or there is no pose on the chosen one.
@@ -116,7 +117,7 @@ def resting_pose(search: Search, situation: Situation, entity: str, facts: Itera
 
 
 def requested_pose(search: Search, situation: Situation, request: PlacementRequest) -> Pose:
-    """Return a random pose for a request or, if that fails in a search that `packs`, a tight one.
+    """Return a random pose for a request or, if that fails in a search that `packs`, a tight pose.
 
     Raises:
         Failure: there is no pose.
@@ -163,7 +164,7 @@ def packed_poses(situation: Situation, request: PlacementRequest, filling: tuple
 
 
 def _frames(situation: Situation, entity: str, support: str, about: Iterable[Fact]) -> Iterator[float]:
-    """Yield the yaws in radians along which an object is packed: that of its support or of the workspace first.
+    """Yield the yaws in radians along which an object is packed, first the yaw of its support or of the workspace.
 
     A user-defined relation may require it in a rotated body, for example a slot: then the yaw of that body, too.
     """
@@ -213,7 +214,7 @@ def _places(
 ) -> NDArray[np.float64]:
     """Return the places in the bounding box of some corners, shape (n, 2), that keep a spacing from `taken` places.
 
-    They are on lines through the corners, on lines through `touching` places, and on those of a lattice.
+    They are on lines through the corners, on lines through `touching` places, and on the lines of a lattice.
     """
     lines = []
     for axis in range(2):
@@ -232,11 +233,11 @@ def _places(
 def _taken(
     situation: Situation, request: PlacementRequest, quaternion: Quaternion, z: float, frame: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], list[Callable[[Vector, float], bool]]]:
-    """Return the places where an object at a height overlaps others, those where it touches them, and further tests.
+    """Return the places where an object at a height overlaps others, the places where it touches them, and more tests.
 
     A row of places (n, 4) has their centre, for the origin of the object, and their half-extents along x and y, seen
     from above in a frame rotated by a yaw: they apply to the bounding boxes of the bodies in this frame. If one of two
-    has a model, they touch there, and a function returns whether their parts overlap.
+    bodies has a model, their boxes touch there, and a function returns whether their parts overlap.
     """
     back, forth = yaw_quaternion(-frame), yaw_quaternion(frame)
     entity = situation.shape(request.entity)

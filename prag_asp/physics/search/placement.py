@@ -46,11 +46,11 @@ EDGE = 0.02  # metres to the edge of the table
 
 
 class Neighbour(NamedTuple):
-    """A body that another can meet: where the other's origin has boxes with the same centre, seen from above.
+    """A body that a placed object can meet, and the object's origin if the boxes of both have the same centre.
 
-    `dx` and `dy` are the distances from there along x and y at which the boxes touch. If one of the two has a model,
-    `parts` returns whether their parts are nearer than a spacing with the other at a place, because boxes alone do not
-    decide. All lengths are in metres.
+    `dx` and `dy` are the distances from that origin along x and y at which the boxes touch, seen from above. If the
+    body or the object has a model, `parts` returns whether their parts are nearer than a spacing with the object at a
+    place, because boxes do not decide this. All lengths are in metres.
     """
 
     x: float
@@ -77,7 +77,7 @@ class PlacementRequest(NamedTuple):
 
 
 def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> str | None:
-    """Return the support on or in which an object stands by the facts, `TABLE` for the table, None if unknown."""
+    """Return the support on or in which an object stands according to the facts (`TABLE` for the table), or None."""
     for fact in facts:
         if fact.value and fact.predicate.places and fact.arguments[0] == entity:
             support = fact.arguments[-1]
@@ -86,10 +86,10 @@ def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> s
 
 
 def choose_support(search: Search, situation: Situation, entity: str, facts: Iterable[Fact]) -> str:
-    """Return the support for an object to stand on or in: the one that the facts name, or a random one that they allow.
+    """Return the support for an object to stand on or in: the support in the facts, or a random allowed support.
 
-    If they name none, it is the table, unless the object is known not to be on it. If a user-defined relation lets the
-    object stand on or in another object, that object is an equally likely choice.
+    If the facts name no support, it is the table, unless the object is known not to be on the table. If a user-defined
+    relation lets the object stand on or in another object, that object is an equally likely choice.
 
     Raises:
         Failure: every support is ruled out.
@@ -160,7 +160,7 @@ def sample_pose(search: Search, situation: Situation, request: PlacementRequest)
 
 
 def kept_apart(situation: Situation, about: Iterable[Fact]) -> list[str]:
-    """Return the bodies to keep an object apart from: all except those that the facts require to be close."""
+    """Return the bodies from which an object is kept apart: all except those that the facts require to be close."""
     touched = {
         name for fact in about if fact.value and fact.predicate.apart[1] < SPACING for name in fact.arguments[:2]
     }
@@ -172,8 +172,9 @@ def _place(
 ) -> tuple[Quaternion, Volume, Floor]:
     """Return the orientation of an object, its volume in that orientation, and the floor of the volume.
 
-    The yaw is random. If it leaves no room for the object or for later ones, the object is aligned with the axes
-    instead, which takes the least room. `between` are chains for objects between it and others, ample room first.
+    The yaw is random. If it leaves no room for the object or for later objects, the object is aligned with the axes
+    instead, which takes the least room. `between` contains the chains for objects between this object and others, with
+    ample room first.
 
     Raises:
         Failure: the volume is empty.
@@ -210,7 +211,7 @@ def _place(
 
 
 def _ahead(search: Search, situation: Situation, request: PlacementRequest) -> tuple[Volume, ...]:
-    """Return the volumes in which an object leaves ample room for later ones, and just enough."""
+    """Return the volumes in which an object leaves ample room, and then just enough room, for later objects."""
     key = (request.state, request.entity)
     rooms = search.foresight.get(key, ()) if request.support == TABLE else ()
     spans = [span for span in search.spans.get(key, ()) if span.other in situation.poses]
@@ -268,7 +269,7 @@ def placement_volume(
 
 
 def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fact]) -> Volume:
-    """Return the part of a volume close to the objects beside an object, where people recognise the relation."""
+    """Return the part of a volume that is close enough to the objects beside it for people to see the relation."""
     for fact in about:
         if fact.value and fact.predicate.seen_close:
             other = fact.arguments[1] if fact.arguments[0] == entity else fact.arguments[0]
@@ -282,7 +283,7 @@ def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fa
 def _neighbours(
     situation: Situation, others: Iterable[str], support: str, turned: tuple[Shape, Quaternion, BodyExtent], z: float
 ) -> list[Neighbour]:
-    """Return the other bodies that an object at a height can meet, without containers that it is put into.
+    """Return the other bodies that an object at a height can meet, except containers into which it is placed.
 
     `turned` holds the shape of the object, its orientation, and its bounding box at the origin. Furniture has the
     bounding boxes of its body and of the swept moving part.
@@ -312,7 +313,7 @@ def _neighbours(
 def parts_meet(
     own: Shape, quaternion: Quaternion, other: Shape, pose: Pose, z: float, at: Vector, spacing: float
 ) -> bool:
-    """Return whether the parts of an object, at a place and height, may be nearer than a spacing to those of another.
+    """Return whether parts of an object at a place may be nearer than a spacing to parts of another object.
 
     Their convex outlines seen from above are compared.
     """
@@ -327,9 +328,9 @@ def parts_meet(
 
 
 def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> Iterator[float]:
-    """Yield yaws in radians: in required ranges, else random and then axis-aligned; on a support, aligned with it.
+    """Yield yaws in radians: in required ranges, or else random, then axis-aligned, or aligned with the support.
 
-    The sides of a body with a model are aligned, and where they do not fit into a container, its diagonals.
+    For a body with a model, the sides are aligned or, if they do not fit into a container, the diagonals.
     """
     own = side_yaw(situation.shape(request.entity))
     ranges = yaw_ranges(situation, request.entity, request.facts)

@@ -1,4 +1,4 @@
-"""Spacing for objects that are not placed yet: one that is left of a second and right of a third keeps these two apart.
+"""Keep objects apart for an object that is not placed yet: it will be to the left of one and to the right of the other.
 
 Objects are placed one after another. An object that its relations put between two others needs room there, whichever of
 the three is placed last.
@@ -19,7 +19,7 @@ from prag_asp.scene.geometry import Quaternion
 
 
 class SpacingChain(NamedTuple):
-    """A placed object, the direction of another one from it, and the room in metres for the objects between them."""
+    """A placed object, the direction from it to another object, and the room in metres for the objects between both."""
 
     end: str
     side: Direction
@@ -29,8 +29,8 @@ class SpacingChain(NamedTuple):
 def spacing_chains(situation: Situation, entity: str, facts: Iterable[Fact]) -> tuple[list[SpacingChain], ...]:
     """Return the chains of relations from an object through unplaced ones to placed ones.
 
-    There are none if all others are placed; otherwise two lists: with the longest and with the shortest sides of the
-    objects in between.
+    There are no chains if all other objects are placed. Otherwise there are two lists: with the longest sides of the
+    objects in between, and with their shortest sides.
     """
     beside = [fact for fact in facts if fact.value and fact.predicate.direction is not None]
     if all(other in situation.poses or other == entity for fact in beside for other in fact.arguments):

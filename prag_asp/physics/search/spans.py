@@ -1,4 +1,4 @@
-"""Spacing for an object between two others, now or later: the two are placed far enough apart.
+"""Place two objects far enough apart for an object that lies between them, now or later.
 
 This only guides sampling; all checks stay the same.
 """
@@ -20,7 +20,7 @@ DEPTH = 4
 
 
 class Span(NamedTuple):
-    """The desired distance to another object, centre to centre, in metres: with room for a finger, or just enough."""
+    """The desired distance to another object, centre to centre, in metres: with room for a finger, or without."""
 
     other: str
     ample: float
@@ -63,7 +63,7 @@ def _span(physical: PhysicalTask, scene: Scene, k: int, pair: tuple[str, str], w
 
 
 def _between(physical: PhysicalTask, k: int, pair: tuple[str, str]) -> Iterator[tuple[int, Fact]]:
-    """Yield the facts that put an object between two others while these rest as in state `k`, each with its state."""
+    """Yield each fact that puts an object between two others while these rest as in state `k`, with its state."""
     if k == 0:
         yield from ((0, fact) for fact in physical.initial if _parts(fact, pair))
     for j in range(k, len(physical.effects)):

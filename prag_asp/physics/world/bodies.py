@@ -53,7 +53,7 @@ def show_zone(client: int, scene: Scene, entity: str) -> None:
 def make_body(
     client: int, scene: Scene, entity: str, at: Vector, *, visual: bool = False, free: bool = False, floor: bool = True
 ) -> int:
-    """Make the body of an object; a fixed one has no mass, and a container can be made without its floor.
+    """Make the body of an object; a fixed object has no mass, and a container can be made without its floor.
 
     `free` makes it a plain rigid body, which is cheaper to simulate, unless it is furniture or a body with a model,
     which need joints or exact geometry.
@@ -76,9 +76,9 @@ def make_body(
 
 
 def mass_frame(scene: Scene, entity: str) -> Pose | None:
-    """Return the inertial frame of a body (centre of mass, principal axes) in the body's frame; None if they are equal.
+    """Return the inertial frame of a body (centre of mass, principal axes) in its frame; None if both are equal.
 
-    PyBullet's poses of bodies are those of the inertial frame.
+    PyBullet's poses of bodies are the poses of their inertial frames.
     """
     model = scene.shapes[entity].model
     return None if model is None or entity in scene.fixed else Pose(model.centre, model.axes)
@@ -99,7 +99,7 @@ def body_pose(client: int, scene: Scene, entity: str, body: int) -> Pose:
 
 
 def set_mass(client: int, scene: Scene, entity: str, body: int, still: bool = False) -> None:
-    """Give the body of an object its mass and inertia, or none if it is to be `still`."""
+    """Set the mass and inertia of an object's body, or remove them if the body must stay `still`."""
     model, kilograms = scene.shapes[entity].model, 0.0 if still else mass(scene, entity)
     pybullet.changeDynamics(body, -1, mass=kilograms, physicsClientId=client)
     if model is not None and kilograms > 0.0 and any(model.moments):
@@ -107,7 +107,7 @@ def set_mass(client: int, scene: Scene, entity: str, body: int, still: bool = Fa
 
 
 def mass(scene: Scene, entity: str) -> float:
-    """Return the mass of an object in kilograms, 0 for a fixed one."""
+    """Return the mass of an object in kilograms, or 0 for a fixed object."""
     return 0.0 if entity in scene.fixed else weight(scene, entity)
 
 
@@ -122,7 +122,7 @@ def _make(
     frame: Pose | None = None,
     looks: Sequence[Look] = (),
 ) -> int:
-    """Make one body of several solids, with its inertial `frame`; without a colour it is invisible."""
+    """Make one body that consists of several solids, with its inertial `frame`; without a colour it is invisible."""
     own = {} if frame is None else {"baseInertialFramePosition": frame[0], "baseInertialFrameOrientation": frame[1]}
     with open_shapes(made_of, client, color, looks) as (solid, seen):
         body = pybullet.createMultiBody(

@@ -19,7 +19,7 @@ ARMS_APART = 0.01
 class ArmCollision(NamedTuple):
     """The body that the arm collides with, and whether the hand collides.
 
-    If it does, no other configuration for the tool pose helps.
+    If the hand collides, no other configuration for the tool pose helps.
     """
 
     other: str
@@ -69,7 +69,7 @@ def overlap_depth(simulator: Simulator, situation: Situation, one: str, two: str
 def arm_collision(
     simulator: Simulator, situation: Situation, joints: Joints, width: float, touched: str | None
 ) -> ArmCollision | None:
-    """Return the collision of the acting arm at joint angles, None if it is free; its fingers may touch `touched`.
+    """Return the collision of the acting arm at joint angles, or None; the fingers may touch the object `touched`.
 
     The other arms are as in the situation; they must not collide with the objects or with this arm.
     """
@@ -98,7 +98,7 @@ def arm_collision(
 
 
 def _meets_object(simulator: Simulator, situation: Situation, name: str, arm: Arm) -> tuple[str, int] | None:
-    """Return an object and the link of an arm that collide, None if none do; fingers may touch a held object."""
+    """Return an object and an arm link that collide, or None if there are none; fingers may touch a held object."""
     simulated = simulator.arms[name]
     robot = simulated.robot
     bodies = situation.bodies
@@ -132,7 +132,7 @@ def _meets_arm(simulator: Simulator, name: str, arm: Arm, joints: Joints, width:
 
 
 def _deep(contacts: Iterable[tuple[int, float]]) -> int | None:
-    """Return a link whose contact is a collision, None if there is none."""
+    """Return a link whose contact is a collision, or None if there is none."""
     return next((link for link, gap in contacts if gap < COLLISION), None)
 
 

@@ -71,7 +71,7 @@ NO_PRESSING = Pressing(0.0, 0.0)
 class LoadedArm:
     """An arm in a simulation: its robot, its body, and the joints of arm and gripper that motors drive.
 
-    `base` is its pose in PyBullet: that of the centre of mass of its first link.
+    `base` is the pose of the arm in PyBullet: the pose of the centre of mass of its first link.
     """
 
     robot: Robot
@@ -81,7 +81,7 @@ class LoadedArm:
 
 
 class Dynamics:
-    """A PyBullet client whose world is rebuilt for every task, so that results depend on the task alone."""
+    """A PyBullet client whose world is rebuilt for every task, so that results depend only on the task."""
 
     def __init__(self, scene: Scene, client: int):
         self.scene = scene
@@ -128,8 +128,8 @@ class Dynamics:
     def restore(self, moment: Moment) -> None:
         """Reset the world to a moment, at rest; only held objects are awake.
 
-        The simulation from there depends on the moment alone, bit for bit: PyBullet caches contacts and their forces,
-        so all bodies are first moved far apart for `FORGETTING` steps. The moment must have all objects and arms of the
+        The simulation from there depends only on the moment, bit for bit: PyBullet caches contacts and their forces, so
+        all bodies are first moved far apart for `FORGETTING` steps. The moment must have all objects and arms of the
         world.
         """
         client = self.client
@@ -178,7 +178,7 @@ class Dynamics:
         )
 
     def _squeeze(self, robot: str) -> float:
-        """Return the largest force of each finger in newtons: that for the bodies between both fingers."""
+        """Return the largest force of each finger in newtons, as required for the bodies between both fingers."""
         arm, forces = self._arms[robot], self._gentle[robot]
         most = arm.robot.grip_force
         light = [entity for entity, force in forces.items() if force < most]
@@ -236,7 +236,7 @@ class Dynamics:
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """The names of bodies and links in contacts, before those of the objects."""
+        """The names of bodies and links in contacts; the names of the objects come after these."""
         grippers = [f"{part} of {name}" for name in self.scene.robots for part in ROBOT_PARTS]
         return (*grippers, "table")
 
@@ -256,7 +256,7 @@ class Dynamics:
         return pressing
 
     def _numbered(self, table: int) -> dict[tuple[int, int], int]:
-        """Return the number in contacts of each body and link."""
+        """Return the number that stands for each body and link in contacts."""
         numbers: dict[tuple[int, int], int] = {}
         first = 0
         for arm in self._arms.values():
@@ -272,7 +272,7 @@ class Dynamics:
     def _load_arm(self, name: str) -> LoadedArm:
         """Load a robot whose links collide only in its `self_pairs`.
 
-        Its fingers have rubber pads, and are coupled as if by one motor.
+        Its fingers have rubber pads, and are coupled as if one motor drove them.
         """
         client, robot = self.client, robot_of(self.scene, name)
         with mute_output(STDOUT):

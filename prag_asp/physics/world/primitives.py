@@ -78,7 +78,7 @@ def open_shapes(
 
 
 def visible_pieces(solids: Sequence[Solid], looks: Sequence[Look], color: str) -> list[VisiblePiece]:
-    """Return the visual shape of a body in PyBullet, in a colour that multiplies those of the looks.
+    """Return the visual shape of a body in PyBullet; the given colour multiplies the colours of the looks.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -123,7 +123,7 @@ def _marks(ball: Solid) -> list[Solid]:
 
 
 def _turned(what: str, solids: Sequence[Solid], files: Sequence[str]) -> dict[str, Any]:
-    """Return PyBullet's arguments for rotated solids and for meshes, none if there are none."""
+    """Return PyBullet's arguments for rotated solids and for meshes; the result is empty if there are none."""
     if not any(solid.mesh or solid.turn != STRAIGHT for solid in solids):
         return {}
     return {
@@ -144,7 +144,7 @@ def mesh_file(solid: Solid) -> tuple[str, bytes]:
 
 @lru_cache(maxsize=32)
 def _mesh_file(mesh: str, scale: tuple[float, float, float], _state: tuple[int, int]) -> tuple[str, bytes]:
-    """Return a name and an .obj file; `_state` is that of the mesh's file, so that a changed file is read again."""
+    """Return a name and an .obj file; `_state` is the state of the mesh file, so that a changed file is read again."""
     parts = mesh_parts(mesh, scale)
     points = dict.fromkeys(chain.from_iterable(chain.from_iterable(parts)))
     numbers = {point: i for i, point in enumerate(points, 1)}

@@ -45,7 +45,7 @@ class SimulatedArm:
         self._fingers = [(robot.links.index(link), side) for link, (_, side) in sides]
 
     def pose(self, joints: Joints, width: float) -> None:
-        """Set seven joint angles in radians, and the opening of the gripper in metres.
+        """Set the seven joint angles in radians, and the opening of the gripper in metres.
 
         Raises:
             SceneError: a number is not finite, or there are not seven joints.
@@ -66,9 +66,9 @@ class SimulatedArm:
         return contacts
 
     def link_boxes(self, joints: Joints, width: float) -> list[Corners]:
-        """Return the bounding box of each of the robot's links at joint angles in radians and an opening in metres.
+        """Return the bounding box of each link of the robot, given joint angles in radians and an opening in metres.
 
-        The arm itself is moved only if they are not cached.
+        The arm is moved only if the boxes are not cached.
 
         Raises:
             SceneError: a number is not finite, or there are not seven joints.
@@ -111,7 +111,7 @@ class SimulatedArm:
         return posture.overlap
 
     def flange(self) -> Pose:
-        """Return the pose of the flange from the simulator's own forward kinematics."""
+        """Return the pose of the flange, which the simulator computes by forward kinematics."""
         return read_flange(self.client, self.body, self.robot)
 
 
@@ -143,13 +143,13 @@ def load_robot_files(
 
 
 def set_joints(client: int, body: int, robot: Robot, joints: Joints, width: float) -> None:
-    """Set seven joint angles of an arm in radians, and the opening of its gripper in metres."""
+    """Set the seven joint angles of an arm in radians, and the opening of its gripper in metres."""
     values = [[angle] for angle in (*joints, width / 2, width / 2)]
     pybullet.resetJointStatesMultiDof(body, robot.driven, values, physicsClientId=client)
 
 
 def read_flange(client: int, arm: int, robot: Robot) -> Pose:
-    """Return the pose of an arm's flange from the simulator's own forward kinematics.
+    """Return the pose of an arm's flange, which the simulator computes by forward kinematics.
 
     The quaternion is normalized, because the rounded angles of the URDF make it deviate by up to 1e-7.
     """

@@ -106,11 +106,11 @@ class Simulator:
         return self.arms[self.acting]
 
     def turn_to(self, robot: str) -> None:
-        """Make another robot the acting one."""
+        """Make another robot the acting robot."""
         self.acting = robot
 
     def pose_arm(self, joints: Joints, width: float) -> None:
-        """Set seven joint angles of the acting arm in radians, and the opening of its gripper in metres.
+        """Set the seven joint angles of the acting arm in radians, and the opening of its gripper in metres.
 
         Raises:
             SceneError: a number is not finite, or there are not seven joints.
@@ -129,7 +129,7 @@ class Simulator:
         return min((point[8] for point in points), default=0.0)
 
     def flange(self) -> Pose:
-        """Return the pose of the flange of the acting arm from the simulator's own forward kinematics."""
+        """Return the pose of the acting arm's flange, which the simulator computes by forward kinematics."""
         return self.arm.flange()
 
     def read(self, entity: str) -> Pose:
@@ -175,12 +175,12 @@ def start_world(client: int) -> None:
 
 
 def move(client: int, body: int, pose: Pose) -> None:
-    """Move a body; the pose is that of its inertial frame."""
+    """Move a body; the pose is the pose of its inertial frame."""
     pybullet.resetBasePositionAndOrientation(body, pose.position, pose.quaternion, physicsClientId=client)
 
 
 def read_pose(client: int, body: int) -> Pose:
-    """Return the pose of a body: that of its inertial frame."""
+    """Return the pose of a body's inertial frame."""
     position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
     return Pose(tuple(position), tuple(quaternion))
 

@@ -31,7 +31,7 @@ class Contact:
 
 
 def contacts(situation: Situation, entity: str, others: Iterable[str]) -> list[Contact]:
-    """Return the contacts of a body with tops of bodies, floors of containers and the table below it."""
+    """Return the contacts of a body with surfaces below it: tops of bodies, floors of containers and the table."""
     return _contacts(situation, entity, list(_tops(situation, others)))
 
 
@@ -65,11 +65,11 @@ def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> 
 
 
 def unsupported(situation: Situation, entities: Iterable[str], needs_margin: bool = False) -> str | None:
-    """Return a body that would fall or tip over, None if all are stable; held bodies are stable, and bear others.
+    """Return a body that would fall or tip over, or None; held bodies are stable, and can bear other bodies.
 
-    The centre of mass has to be over the contacts below the body. If it `needs_margin`, its distance from their edge
-    has to be that of the scene or, if that is less, a tenth of the width of the body's base, at least `LEAST_MARGIN`;
-    on a small contact half of its radius is enough.
+    The centre of mass has to be over the contacts below the body. With `needs_margin`, the distance of the centre of
+    mass from their edge has to be at least the margin of the scene or, if that is less, a tenth of the width of the
+    body's base, but at least `LEAST_MARGIN`; on a small contact, half of its radius is enough.
     """
     bodies = list(entities)
     still = {*(arm.held for arm in situation.arms.values()), *situation.scene.fixed}
@@ -139,7 +139,7 @@ def _surfaces(situation: Situation, support: str) -> list[float]:
 
 
 def _top(situation: Situation, support: str, height: float) -> Outline:
-    """Return the outline of the surface of a support; for a container, of the floor between its walls."""
+    """Return the outline of a support's surface; for a container, the outline of the floor between its walls."""
     if support == TABLE:
         (x, y), (half_x, half_y) = _table(situation)
         return rectangle(x, y, half_x, half_y, 0.0)
@@ -160,8 +160,8 @@ def _table(situation: Situation) -> tuple[Point, Point]:
 def _load(situation: Situation, body: str, resting: Mapping[str, list[Contact]]) -> tuple[float, Point]:
     """Return the mass of a body with all bodies on it, and the point where this load acts, seen from above.
 
-    A body that rests on one support loads it at its centre of mass; one that bridges several supports loads each with
-    an equal share, at the centre of the contact.
+    A body that rests on one support loads it at the body's centre of mass; a body that bridges several supports loads
+    each with an equal share, at the centre of the contact.
     """
     total = weight(situation.scene, body)
     centre = centre_of_mass(situation.shape(body), situation.pose(body))

@@ -27,7 +27,7 @@ UNIT = (1.0, 1.0, 1.0)
 
 
 class VisiblePiece(NamedTuple):
-    """A solid in a colour (red, green, blue and opacity from 0 to 1); for a mesh, its file name and all files."""
+    """A solid and its colour (red, green, blue and opacity from 0 to 1); for a mesh, also its file name and files."""
 
     solid: Solid
     rgba: Rgba
@@ -56,18 +56,18 @@ def look_pieces(look: Look, tint: Rgba) -> list[VisiblePiece]:
 
 
 def _tinted(color: str, tint: Rgba) -> Rgba:
-    """Return the product of two colours; an empty one is white."""
+    """Return the product of two colours; an empty colour counts as white."""
     return tuple(a * b for a, b in zip(paint(color), tint, strict=True)) if color else tint
 
 
 @lru_cache(maxsize=64)
 def _written(look: Look, _state: tuple[int, int]) -> tuple[tuple[str, str, Mapping[str, bytes]], ...]:
-    """Return the colour, name and files of each surface of a mesh; `_state` is that of its file."""
+    """Return the colour, name and files of each surface of a mesh; `_state` is the state of the mesh's file."""
     return tuple(_files(surface, look.solid.size) for surface in look_surfaces(look))
 
 
 def _files(surface: Surface, scale: tuple[float, float, float]) -> tuple[str, str, Mapping[str, bytes]]:
-    """Return the colour of a surface, the name of its .obj file, and this file with those that it names.
+    """Return the colour of a surface, the name of its .obj file, and this file with the files that it names.
 
     File names depend on the contents, because PyBullet caches files by path.
     """

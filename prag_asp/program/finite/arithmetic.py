@@ -127,7 +127,7 @@ def _parts(expression: Expression) -> Sequence[Expression]:
 
 
 def _values(expression: Expression, values: Mapping[str, clingo.Symbol]) -> Iterator[int]:
-    """Yield the values of an expression, several if it has intervals or pools."""
+    """Yield the values of an expression; it has several if it contains intervals or pools."""
     if isinstance(expression, int):
         yield expression
     elif isinstance(expression, Leaf):

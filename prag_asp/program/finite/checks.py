@@ -1,4 +1,4 @@
-"""The functions that a guarded program calls during grounding to check ranges, and numbers and depths of terms."""
+"""The functions that a guarded program calls during grounding to check ranges of numbers and the growth of terms."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ BOUND = "bound it by a condition such as N < 10"
 
 
 class BoundReached(DomainError):
-    """Grounding computed a number out of range, or exceeded a bound, at the place of `problem`."""
+    """Grounding computed a number out of range or exceeded a bound; `problem` states what happened and where."""
 
     def __init__(self, problem: Problem | BoundReached) -> None:
         super().__init__(str(problem))
@@ -60,7 +60,7 @@ class Site:
 
 @dataclass
 class Checks:
-    """The functions that a guarded program calls while a control grounds it.
+    """The functions that a guarded program calls while clingo grounds it.
 
     `overflows` are the sites of numbers out of range: for these, clingo reports an undefined operation.
     """
@@ -162,7 +162,7 @@ class Checks:
 
 
 def measure(symbol: clingo.Symbol, cache: dict[clingo.Symbol, int], of: Callable[[Iterable[int]], int]) -> int:
-    """Return a measure of a term, computed by `of` from the measures of its arguments; `cache` stores results."""
+    """Return a measure of a term, which `of` computes from the measures of its arguments; `cache` stores results."""
     waiting = [] if symbol in cache else [symbol]
     while waiting:
         each = waiting[-1]

@@ -2,7 +2,7 @@
 
 A recursive rule derives new terms if a term of its head may be larger than the terms that it reads in the same
 component. Without such rules, the terms of a component are bounded by those of the components below it, so grounding
-terminates. The proof covers only one application of a rule: it derives no larger term. Otherwise, `Checks.goes_on`
+terminates. The proof considers one application of a rule, which derives no larger term. Otherwise, `Checks.goes_on`
 bounds the number and the depth of the rule's new terms at run time.
 
 A rule that reads only its own head, with smaller terms, never terminates once it fires: such `certain` rules are
@@ -33,9 +33,9 @@ LOWER = (ComparisonOperator.GreaterThan, ComparisonOperator.GreaterEqual)
 
 @dataclass(frozen=True)
 class EndlessRule:
-    """A rule that may derive larger terms of `variables` forever; a `certain` one does so once it fires.
+    """A rule that may build ever larger terms from `variables`; a `certain` rule does so once it fires.
 
-    `element` is the index of the head element that derives them, None for a head without elements.
+    `element` is the index of the head element that derives these terms, or None if the head has no elements.
     """
 
     rule: Statement
@@ -90,7 +90,7 @@ class _Derivation:
 
     @cached_property
     def comparisons(self) -> tuple[tuple[AST, int, AST], ...]:
-        """The comparisons of two terms, each in both directions."""
+        """The comparisons between two terms, each in both directions."""
         comparisons = []
         for literal in self.literals:
             atom = literal.atom if literal.ast_type == ASTType.Literal else literal
@@ -219,7 +219,7 @@ def _substituted(each: _Derivation, term: AST) -> AST:
 
 
 def _step(term: AST) -> tuple[str, int] | None:
-    """Return the variable and the number of a term such as ``X+1``, None for any other term."""
+    """Return the variable and the number in a term such as ``X+1``, or None for any other term."""
     if term.ast_type != ASTType.BinaryOperation:
         return None
     left, right, sign = term.left, term.right, term.operator_type
@@ -261,7 +261,7 @@ def _is_certain(each: _Derivation) -> bool:
 
 
 def _is_larger(name: str, term: AST) -> bool:
-    """Return whether a term is a function term with a variable, or the variable plus a number."""
+    """Return whether a term is a function term that contains a variable, or is the variable plus a number."""
     step = _step(term)
     if step:
         return step[0] == name
@@ -271,7 +271,7 @@ def _is_larger(name: str, term: AST) -> bool:
 
 
 def _is_hidden(name: str, term: AST) -> bool:
-    """Return whether a term may map several values of a variable to one, as ``X/7`` does, unlike ``X+1``."""
+    """Return whether a term may map several values of a variable to the same value: ``X/7`` does, ``X+1`` does not."""
     if term.ast_type == ASTType.BinaryOperation and term.operator_type not in SOLVED:
         return any(variable == name for variable, _ in _depths(term, 1))
     return any(_is_hidden(name, child) for child in children_of(term))

@@ -2,7 +2,7 @@
 
 clingo computes with 32 bits and overflows silently. Therefore rules call functions of `Checks` during grounding; line
 numbers do not change. An operation is checked in place: ``X+1`` becomes ``(X+1)+@in_range(7,X)``, which adds 0 or has
-no value. If clingo solves an operation for a variable, as in an atom of a body, the check follows the literal.
+no value. If clingo solves an operation for a variable, as in a body atom, the check follows the literal.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ SMALL = 1_000
 
 @dataclass(frozen=True)
 class Guarded:
-    """The text of a program with checks, and the sites of the checks.
+    """The text of a program with its checks, and where these are.
 
     `endless_steps` is true if rules of steps may derive new terms forever.
     """
@@ -94,7 +94,7 @@ class _CheckWriter:
         self._rule: Statement
 
     def written(self, text: str) -> str:
-        """Return a text with the checks inserted; clingo counts columns in bytes."""
+        """Return the source text with the checks inserted; clingo counts columns in bytes."""
         if not self._added:
             return text
         lines = text.encode().split(b"\n")
@@ -104,7 +104,7 @@ class _CheckWriter:
         return b"\n".join(lines).decode()
 
     def guard(self, rule: Statement, endless: Sequence[EndlessRule]) -> None:
-        """Add the checks of a rule."""
+        """Add checks to a rule."""
         self._rule = rule
         text = rule.text
         self._require_few_combinations(rule)
@@ -141,7 +141,7 @@ class _CheckWriter:
             raise Site(rule.path, rule.line, "").error(f"{what}; make them smaller")
 
     def guard_cost(self, statement: Statement) -> None:
-        """Add the checks of a weak constraint, or of an element of ``#minimize`` or ``#maximize``."""
+        """Add checks to a weak constraint, or to an element of ``#minimize`` or ``#maximize``."""
         self._rule = statement
         node = statement.node
         self._scope(node.body, frozenset())
@@ -153,7 +153,7 @@ class _CheckWriter:
         return f"({self._rule.parameters[0]}-1)" if self._rule.timed and self._rule.parameters else ":-"
 
     def _count(self, endless: EndlessRule) -> None:
-        """Add the check that counts the terms of an endless rule."""
+        """Add the check that counts the terms derived by an endless rule."""
         rule = endless.rule
         time = rule.parameters[0] if rule.timed and rule.parameters else "0"
         names = "/".join(dict.fromkeys(head.name for head in rule.heads))
@@ -170,7 +170,7 @@ class _CheckWriter:
             self._add(_end(element.condition[-1]), f",0={check}")
 
     def _scope(self, literals: Iterable[AST], bound: frozenset[str]) -> frozenset[str]:
-        """Add the checks of a conjunction of literals, and return the variables that they bind."""
+        """Add checks to a conjunction of literals, and return the variables that the literals bind."""
         literals = tuple(literals)
         bound = _bound(literals, bound)
         for literal in literals:
@@ -182,7 +182,7 @@ class _CheckWriter:
         return bound
 
     def _literal(self, literal: AST, bound: frozenset[str], *, binding: bool) -> None:
-        """Add the checks of a literal: after it, if it binds a variable through an operation."""
+        """Add checks to a literal; they follow the literal if it binds a variable through an operation."""
         atom = literal.atom
         if atom.ast_type == ASTType.SymbolicAtom:
             self._terms([atom.symbol], literal if binding else None)
@@ -208,7 +208,7 @@ class _CheckWriter:
             self._tuple(aggregate, element, bound)
 
     def _tuple(self, aggregate: AST, element: AST, bound: frozenset[str]) -> None:
-        """Add the checks of the tuple of an element, and of the sum to which its weight belongs."""
+        """Add checks to the tuple of an element, and to the sum to which its weight belongs."""
         terms = list(element.terms)
         weight = read_expression(terms[0]) if terms else 0
         if aggregate.function not in SUMS or (isinstance(weight, int) and abs(weight) <= SMALL):
@@ -224,7 +224,7 @@ class _CheckWriter:
         self._terms(terms[1:], None)
 
     def _terms(self, terms: Iterable[AST], after: AST | None) -> None:
-        """Add the checks of the operations and intervals in terms, in place or after a literal."""
+        """Add checks to the operations and intervals in terms, in place or after a literal."""
         for term in terms:
             kind = term.ast_type
             if kind in OPERATIONS and not _is_signed(term):
@@ -249,7 +249,7 @@ class _CheckWriter:
         self._add(_end(term), f")+{self._call('in_range', site, *inputs)}")
 
     def _intervals(self, term: AST) -> None:
-        """Add the checks of the intervals within an operation."""
+        """Add checks to the intervals within an operation."""
         for child in children_of(term):
             if child.ast_type == ASTType.Interval:
                 self._interval(child)
@@ -311,7 +311,7 @@ def _bound(literals: Sequence[AST], outer: frozenset[str]) -> frozenset[str]:
 
 
 def _plain_variables(term: AST) -> set[str]:
-    """Return the variables of a term outside of operations."""
+    """Return the variables of a term that occur outside operations."""
     if term.ast_type == ASTType.Variable:
         return {term.name}
     if (term.ast_type in OPERATIONS and not _is_signed(term)) or term.ast_type == ASTType.Interval:
@@ -320,7 +320,7 @@ def _plain_variables(term: AST) -> set[str]:
 
 
 def _is_signed(term: AST) -> bool:
-    """Return whether a term is the negation or the absolute value of another term, and so in range if that term is."""
+    """Return whether a term negates another term or is its absolute value, and so is in range if that term is."""
     return term.ast_type == ASTType.UnaryOperation and term.operator_type != UnaryOperator.Negation
 
 

@@ -65,7 +65,7 @@ class BanditCurriculum:
 
 
 class BanditSampler:
-    """Samples tasks by the weights of the current arm."""
+    """Samples tasks with the weights of the current arm."""
 
     def __init__(self, curriculum: BanditCurriculum, pool: TaskPool):
         self._curriculum, self._pool = curriculum, pool
@@ -93,7 +93,7 @@ class BanditSampler:
         return [(1 - self._exploration) * Fraction(weight, total) + rate for weight in weights]
 
     def propose(self) -> Proposal:
-        """Return a task by the weights of the current arm, with its probability."""
+        """Return a task sampled with the weights of the current arm, and its probability."""
         return self._pool.next_in_pool(self._stream.take)
 
     def note_feasibility(self, word: Word, feasible: bool) -> None:
@@ -127,7 +127,7 @@ class BanditSampler:
         }
 
     def load_state_dict(self, state: State) -> None:
-        """Continue from a state of `state_dict`."""
+        """Continue from a state returned by `state_dict`."""
         self._seed = state["seed"]
         self._gained = list(map(Fraction, state["gained"]))
         self._before = {key: Fraction(share) for key, share in state["before"].items()}

@@ -16,8 +16,8 @@ class LengthCurriculum:
     """Begin with the shortest tasks of a space, and proceed to longer ones as the agent succeeds.
 
     The next length is added when the success rate of the last `window` episodes with tasks of the longest length
-    reaches `threshold`. A share `review` of the tasks has shorter lengths, uniformly. Tasks of one length are sampled
-    by the weights of the domain.
+    reaches `threshold`. A share `review` of the tasks has shorter lengths, chosen uniformly. Tasks of one length are
+    sampled with the weights of the domain.
 
     Raises:
         QueryError: a share is not between 0 and 1, or the window is less than 1.
@@ -65,7 +65,7 @@ class LengthSampler:
         """Do nothing."""
 
     def update(self, result: EpisodeResult) -> None:
-        """Proceed to the next length if enough episodes of this one were successful."""
+        """Proceed to the next length if enough episodes of the longest current length were successful."""
         if result.stages == self._lengths[self._reached] and self._mastery.add(result.success):
             self._reached = min(self._reached + 1, len(self._lengths) - 1)
 
@@ -84,7 +84,7 @@ class LengthSampler:
         }
 
     def load_state_dict(self, state: State) -> None:
-        """Continue from a state of `state_dict`."""
+        """Continue from a state returned by `state_dict`."""
         self.seed(state["seed"])
         self._reached, self._drawn, self._taken = state["reached"], state["drawn"], list(state["taken"])
         self._mastery.load(state["ends"])

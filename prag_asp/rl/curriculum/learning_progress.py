@@ -1,4 +1,4 @@
-"""A curriculum by learning progress: results become weights of exact sampling."""
+"""A curriculum based on learning progress: results determine the weights of exact sampling."""
 
 from __future__ import annotations
 
@@ -29,18 +29,18 @@ STEPS = 16
 
 @dataclass(frozen=True)
 class AdaptiveCurriculum:
-    """Sample more tasks with action names, pairs of names and classes for which the success rate changes.
+    """Favour tasks with action names, pairs of names and classes whose success rates are changing.
 
-    The progress of each is the difference between the success rates of the newer and the older half of its last
-    `window` attempts; with too few attempts it counts as the greatest progress. The weights of the domain are
-    multiplied by a factor from 1, without progress, to `EMPHASIS`, with the greatest progress. After each `lot` of
-    episodes the factors are updated.
+    The progress of a name, pair or class is the difference between the success rates of the newer and the older half of
+    its last `window` attempts; if there are too few attempts, the progress counts as the greatest possible. The weights
+    of the domain are multiplied by a factor from 1, without progress, to `EMPHASIS`, with the greatest progress. After
+    each `lot` of episodes the factors are updated.
 
-    A share `exploration` of the tasks is sampled by the weights of the domain alone: 1 only explores, near 0 exploits.
-    The probability of a task is therefore at least that share of its probability without a curriculum, and no
-    importance weight exceeds the inverse of the share. The absolute learning progress is that of Matiisen, Oliver,
-    Cohen and Schulman ("Teacher-student curriculum learning", 2017); no regret bound is known for it
-    (`BanditCurriculum` has one).
+    A share `exploration` of the tasks is sampled with the unchanged weights of the domain: at 1, the curriculum only
+    explores; near 0, it mostly exploits. The probability of a task is therefore at least that share of its probability
+    without a curriculum, and no importance weight exceeds the inverse of the share. Absolute learning progress was
+    proposed by Matiisen, Oliver, Cohen and Schulman ("Teacher-student curriculum learning", 2017); no regret bound is
+    known for this curriculum (one is known for `BanditCurriculum`).
 
     Raises:
         QueryError: the share is not in (0, 1], or a number is less than 1.
@@ -79,7 +79,7 @@ class AdaptiveSampler:
         self._begin(0, {})
 
     def propose(self) -> Proposal:
-        """Return a task by the current weights or those of the domain, with its probability under the mixture."""
+        """Return a task sampled with the current weights or those of the domain; its probability is for the mixture."""
         return self._pool.next_in_pool(self._drawn)
 
     def note_feasibility(self, word: Word, feasible: bool) -> None:
@@ -110,7 +110,7 @@ class AdaptiveSampler:
         }
 
     def load_state_dict(self, state: State) -> None:
-        """Continue from a state of `state_dict`."""
+        """Continue from a state returned by `state_dict`."""
         self.seed(state["seed"])
         self._ends = {key: deque(ends, maxlen=self._curriculum.window) for key, ends in state["ends"].items()}
         self._begin(state["lots"], {key: Fraction(weight) for key, weight in state["weights"].items()})
@@ -120,7 +120,7 @@ class AdaptiveSampler:
                 stream.skip(taken)
 
     def _drawn(self) -> Proposal:
-        """Return a task of the mixture, in the pool or not."""
+        """Return a task sampled from the mixture, whether or not it is in the pool."""
         if self._now is None:
             return self._usual.take()
         both = self._usual, self._now
@@ -132,7 +132,7 @@ class AdaptiveSampler:
         )
 
     def _weights(self) -> dict[str, Fraction]:
-        """Return the weight factor of each name, pair and class by its progress."""
+        """Return the weight factor of each name, pair and class, computed from its progress."""
         progress = {key: progress_of(list(ends), self._curriculum.window) for key, ends in sorted(self._ends.items())}
         most = max(progress.values(), default=Fraction(0))
         if not most:
@@ -148,7 +148,7 @@ class AdaptiveSampler:
 
 
 def progress_of(ends: Sequence[bool], window: int) -> Fraction:
-    """Return the difference between the success rates of the halves of the results; 1 if there are too few."""
+    """Return the difference between the success rates of both halves of the results; 1 if there are too few results."""
     half = len(ends) // 2
     if 2 * half < window - 1 or not half:
         return Fraction(1)

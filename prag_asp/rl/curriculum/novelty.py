@@ -1,4 +1,4 @@
-"""A curriculum by novelty: unsampled tasks, skeletons, names or pairs come first, by exact coverage."""
+"""A curriculum based on novelty: tasks, skeletons, names or pairs that were not sampled yet come first."""
 
 from __future__ import annotations
 
@@ -37,11 +37,12 @@ EMPHASIS, HALF = 64, Fraction(1, 2)
 
 @dataclass(frozen=True)
 class NoveltyCurriculum:
-    """Sample new items first: `what` is "tasks", "skeletons", action "names", or "pairs" of names.
+    """Sample new items first; `what` selects the items: "tasks", "skeletons", action "names", or "pairs" of names.
 
-    Tasks are sampled without replacement, in uniformly random order; so are skeletons, each with one of its tasks by
-    weight. With names or pairs, each task has a due name or pair: one that has not occurred in a feasible task or in
-    `TRIES` infeasible tasks. When none is due, or no task of the part with a due one is found, a new pass begins.
+    Tasks are sampled without replacement, in uniformly random order; so are skeletons, each represented by one of its
+    tasks, which is sampled by weight. With names or pairs, each task has a due name or pair: one that has occurred
+    neither in a feasible task nor in `TRIES` infeasible tasks. When nothing is due, or no task of the part with a due
+    name or pair is found, a new pass begins.
 
     Raises:
         QueryError: `what` has another value.
@@ -67,7 +68,7 @@ class NoveltyCurriculum:
 
 
 class _Tasks:
-    """The tasks of a pool by number."""
+    """The tasks of a pool, numbered."""
 
     def __init__(self, pool: TaskPool):
         self._pool = pool
@@ -83,7 +84,7 @@ class _Tasks:
 
 
 class _Skeletons:
-    """The skeletons of a pool by number."""
+    """The skeletons of a pool, numbered."""
 
     def __init__(self, pool: TaskPool):
         self._pool = pool
@@ -96,7 +97,7 @@ class _Skeletons:
         self.size = sum(size for _, size in self._stretches)
 
     def word(self, number: int, seed: int) -> tuple[Word, Fraction]:
-        """Return a sampled task with the skeleton of a number, and its probability among the tasks with it."""
+        """Return a sampled task that has the skeleton with a given number, and its probability among all such tasks."""
         length, rank = _found(self._stretches, number)
         letters, probability = self._samplers[length].of_rank(rank, SeededBits(seed), number)
         names = self._pool.at(length).action_texts()
@@ -148,7 +149,7 @@ class PassSampler:
         return {"seed": self._seed, "drawn": self._drawn}
 
     def load_state_dict(self, state: State) -> None:
-        """Continue from a state of `state_dict`."""
+        """Continue from a state returned by `state_dict`."""
         self._go_on(state["seed"], state["drawn"])
 
     def _go_on(self, seed: int, drawn: int) -> None:
@@ -217,7 +218,7 @@ class CoverageSampler:
         """Do nothing."""
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return the number of due names or pairs and the number of all."""
+        """Return the number of due names or pairs, and the number of all names or pairs."""
         return {"due": len(self._due), "of": len(self._all)}
 
     def state_dict(self) -> State:
@@ -231,7 +232,7 @@ class CoverageSampler:
         }
 
     def load_state_dict(self, state: State) -> None:
-        """Continue from a state of `state_dict`."""
+        """Continue from a state returned by `state_dict`."""
         self.seed(state["seed"])
         self._times = state["times"] - 1
         self._begin(state["due"], state["tries"])
@@ -254,7 +255,7 @@ class CoverageSampler:
         return frozenset(names if self._what == "names" else map(">".join, pairwise(names)))
 
     def _begin(self, due: Sequence[str], tries: Mapping[str, int]) -> None:
-        """Begin to sample due names or pairs, with larger weights if rare; the share of tasks with them is exact.
+        """Begin to sample due names or pairs, with larger weights for rare ones; the share of tasks with them is exact.
 
         The total weight of all tasks is a polynomial in the weight factor of the due names or pairs, and its constant
         term is the weight of the tasks without them; so the share of the tasks with due names or pairs can approach 1.

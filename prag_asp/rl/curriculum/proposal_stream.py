@@ -1,4 +1,4 @@
-"""Samples by fixed weights, with the exact probability of any task."""
+"""Sample tasks with fixed weights, and compute the exact probability of any task."""
 
 from __future__ import annotations
 

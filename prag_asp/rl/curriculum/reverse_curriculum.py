@@ -17,9 +17,9 @@ class ReverseCurriculum:
     """Begin with the last subgoal of tasks, then with the last two, and so on back to whole tasks.
 
     One more subgoal is added when the success rate of the last `window` episodes that began with the earliest subgoal
-    reaches `threshold`. A share `review` of the episodes begins nearer to the goal, uniformly. The idea is that of
-    Florensa, Held, Wulfmeier, Zhang and Abbeel ("Reverse curriculum generation for reinforcement learning", 2017); here
-    the initial states are those of witnesses.
+    reaches `threshold`. A share `review` of the episodes begins with a later subgoal, chosen uniformly. The idea is
+    from Florensa, Held, Wulfmeier, Zhang and Abbeel ("Reverse curriculum generation for reinforcement learning", 2017);
+    here the initial states are those of witnesses.
 
     Raises:
         QueryError: a share is not between 0 and 1, or the window is less than 1.
@@ -52,7 +52,7 @@ class ReverseSampler:
         self._mastery.load(())
 
     def stage(self, stages: int) -> tuple[int, Fraction]:
-        """Return the initial subgoal, from 0, of a task with `stages` subgoals, and its exact probability."""
+        """Return the number (from 0) of the initial subgoal among `stages` subgoals of a task, and its probability."""
         shares = review_shares(self._review, min(self._back, stages))
         place = sample_index(shares, self._seed, "stage", self._drawn)
         self._drawn += 1
@@ -79,7 +79,7 @@ class ReverseSampler:
         }
 
     def load_state_dict(self, state: State) -> None:
-        """Continue from a state of `state_dict`."""
+        """Continue from a state returned by `state_dict`."""
         self.seed(state["seed"])
         self._back, self._drawn, self._longest = state["back"], state["drawn"], state["longest"]
         self._mastery.load(state["ends"])

@@ -1,4 +1,4 @@
-"""The tasks that a curriculum samples: those of a space or of a part of a space."""
+"""The tasks that a curriculum samples: all tasks of a space or of a part of a space."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class PoolPart(Protocol):
 
 @dataclass(frozen=True)
 class RankedPart:
-    """The tasks with given ranks of a space of one length."""
+    """The tasks with given ranks in a space whose tasks have the same length."""
 
     tasks: RankedTasks
     space: TaskSpace
@@ -97,7 +97,7 @@ class TaskPool:
 
     @property
     def lengths(self) -> Sequence[int]:
-        """The lengths of its tasks, ascending.
+        """The lengths of the tasks in the pool, in ascending order.
 
         Raises:
             QueryError: the pool has no task.
@@ -118,9 +118,9 @@ class TaskPool:
         return word in self.part
 
     def proposals(self, *, seed: int, length: int | None = None) -> Iterator[Proposal]:
-        """Yield independent tasks by the weights of the domain, endlessly, and only of the given length, if any.
+        """Yield independent samples endlessly, by the weights of the domain; a `length` restricts them to that length.
 
-        The probability is that among all tasks of the space, or of the length.
+        The probability of a task is its probability among all tasks of the space or, with a `length`, of this length.
 
         Raises:
             QueryError: the pool has no task.
@@ -133,7 +133,7 @@ class TaskPool:
     def draws(
         self, *, seed: int, weights: Mapping[str, Number] | Weights | None = None, length: int | None = None
     ) -> Iterator[Proposal]:
-        """Yield tasks of the space as `proposals` does, in the pool or not; weights are as in `TaskSpace.draw`.
+        """Yield tasks as `proposals` does, whether or not they are in the pool; `TaskSpace.draw` explains `weights`.
 
         Raises:
             QueryError: there is no task, or a weight matches nothing.

@@ -39,7 +39,7 @@ class TaskSampler(Protocol):
     """Samples tasks; their distribution may depend on the results of episodes."""
 
     def seed(self, seed: int) -> None:
-        """Reset the sampler, with no results; all later samples depend only on the seed and on later results."""
+        """Reset the sampler, and discard all results; later samples depend only on the seed and on later results."""
 
     def propose(self) -> Proposal:
         """Return the next task, which may be infeasible."""
@@ -57,7 +57,7 @@ class TaskSampler(Protocol):
         """Return the state as JSON values."""
 
     def load_state_dict(self, state: State) -> None:
-        """Continue from a state of `state_dict`."""
+        """Continue from a state returned by `state_dict`."""
 
 
 class SubgoalSampler(Protocol):
@@ -67,7 +67,7 @@ class SubgoalSampler(Protocol):
         """Reset the sampler."""
 
     def stage(self, stages: int) -> tuple[int, Fraction]:
-        """Return the initial subgoal, from 0, of a task with `stages` subgoals, and its exact probability."""
+        """Return the number (from 0) of the initial subgoal among `stages` subgoals of a task, and its probability."""
 
     def update(self, result: EpisodeResult) -> None:
         """Record the result of an episode."""
@@ -79,7 +79,7 @@ class SubgoalSampler(Protocol):
         """Return the state as JSON values."""
 
     def load_state_dict(self, state: State) -> None:
-        """Continue from a state of `state_dict`."""
+        """Continue from a state returned by `state_dict`."""
 
 
 class TaskCurriculum(Protocol):
@@ -103,7 +103,7 @@ class StageCurriculum(Protocol):
 
 
 class DomainWeightsSampler:
-    """Samples tasks by the weights of the domain, regardless of the results of episodes."""
+    """Samples tasks with the weights of the domain, regardless of the results of episodes."""
 
     def __init__(self, pool: TaskPool):
         self._pool = pool
@@ -134,7 +134,7 @@ class DomainWeightsSampler:
         return {"seed": self._seed, "taken": self._taken}
 
     def load_state_dict(self, state: State) -> None:
-        """Continue from a state of `state_dict`."""
+        """Continue from a state returned by `state_dict`."""
         self.seed(state["seed"])
         self._taken = state["taken"]
         skip(self._proposals, self._taken)
@@ -173,7 +173,7 @@ class ActionKeys:
 
     @cached_property
     def _known(self) -> dict[str, tuple[str, frozenset[str]]]:
-        """The name of each action, by its text, and the classes of its entities."""
+        """Maps the text of each action to its name and the classes of its entities."""
         facts = self.facts
         result = {}
         for action in facts.actions:

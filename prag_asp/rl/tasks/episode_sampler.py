@@ -72,7 +72,7 @@ class EpisodeStart:
 
 
 class EpisodeSampler:
-    """Samples tasks and initial subgoals by the curricula, and updates them with the results of episodes.
+    """Samples tasks and initial subgoals with curricula, and updates the curricula with the results of episodes.
 
     Raises:
         QueryError: a single task has no witness, or the witness of another task.
@@ -99,7 +99,7 @@ class EpisodeSampler:
         self._subgoals = origin.stages.subgoal_sampler() if origin.stages else None
 
     def seed(self, rng: np.random.Generator) -> None:
-        """Reset all samplers by seeds from a generator."""
+        """Reset all samplers with seeds from a generator."""
         self._source.seed(int(rng.integers(2**31)))
         if self._subgoals is not None:
             self._subgoals.seed(int(rng.integers(2**31)))
@@ -125,7 +125,7 @@ class EpisodeSampler:
         return EpisodeStart(assignment, subgoals, texts, *initial, stage is not None)
 
     def update(self, start: EpisodeStart, stage: int, *, success: bool) -> None:
-        """Update the curricula that chose an episode with its result; the episode ended at the subgoal `stage`."""
+        """Pass the result of an episode to the curricula that chose it; the episode ended at the subgoal `stage`."""
         actions = start.assignment.task.actions
         attempts = [
             Attempt(actions[i], actions[i - 1] if i else None, i < stage or success)
@@ -149,7 +149,7 @@ class EpisodeSampler:
         }
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Continue from a state of `state_dict`; a malformed state raises a Python error."""
+        """Continue from a state returned by `state_dict`; a malformed state raises a Python error."""
         self._source.load_state_dict(state["source"])
         if self._subgoals is not None:
             self._subgoals.load_state_dict(state["subgoals"])

@@ -1,4 +1,4 @@
-"""The origin of an environment's tasks from plain values, so that a string can name it."""
+"""Build the origin of an environment's tasks from plain values, so that text can specify it."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class SplitOptions:
         """Check that no option defines a division of a space.
 
         Raises:
-            QueryError: an option does; the message has the `reason` why the option has no effect.
+            QueryError: an option does; the message states the `reason` why the option has no effect.
         """
         if self.shares is not None or self.skeletons or self.hold_out is not None or self.seed != 0:
             raise QueryError(f"shares, skeletons, hold_out and split_seed divide a space: {reason}")

@@ -75,11 +75,11 @@ class TaskSource(Protocol):
         """Return the state as JSON values."""
 
     def load_state_dict(self, state: State) -> None:
-        """Continue from a state of `state_dict`."""
+        """Continue from a state returned by `state_dict`."""
 
 
 class WitnessFinder:
-    """Finds witnesses of tasks by a validator, which is opened lazily."""
+    """Finds witnesses of tasks with a validator, which is opened lazily."""
 
     def __init__(self, scene: Scene, resources: ExitStack, budget: Budget | None):
         self.scene, self.budget, self._resources = scene, budget, resources
@@ -185,7 +185,7 @@ def require_rank(rank: object, count: int) -> int:
 
 
 class SpaceSource:
-    """Samples the tasks of a pool by a curriculum, and rejects tasks without a witness.
+    """Samples the tasks of a pool with a curriculum, and rejects tasks without a witness.
 
     Unless `trivial`, it also rejects tasks whose final state is the initial state.
     """
@@ -229,7 +229,7 @@ class SpaceSource:
         )
 
     def ranked(self, rank: int) -> Assignment:
-        """Return the task with a rank, with a witness.
+        """Return the task with a rank, together with a witness.
 
         Raises:
             QueryError: no task has that rank, the task has no witness or is not in the part, or the space has tasks of
@@ -260,7 +260,7 @@ class SpaceSource:
         return {"seed": self._seed, "number": self._number, "sampler": self._sampler.state_dict()}
 
     def load_state_dict(self, state: State) -> None:
-        """Continue from a state of `state_dict`."""
+        """Continue from a state returned by `state_dict`."""
         self._seed, self._number = state["seed"], state["number"]
         self._sampler.load_state_dict(state["sampler"])
 
@@ -291,7 +291,7 @@ class DatasetSource:
         raise NotFound(f"{self._dataset.folder}: {PATIENCE} tasks in a row have no action; choose another dataset")
 
     def ranked(self, rank: int) -> Assignment:
-        """Return the task of the dataset with a number.
+        """Return the task with a given number in the dataset.
 
         Raises:
             QueryError: the dataset has no task of this number.
@@ -310,7 +310,7 @@ class DatasetSource:
         return {"rng": dict(self._rng.bit_generator.state)}
 
     def load_state_dict(self, state: State) -> None:
-        """Continue from a state of `state_dict`."""
+        """Continue from a state returned by `state_dict`."""
         self._rng.bit_generator.state = state["rng"]
 
     def _assignment(self, number: int) -> Assignment:

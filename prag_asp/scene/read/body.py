@@ -26,7 +26,7 @@ Floats = NDArray[np.float64]
 def body_shape(
     kind: str, solids: Sequence[Solid], mass: MassProperties, settled: float = 0.0, looks: Iterable[Look] = ()
 ) -> Shape:
-    """Return the shape of a body made of solids; the centre of their bounding box becomes the origin of its frame.
+    """Make the shape of a body from solids; the centre of their bounding box becomes the origin of the body's frame.
 
     `settled` is the angle in radians by which the body tilted to come to rest; `looks` are its visual parts.
 
@@ -56,14 +56,14 @@ def body_shape(
 
 
 def _cavity(solids: Sequence[Solid]) -> Cavity | None:
-    """Return the largest cavity of a body made of solids; one without a mesh is convex."""
+    """Return the largest cavity of a body made of solids; a body without a mesh counts as convex."""
     if len(solids) == 1 and not solids[0].mesh:
         return None
     return find_cavity(np.concatenate([part for solid in solids for part in _triangles(solid)]))
 
 
 def resting(shape: Shape) -> Shape | None:
-    """Return the shape of a body with a model at rest: unchanged if it stands, None if it does not come to rest.
+    """Return the shape of a body with a model at rest: unchanged if it stands, or None if it does not come to rest.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -147,7 +147,7 @@ def too_thin(thickness: float) -> str:
 
 
 def solid_mass(solids: Iterable[Solid]) -> MassProperties:
-    """Return the mass properties of solids of density 1 in the frame of their body.
+    """Return the mass properties of solids with density 1, in the frame of their body.
 
     A closed part of a mesh counts as its interior, any other part as its convex hull.
 
@@ -176,7 +176,7 @@ def _parts(solid: Solid) -> Iterator[Floats]:
 
 
 def _part_mass(triangles: Floats) -> MassProperties:
-    """Return the mass properties of a part of a mesh of density 1."""
+    """Return the mass properties of a mesh part with density 1."""
     if is_closed(triangles):
         found = polyhedron_mass(triangles)
         if found.mass < 0.0:

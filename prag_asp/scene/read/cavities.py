@@ -52,7 +52,7 @@ STEEP = 0.2
 
 
 def find_cavity(triangles: Floats) -> Cavity | None:
-    """Return the largest cavity of a body, given by triangles (n, 3, 3) in metres, None if there is none.
+    """Return the largest cavity of a body, given by triangles (n, 3, 3) in metres, or None if there is none.
 
     Bodies above `MAX_LENGTH` are not searched, because they are refused, and their grids would not fit into memory.
     """
@@ -112,7 +112,7 @@ def _cavities(surface: Floats, top: Floats, low: float, grid: tuple[Floats, Floa
 def _raise(heights: Floats, solid: NDArray[np.int_], cuts: Floats, triangle: Floats, xs: Floats, ys: Floats) -> None:
     """Add a triangle (3, 3) to the views of a grid from each of the heights `cuts`.
 
-    `heights` are those of the highest surface below each cut; `solid` counts the solids that contain the cut: the
+    `heights` are the heights of the highest surface below each cut; `solid` counts the solids that contain the cut: the
     surfaces below it that face down, minus those that face up.
     """
     (ax, ay, az), (bx, by, bz), (cx, cy, cz) = triangle.tolist()
@@ -139,7 +139,7 @@ class _Walls(NamedTuple):
 
     @classmethod
     def of(cls, triangles: Floats, spacing: float) -> _Walls:
-        """Return points on the steep triangles among some (n, 3, 3), at most about `spacing` metres apart."""
+        """Return points on those triangles (n, 3, 3) that are steep, at most about `spacing` metres apart."""
         one, two = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
         normals = np.cross(one, two)
         lengths = np.linalg.norm(normals, axis=1)
@@ -156,7 +156,7 @@ class _Walls(NamedTuple):
     def added(self, heights: Floats, cut: float, grid: tuple[Floats, Floats]) -> Floats:
         """Return the heights of a surface on a grid with the parts of walls below a cut that fall between its points.
 
-        They are the same array if no part is missing.
+        The heights are the same array as before if no part is missing.
 
         A wall is missing at a point if the surface is lower there, and a cell away on either side of the wall.
         """
@@ -182,7 +182,7 @@ class _Walls(NamedTuple):
 
 
 def _closed(heights: Floats, reach: int) -> Floats:
-    """Return heights with gaps of up to twice `reach` cells filled: a morphological closing by a square."""
+    """Fill gaps of up to twice `reach` cells in heights: a morphological closing with a square."""
     padded = np.pad(heights, 2 * reach, constant_values=-np.inf)
     window = (2 * reach + 1, 2 * reach + 1)
     grown = np.lib.stride_tricks.sliding_window_view(padded, window).max((2, 3))

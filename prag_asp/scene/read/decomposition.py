@@ -1,6 +1,6 @@
-"""The convex parts of a concave mesh, by CoACD (Wei et al., "Approximate convex decomposition", 2022).
+"""Divide a concave mesh into convex parts with CoACD (Wei et al., "Approximate convex decomposition", 2022).
 
-They depend only on the mesh and the parameters, and are cached by both, because a decomposition takes seconds.
+The parts depend only on the mesh and the parameters. They are cached, because a decomposition takes seconds.
 """
 
 from __future__ import annotations

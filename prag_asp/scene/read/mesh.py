@@ -113,7 +113,7 @@ def file_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
 
 
 def mesh_points(path: str, scale: Point = (1.0, 1.0, 1.0)) -> list[Point]:
-    """Return the distinct corners of the faces of a mesh, multiplied by a scale along each axis.
+    """Return the distinct corners of a mesh's faces, multiplied by a scale along each axis.
 
     Raises:
         SceneError: as for `file_parts`.
@@ -176,7 +176,7 @@ def _read(path: str, modified: int, size: int) -> tuple[Part, ...]:
 
 
 def _triangles(path: str, content: bytes) -> list[list[Triangle]]:
-    """Return the triangles of each part of a file, by its format."""
+    """Return the triangles of each part of a file, whose format determines the reader."""
     match Path(path).suffix.lower():
         case ".obj":
             return _obj(content)
@@ -224,7 +224,7 @@ def _stl(content: bytes) -> list[Triangle]:
 
 
 def _point(words: Sequence[str] | Sequence[float]) -> Point:
-    """Return three words or numbers as a point."""
+    """Convert three words or numbers to a point."""
     x, y, z = map(float, words)
     return (x, y, z)
 

@@ -111,7 +111,7 @@ def _body(
 
 
 def _lying(shape: Shape, anyhow: bool) -> Shape:
-    """Return the shape of a body in the stable pose with the lowest centre of mass, on its side unless `anyhow`.
+    """Return the shape of a body in its stable pose with the lowest centre of mass, on its side unless `anyhow` is set.
 
     Raises:
         SceneError: the body rests stably in no pose.

@@ -80,7 +80,7 @@ DISTINCT = 20.0
 
 
 def read_scene(root: TableEntry, names: DomainNames) -> Scene:
-    """Return the scene of a ``[scene]`` table; wrong values are reported and replaced by their defaults."""
+    """Return the scene that a ``[scene]`` table defines; wrong values are reported and replaced by their defaults."""
     report = root.report
     root.require_known(SCENE_KEYS)
     if not isinstance(root.value.get("shapes", {}), Mapping) or (*root.keys, "shapes") in report.misspelt:
@@ -236,7 +236,7 @@ def _materials(section: TableEntry, names: DomainNames) -> dict[str, Material]:
 
 
 def _colors(section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape], top: str) -> dict[str, str]:
-    """Return the colour of every entity: its own, that of its class, or a colour that differs visibly from all others.
+    """Return the colour of every entity: its own, the colour of its class, or one that differs visibly from all others.
 
     `top` is the colour of the table.
     """

@@ -26,7 +26,7 @@ STAND_IN = (0.3, 0.3, 0.3)
 
 
 def read_shapes(section: TableEntry, names: DomainNames) -> dict[str, tuple[Shape, ...]]:
-    """Return the possible shapes of every entity, smallest first: those of its class or nearest ancestor."""
+    """Return the possible shapes of every entity, smallest first: the shapes of its class or its nearest ancestor."""
     by_class: dict[str, tuple[Shape, ...]] = {}
     for name, entry in section.entries():
         if names.has_class(entry, name):
@@ -45,7 +45,7 @@ def read_shapes(section: TableEntry, names: DomainNames) -> dict[str, tuple[Shap
 
 
 def _shapes(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
-    """Return the shapes of one class: `SIZES` of them if its table gives a range, otherwise one."""
+    """Return the shapes of one class: `SIZES` shapes if the table gives a range, otherwise one shape."""
     if not entry.is_table('like { kind = "box", size = [0.05, 0.05, 0.05] }'):
         return ()
     kind = entry.value.get("kind")
@@ -76,7 +76,7 @@ def _shapes(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
 
 
 def _from_file(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
-    """Return the shape of a URDF or a mesh, given by its path from the folder of the domain."""
+    """Return the shape that a URDF or a mesh describes, given by its path from the folder of the domain."""
     from prag_asp.scene.read.mesh_body import read_mesh_body  # noqa: PLC0415 - few domains have bodies from files
     from prag_asp.scene.read.urdf import read_urdf  # noqa: PLC0415
 

@@ -52,7 +52,7 @@ def surface_points(solids: Sequence[Solid]) -> Floats:
 
 
 def base_of(points: Floats, height: float = CONTACT) -> Outline:
-    """Return the convex outline, seen from above, of points (n, 3) up to a height in metres above the lowest one."""
+    """Return the convex outline, seen from above, of points (n, 3) within a height in metres of the lowest point."""
     near = points[points[:, 2] <= points[:, 2].min() + height]
     return hull([(x, y) for x, y, _ in near.tolist()])
 
@@ -65,9 +65,9 @@ def crown_of(points: Floats) -> Outline:
 def falls(points: Floats, centre: Floats) -> bool:
     """Return whether a body, given by points (n, 3) of its surface, falls over as it stands.
 
-    It does if its `centre` of mass (3,) is outside its base or at the edge of the base. It also does if it rolls: if
-    the centre is more than `ROLLS` outside the outline of its lowest points. The round base of a primitive counts as
-    flat.
+    It falls over if its `centre` of mass (3,) is outside its base or at the edge of the base. It also falls over if it
+    rolls: if the centre is more than `ROLLS` outside the outline of its lowest points. The round base of a primitive
+    counts as flat.
     """
     at = (float(centre[0]), float(centre[1]))
     return inside_by(base_of(points), at) < STABLE_DEPTH or _beside(base_of(points, GRAZING), at) > ROLLS
@@ -162,7 +162,7 @@ def own_points(solid: Solid) -> Iterator[Size]:
 
 
 def rotation(turn: Size) -> Rows:
-    """Return the rotation matrix of roll, pitch and yaw about the fixed axes, in radians."""
+    """Return the rotation matrix for roll, pitch and yaw about the fixed axes, in radians."""
     (a, b), (c, d), (e, f) = ((math.cos(angle), math.sin(angle)) for angle in turn)
     return (
         (e * c, e * d * b - f * a, e * d * a + f * b),

@@ -61,7 +61,7 @@ def read_urdf(path: Path, folder: Path) -> Shape:
 
     The centre of the bounding box of the solids becomes the origin. A link whose ``<inertial>`` has no ``<origin>`` has
     its centre of mass at the centroid of its solids; an inertia that is impossible for a body of this size and mass is
-    replaced by that of uniform solids.
+    replaced by the inertia of uniform solids.
 
     Raises:
         SceneError: a file is missing, malformed or outside the folder, or does not describe one rigid body.
@@ -162,18 +162,18 @@ def _frames(
 
 
 def _frame(origin: ElementTree.Element | None) -> Frame:
-    """Return the frame of an origin."""
+    """Return the frame that an ``<origin>`` element describes."""
     at, turn = _origin(origin)
     return Frame(np.array(rotation(turn)), np.array(at))
 
 
 def _composed(outer: Frame, inner: Frame) -> Frame:
-    """Return the composition of two frames, the second relative to the first."""
+    """Compose two frames, the second of which is relative to the first."""
     return Frame(outer.rows @ inner.rows, outer.rows @ inner.at + outer.at)
 
 
 def _moved(solid: Solid, frame: Frame) -> Solid:
-    """Return a solid of a link in the frame of the body."""
+    """Transform a solid from the frame of its link to the frame of the body."""
     rows, at = _composed(frame, Frame(np.array(rotation(solid.turn)), np.array(solid.at)))
     x, y, z = map(float, at)
     return solid._replace(at=(x, y, z), turn=roll_pitch_yaw(rows))
@@ -261,13 +261,13 @@ def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
 
 
 def _origin(origin: ElementTree.Element | None) -> tuple[Size, Size]:
-    """Return the position in metres, and roll, pitch and yaw in radians, of an origin; zeros if it is missing."""
+    """Return the position in metres and roll, pitch and yaw in radians in an ``<origin>``; zeros if it is missing."""
     at, turn = ((ZEROS if origin is None else origin.get(name, ZEROS)) for name in ("xyz", "rpy"))
     return _numbers(at, 3, "the xyz of <origin>"), _numbers(turn, 3, "the rpy of <origin>")
 
 
 def _thick(solid: Solid) -> Solid:
-    """Return a solid after a check that it is thick enough to collide with."""
+    """Check that a solid is thick enough to collide with, and return it."""
     if min(solid.size) < SMALLEST:
         raise SceneError(f"a <{solid.kind}> is {too_thin(min(solid.size))}")
     return solid

@@ -18,7 +18,7 @@ ROBOTS: Mapping[str, Robot] = {"panda": PANDA, "kuka": KUKA}
 
 
 def robot_of(scene: Scene, name: str) -> Robot:
-    """Return a robot of a scene by the name of its entity.
+    """Return the robot in a scene whose entity has a given name.
 
     Raises:
         SceneError: the scene has no robot of that name.

@@ -2,10 +2,10 @@
 
 Joint limits and speeds are KUKA's ("LBR iiwa 7 R800, LBR iiwa 14 R820: specification", axis data of the R820); the
 wheel's URDF has the limits too. The arm is a shoulder, an elbow and a wrist: the axes of joints 1 to 3 meet in one
-point, those of 5 to 7 in another. Therefore its inverse kinematics is that of Shimizu, Kakuya, Yoon, Kitagaki and
-Kosuge ("Analytical inverse kinematic computation for 7-DOF redundant manipulators with joint limits", 2008): for any
-flange pose, the elbow may turn about the line from shoulder to wrist, and for a fixed elbow angle each of the three has
-two configurations.
+point, the axes of joints 5 to 7 in another point. Therefore its inverse kinematics is that of Shimizu, Kakuya, Yoon,
+Kitagaki and Kosuge ("Analytical inverse kinematic computation for 7-DOF redundant manipulators with joint limits",
+2008): for any flange pose, the elbow may turn about the line from shoulder to wrist, and for a fixed elbow angle each
+of the three has two configurations.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ TINY = 1e-9
 
 
 class KukaSolver:
-    """The kinematics of the iiwa; the free parameter is the elbow angle, which is 0 upright."""
+    """The kinematics of the iiwa; the free parameter is the elbow angle, which is 0 when the elbow points up."""
 
     last_resort: tuple[float, ...] = FINE
     weights: Joints = (1.0, 1.0, 1.5, 1.0, 1.0, 0.7, 0.3)

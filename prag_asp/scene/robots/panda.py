@@ -2,8 +2,8 @@
 
 The limits of joints, speeds and accelerations are Franka's
 (https://frankaemika.github.io/docs/control_parameters.html); they are narrower than those of PyBullet's URDF. The
-inverse kinematics is the analytic one of He and Liu ("Analytical inverse kinematics for Franka Emika Panda", 2021),
-which fixes joint 7 and finds up to four configurations.
+inverse kinematics is the analytic solution of He and Liu ("Analytical inverse kinematics for Franka Emika Panda",
+2021), which fixes joint 7 and finds up to four configurations.
 """
 
 from __future__ import annotations

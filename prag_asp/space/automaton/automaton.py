@@ -1,6 +1,7 @@
 """Deterministic automata as arrays: exact counts, words in order, and ranks.
 
-Every level of a task space is the set of words of one automaton: plans and tasks over actions, skeletons over names.
+Every level of a task space is the set of words of one automaton. The letters of plans and tasks are actions; the
+letters of skeletons are action names.
 """
 
 from __future__ import annotations
@@ -29,10 +30,10 @@ Word = tuple[int, ...]
 class Automaton:
     """A deterministic automaton whose words are the paths from state 0 to an accepting state.
 
-    The edges of state s are the rows ``offsets[s]:offsets[s + 1]`` of `letters` and `targets`, in order of the letters,
-    which are numbers. `accepting` has shape (states,), and `weights` has shape (edges,) with a nonnegative integer for
-    each edge, or is None if all weights are 1. An automaton without states has no words. `horizon` is the length up to
-    which no word is missing, or None if no word is missing at any length.
+    The edges of state s are the rows ``offsets[s]:offsets[s + 1]`` of `letters` and `targets`, in ascending order of
+    the letters, which are integers. `accepting` has shape (states,), and `weights` has shape (edges,) with a
+    nonnegative integer for each edge, or is None if all weights are 1. An automaton without states has no words.
+    `horizon` is the length up to which no word is missing, or None if no word is missing at any length.
     """
 
     offsets: NDArray[np.int64]
@@ -59,13 +60,13 @@ class Automaton:
         return [(letters[begin:end], targets[begin:end]) for begin, end in pairwise(offsets)]
 
     def step(self, state: int, letter: int) -> int | None:
-        """Return the edge of a state with a letter, if any."""
+        """Return the edge of a state that has a given letter, or None if there is no such edge."""
         first, last = int(self.offsets[state]), int(self.offsets[state + 1])
         edge = first + int(np.searchsorted(self.letters[first:last], letter))
         return edge if edge < last and self.letters[edge] == letter else None
 
     def with_edges(self, edges: NDArray[np.int64]) -> Automaton:
-        """Return the automaton with only some of its edges, given by number in ascending order."""
+        """Return the automaton restricted to the edges with the given numbers, which are in ascending order."""
         return replace(
             self,
             offsets=np.searchsorted(self.sources[edges], np.arange(self.states + 1)).astype(np.int64),
@@ -86,7 +87,7 @@ def positive(automaton: Automaton) -> Automaton:
 
 
 def avoiding(automaton: Automaton, letters: Collection[int]) -> Automaton:
-    """Return the automaton of the words without some letters."""
+    """Return the automaton that accepts only the words without the given letters."""
     return automaton.with_edges(np.flatnonzero(~np.isin(automaton.letters, list(letters))))
 
 
@@ -122,14 +123,14 @@ class Completions:
         self._inhabited = np.flatnonzero(degrees)
 
     def row(self, left: int) -> NDArray[Any]:
-        """Return the weights for `left` letters, shape (states,), of dtype int64 or object."""
+        """Return the weights of completions with `left` letters, shape (states,), of dtype int64 or object."""
         row = self._kept.get(left)
         if row is None:
             row = self._between.get(left)
         return self._climb(left) if row is None else row
 
     def _climb(self, left: int) -> NDArray[Any]:
-        """Return a row, computed from the last cached row before it."""
+        """Compute a row from the last cached row before it, and return it."""
         place = left - left % self._every
         while place not in self._kept:
             place -= self._every
@@ -155,7 +156,7 @@ class Completions:
             self._bytes //= 2
 
     def last_row(self, left: int) -> NDArray[Any]:
-        """Return the same as `row` without caching the rows before it."""
+        """Return the row that `row` returns, without caching the rows before it."""
         place = max(number for number in self._kept if number <= left)
         row = self._kept[place]
         for _ in counted(range(left - place), "lengths"):
@@ -200,7 +201,7 @@ def count_words(completions: Completions, length: int, prefix: Sequence[Callable
 
 
 def weights_by_length(completions: Completions, number: int) -> list[int]:
-    """Return the weights of all words of the lengths 0, 1, ..., number - 1."""
+    """Return the total weight of the words of each length 0, 1, ..., `number` - 1."""
     if not completions.automaton.states:
         return [0] * number
     weights, row = [], completions.row(0)
@@ -211,7 +212,7 @@ def weights_by_length(completions: Completions, number: int) -> list[int]:
 
 
 def words(completions: Completions, length: int, prefix: Sequence[Callable[[int], bool]] = ()) -> Iterator[Word]:
-    """Yield the words of a given length in order, lazily; `prefix` as in `count_words`."""
+    """Yield the words of a given length in order, lazily; for `prefix`, see `count_words`."""
     automaton = completions.automaton
     if not automaton.states or len(prefix) > length or not completions.row(length)[0]:
         return

@@ -1,4 +1,4 @@
-"""Counting within limits: a count ended by a limit is a lower bound."""
+"""Count words within limits: if a limit ends a count, the result is a lower bound."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ def count_within(
     check: LimitCheck,
     tell: Callable[[str], None] = lambda words: None,
 ) -> tuple[int, StopReason | None]:
-    """Return the weight of all words of a given length and None, or at a limit, a lower bound and the limit.
+    """Return the weight of all words of a given length and None, or a lower bound and the limit that was reached.
 
-    The lower bound is the weight of the words that follow one fixed path to the first step with known completions.
-    `tell` is called periodically with the progress.
+    The lower bound is the weight of the words that follow one fixed path up to the first step whose completions are
+    known. `tell` is called periodically with the progress.
     """
     automaton = completions.automaton
     if not automaton.states:
@@ -40,7 +40,9 @@ def count_within(
 
 
 def _along_one_path(automaton: Automaton, steps: int, row: NDArray[Any]) -> int:
-    """Return a lower bound on the weight of the words that begin with one path of `steps` steps, completed by `row`.
+    """Return a lower bound on the weight of the words that begin with one path of `steps` steps.
+
+    `row` holds the weights of the completions after these steps.
 
     The path leaves each state by the same edge, so that it soon cycles. Skipped cycles count as factor 1, which is a
     lower bound because weights are integers.

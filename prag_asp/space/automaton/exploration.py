@@ -1,7 +1,7 @@
 """Explore the automaton of the plans of a step function breadth-first, many states of a layer at once.
 
-States are numbered in the order of a breadth-first search that expands states by number and actions in their order, so
-that numbers depend only on the step function.
+States are numbered in the order of a breadth-first search that expands states in order of their numbers and tries
+actions in their order, so that numbers depend only on the step function.
 """
 
 from __future__ import annotations
@@ -41,9 +41,9 @@ ROOM = 2**26
 
 @dataclass(frozen=True)
 class Extent:
-    """The extent of an exploration; `nbytes` is its memory, including memory for concatenating the edges.
+    """The size of an exploration; `nbytes` is its memory, including the memory for concatenating the edges.
 
-    `expanded` is the number of states whose edges are known, `by_letter` the number of edges of each letter.
+    `expanded` is the number of states whose edges are known, `by_letter` the number of edges with each letter.
     """
 
     depth: int
@@ -144,7 +144,7 @@ class _BreadthFirst:
 
     @cached_property
     def _relaxation(self) -> Relaxation | None:
-        """The relaxation that bounds the distance of states to the end of a plan; None if plans may end anywhere."""
+        """The relaxation that bounds the distance from states to the end of a plan; None if plans may end anywhere."""
         if not self._transition.step.final:
             return None
         from prag_asp.logic.step.relaxation import relax
@@ -236,7 +236,7 @@ class _BreadthFirst:
 
 
 def _pack(orders: Orders) -> Rows:
-    """Return orders of entities as rows of words."""
+    """Return orders of entities, packed into rows of 64-bit words."""
     short = np.zeros((len(orders), -(-orders.shape[1] // 4) * 4), dtype=np.uint16)
     short[:, : orders.shape[1]] = orders
     return short.view(np.uint64)

@@ -1,8 +1,9 @@
-"""The words of a step function, by decision diagrams over its states, without listing the states.
+"""Count and rank the words of a step function with decision diagrams over its states, without listing the states.
 
-The forward pass collects the states reached within n - 1 steps, and where each action is valid among them. The backward
-pass computes completions: with k letters left, the completions of a state are the sum, over its valid actions, of the
-completions of the successor with k - 1 letters left. The completions for each k are one diagram. All numbers are exact.
+The forward pass collects the states reached within n - 1 steps and, for each action, those in which it is valid. The
+backward pass counts completions: the number of completions of a state with k letters left is the sum, over its valid
+actions, of the number of completions of the successor with k - 1 letters left. The numbers for each k form one diagram.
+All numbers are exact.
 """
 
 from __future__ import annotations
@@ -46,9 +47,9 @@ class DiagramEdge:
 
 
 class Layers:
-    """The words of a step function by length, with results cached between queries.
+    """The words of a step function, for any length; results are cached between queries.
 
-    `weigh` returns the weight of an edge, an integer, for its letter and the numbers of its true labels.
+    `weigh` returns the integer weight of an edge, given its letter and the numbers of its true labels.
     """
 
     def __init__(
@@ -83,7 +84,7 @@ class Layers:
         return not self._frontier
 
     def row(self, length: int, left: int) -> Node:
-        """Return the completions with `left` letters of the states reached within ``length - left`` steps."""
+        """Return the weight of the completions with `left` letters of each state within ``length - left`` steps."""
         self.extend(length)
         if self._covered < length:
             self._rows = [self._step.accepted(self.reached)]
@@ -94,14 +95,17 @@ class Layers:
         return self._rows[left]
 
     def rows_so_far(self, length: int) -> list[Node]:
-        """Return the computed rows of a given length for 0, 1, ... letters left, at least the first.
+        """Return the rows computed so far for a given length, for 0, 1, ... letters left; the first is always included.
 
-        They are lower bounds from the states and rows computed so far.
+        Their values are lower bounds that take only the states and rows computed so far into account.
         """
         return self._rows if self._covered >= length else [self._step.accepted(self.reached)]
 
     def back(self, row: Node, letters: Collection[int] | None = None) -> Node:
-        """Return the completions through edges with some or all letters, given the `row` of the successors."""
+        """Return the weight of the completions that begin with one of `letters`, given the `row` of the successors.
+
+        By default, they may begin with any letter.
+        """
         terms = []
         for (letter, changes, labels), states in self._pieces.items():
             if letters is None or letter in letters:
@@ -132,7 +136,7 @@ class Layers:
             self._tell(f"depth {self._depth}: {states:,} states, {len(self.diagrams):,} nodes")
 
     def images(self, states: Node) -> Iterator[tuple[int, Node]]:
-        """Yield letters with sets of successors of a set of reached states."""
+        """Yield letters, each with a set of states to which it leads from the given reached states."""
         for (letter, changes, _), where in self._pieces.items():
             image = self.diagrams.image(self.diagrams.within(states, where), dict(changes))
             if image:
@@ -167,7 +171,7 @@ class Layers:
 
 
 class LayeredWords:
-    """The words of one length whose first letters are among those of `prefix`, in order and with their ranks.
+    """The words of one length whose first letters `prefix` allows, in order and with their ranks.
 
     `total` is the sum of their weights.
     """
@@ -211,7 +215,10 @@ class LayeredWords:
         return rank
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
-        """Return a word and its weight; `choose` selects an edge per step by the running totals of the weights."""
+        """Return a word and its weight.
+
+        At each step, `choose` selects an edge, given the running totals of the weights.
+        """
         word, weight, state = [], 1, self._layers.start
         for step in range(self._length):
             edges = self._layers.onward(state)

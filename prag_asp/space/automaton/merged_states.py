@@ -1,4 +1,4 @@
-"""Words, ranks and samples of an automaton with states merged up to renaming of interchangeable entities.
+"""Words, ranks and samples of an automaton whose states are merged up to renaming of interchangeable entities.
 
 A path of the merged automaton stands for many words. A walk composes the renamings edge by edge, and expands each edge
 into the actions that it stands for. Words therefore have the same order as in the automaton without merging. A unit of
@@ -79,7 +79,7 @@ class MergedAutomaton:
         return _Branches(edges[order], entities[order], letters[order])
 
     def after(self, place: UnmergedState, branches: _Branches, branch: int) -> UnmergedState:
-        """Return the successor through a branch."""
+        """Return the state to which a branch leads."""
         edge = int(branches.edges[branch])
         swapped = np.arange(self.actions.places)
         first = self.actions.entities[self.base.letters[edge]]
@@ -91,7 +91,7 @@ class MergedAutomaton:
         return UnmergedState(int(self.base.targets[edge]), np.append(place.names[swapped[order]], -1))
 
     def _orbit(self, state: int) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
-        """Return each edge of a state once for each of its renamings by twins, and the entities of each renaming."""
+        """Return each edge of a state once for each way to exchange twins in its action, and the resulting entities."""
         if state not in self._orbits:
             automaton, actions = self.base, self.actions
             twins = Twins.between(actions, self.renamings.twins[state : state + 1])
@@ -129,7 +129,7 @@ def accepts_merged(merged: MergedAutomaton, word: Sequence[int]) -> bool:
 def count_merged(
     merged: MergedAutomaton, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()
 ) -> int:
-    """Return the weight of all words of a given length whose first letters are among those of `prefix`.
+    """Return the weight of all words of a given length whose first letters `prefix` allows.
 
     States that differ only in entities that the rest of the prefix does not distinguish are counted together.
     """
@@ -171,7 +171,7 @@ def _distinguished(actions: Patterns, prefix: Sequence[frozenset[int]]) -> list[
 def merged_words(
     merged: MergedAutomaton, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()
 ) -> Iterator[Word]:
-    """Yield the words of a given length in order, lazily; `prefix` as in `count_merged`."""
+    """Yield the words of a given length in order, lazily; for `prefix`, see `count_merged`."""
     if not completions.automaton.states or len(prefix) > length:
         return
 
@@ -221,7 +221,10 @@ class MergedRanking:
         return np.cumsum(exact if self._merged.own is None else exact * self._merged.own[branches.edges])
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
-        """Return a word and its weight; `choose` selects a branch per step by the running totals of the weights."""
+        """Return a word and its weight.
+
+        At each step, `choose` selects a branch, given the running totals of the weights.
+        """
         word, weight, place = [], 1, self._merged.start
         for step in range(self._length):
             branches = self._merged.branches(place)

@@ -1,4 +1,4 @@
-"""Number rows of words by a vectorised hash table with open addressing that compares whole rows."""
+"""Number rows of words with a vectorised hash table that uses open addressing and compares whole rows."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Numbering:
 
     @property
     def rows(self) -> Rows:
-        """All rows, by number, shape (size, words)."""
+        """All rows, in order of their numbers, shape (size, words)."""
         return self._rows[: self._size]
 
     @property
@@ -96,7 +96,7 @@ class Numbering:
         self._rows[size : self._size] = rows[fresh]
 
     def _make_slots(self, size: int) -> None:
-        """Enlarge the table for a number of rows."""
+        """Make the table large enough for a given number of rows."""
         slots = len(self._table)
         while size > FULLEST * slots:
             slots *= 2

@@ -1,7 +1,8 @@
-"""Weights of the occurrences in the words of one length: of letters, and of consecutive letters.
+"""Weigh the occurrences of letters, and of consecutive letters, in the words of one length.
 
-An occurrence in a word is a word of a larger automaton: copies of the automaton, one above the other, and marked edges
-that lead up to the next copy. Occurrences in long words are therefore counted by a recurrence, like words.
+A word with one chosen occurrence is a word of a larger automaton, which consists of copies of the automaton, one above
+the other, and of marked edges that lead up to the next copy. Occurrences in long words can therefore be counted by a
+recurrence, as words are.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ Marks = Sequence[NDArray[np.bool_]]
 
 
 def occurrences_by_recurrence(automaton: Automaton, kinds: Iterable[Marks], length: int) -> list[int] | None:
-    """Return for each kind the weight of all words, once for each occurrence of its consecutive letters.
+    """Return, for each kind, the total weight of all words, each counted once for every occurrence of that kind.
 
     The result is None if a recurrence may be slower than counting step by step.
     """
@@ -35,10 +36,10 @@ def occurrences_by_recurrence(automaton: Automaton, kinds: Iterable[Marks], leng
 
 
 def with_occurrence(automaton: Automaton, marks: Marks) -> Automaton:
-    """Return the automaton of the words of which one occurrence of consecutive letters is chosen.
+    """Return the automaton of the words in which one occurrence of consecutive letters is chosen.
 
-    It has a path for each word and each occurrence. Its states are those of copy 0, before the occurrence, and of a
-    further copy after each letter of it; the last copy accepts.
+    It has one path for each word and each occurrence in the word. Before the occurrence, the path is in copy 0; each
+    letter of the occurrence leads to the next copy. Only the last copy accepts.
     """
     edges, states = np.arange(len(automaton.letters)), automaton.states
     inside = [_edges(copy, copy, edges) for copy in (0, len(marks))]

@@ -18,7 +18,7 @@ WORK, TIMES = 50_000_000, 5
 
 
 def forecast_states(sizes: Sequence[int], further: int) -> float:
-    """Return the number of states after some further steps, given the numbers within one, two, ... steps.
+    """Forecast the number of states after some further steps, given the numbers of states within one, two, ... steps.
 
     The ratio of the new states of successive steps is assumed to keep falling at the same rate, because growth slows
     down as a space fills up.

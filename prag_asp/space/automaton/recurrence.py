@@ -56,7 +56,7 @@ def count_by_recurrence(completions: Completions, length: int, check: LimitCheck
 
 
 def weight_of_length(completions: Completions, length: int) -> int:
-    """Return the weight of all words of a given length, by a recurrence if the length is large."""
+    """Return the weight of all words of a given length, computed by a recurrence if the length is large."""
     if not completions.automaton.states:
         return 0
     weight = count_by_recurrence(completions, length)
@@ -92,7 +92,7 @@ def shortest_recurrence(terms: Sequence[int], prime: int) -> list[int] | None:
 
 
 def _nth(recurrence: Sequence[int], terms: Sequence[int], place: int, check: LimitCheck) -> int | None:
-    """Return a term by the remainder of x^place modulo the polynomial of the recurrence."""
+    """Compute a term from the remainder of x^place modulo the polynomial of the recurrence."""
     order = len(recurrence)
     if not order:
         return 0

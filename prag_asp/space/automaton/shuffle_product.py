@@ -1,9 +1,9 @@
-"""Shuffles of the words of several automata: in order, by rank and as samples, without their product automaton.
+"""List, rank and sample the shuffles of the words of several automata without building their product automaton.
 
-A state of the product is a state of each part. Its completions are the shuffles of completions of the parts: for n
-letters, their number is the sum, over all compositions of n into one length per part, of the multinomial coefficient
-times the product of the parts' numbers (Stanley, Enumerative Combinatorics 2, 5.1). Memory therefore grows with the sum
-of the parts' states, not with their product.
+A state of the product consists of one state of each part. Its completions are the shuffles of completions of the parts:
+for n letters, their number is the sum, over all compositions of n into one length per part, of the multinomial
+coefficient times the product of the parts' numbers (Stanley, Enumerative Combinatorics 2, 5.1). Memory therefore grows
+with the sum of the parts' states, not with their product.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class PartEdge:
 
 
 class ShuffledWords:
-    """The shuffles of one length of one word of each part; `total` is the sum of their weights.
+    """The shuffles of one word from each part that have a given length; `total` is the sum of their weights.
 
     `letters` maps the letters of each part to their numbers in the product automaton; parts share no letters. Without
     weights, words have the order and the ranks of the product automaton.
@@ -63,7 +63,7 @@ class ShuffledWords:
         self.total = self._completions(self._start, length) if inhabited else 0
 
     def weighing(self, weights: Sequence[int]) -> ShuffledWords:
-        """Return the same words with `weights` of the letters of the product automaton."""
+        """Return the same words, weighted by `weights`, the weights of the letters of the product automaton."""
         parts = []
         for part, letters in zip(self._parts, self._letters, strict=True):
             by_letter = np.array([weights[letter] for letter in letters], dtype=object)
@@ -71,7 +71,7 @@ class ShuffledWords:
         return ShuffledWords(parts, self._letters, self._length)
 
     def words(self, prefix: Sequence[Collection[int]] = ()) -> Iterator[Word]:
-        """Yield the words whose first letters are among those of `prefix`, in order, lazily."""
+        """Yield the words whose first letters `prefix` allows, in order, lazily."""
         if not self.total or len(prefix) > self._length:
             return
 
@@ -83,7 +83,7 @@ class ShuffledWords:
         yield from words_along(self._start, self._length, onward)
 
     def count(self, prefix: Sequence[Collection[int]]) -> int:
-        """Return the weight of the words whose first letters are among those of `prefix`."""
+        """Return the weight of the words whose first letters `prefix` allows."""
         if not self.total or len(prefix) > self._length:
             return 0
         reached = {self._start: 1}
@@ -118,7 +118,10 @@ class ShuffledWords:
         return rank
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
-        """Return a word and its weight; `choose` selects an edge per step by the running totals of the weights."""
+        """Return a word and its weight.
+
+        At each step, `choose` selects an edge, given the running totals of the weights.
+        """
         word, weight, state = [], 1, self._start
         for step in range(self._length):
             edge = self._onward(state)[choose(step, self._running(state, step))]
@@ -146,7 +149,7 @@ class ShuffledWords:
         ]
 
     def _compute_ways(self, part: int, state: int) -> Ways:
-        """Return the total weight of the completions of a state of a part, by length."""
+        """Return, for each length, the total weight of the completions of a state of a part."""
         return tuple([int(self._parts[part].row(left)[state]) for left in range(self._length + 1)])
 
     def _completions(self, state: State, left: int) -> int:
@@ -167,7 +170,7 @@ class ShuffledWords:
 
 
 def _beside_each(ways: Sequence[Ways], left: int) -> dict[Ways, list[int]]:
-    """Return the factor of each part in the completions of the product, by the length of the word of this part.
+    """Return the factor of each part in the completions of the product, for each length of the word of this part.
 
     The factor is the weight of the shuffles of one word from each other part, times the number of ways to shuffle them
     with the word of the part into `left` letters. Parts with equal completions have equal factors.
@@ -187,7 +190,7 @@ def _move(state: State, edge: PartEdge) -> State:
 
 
 def _shuffle(first: Ways, second: Ways, length: int) -> Ways:
-    """Return the total weight of the shuffles of two words by length, up to `length` (binomial convolution)."""
+    """Return, for each length up to `length`, the total weight of the shuffles of two words (binomial convolution)."""
     second = second + (0,) * (length + 1 - len(second))
     return tuple([sum(map(mul, map(mul, _binomials(n), first), reversed(second[: n + 1]))) for n in range(length + 1)])
 

@@ -1,4 +1,4 @@
-"""The automaton of skeletons: relabel, merge bisimilar states, determinise.
+"""Build the automaton of skeletons: relabel edges, merge bisimilar states, and determinise.
 
 Merging bisimilar states first keeps the subset construction small (Rabin and Scott 1959; partition refinement after
 Kanellakis and Smolka 1983).
@@ -24,8 +24,8 @@ def skeleton_automaton(
 ) -> tuple[Automaton, StopReason | None]:
     """Return the deterministic automaton of the words of `automaton` with each letter replaced by its name.
 
-    `names` maps letters to numbers of names, shape (number of letters,). Any limit that was reached is also returned;
-    then some states lack edges, so that words are missing but none is wrong.
+    `names` maps letters to numbers of names, shape (number of letters,). The limit that was reached, if any, is also
+    returned; in that case some states lack edges, so that words are missing but none is wrong.
     """
     if not automaton.states:
         return automaton, None

@@ -1,4 +1,4 @@
-"""Walks along the edges of states of any kind: words in order and by rank."""
+"""Walk along the edges of states of any kind, to list words in order or to find the word with a given rank."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def words_along(
 
 
 def owner_of(rank: int) -> Choice:
-    """Return the choice of the edges that lead to the word with a given rank, from 0 on."""
+    """Return a function that chooses the edges that lead to the word with a given rank, counted from 0."""
 
     def owner(_: int, totals: Sequence[int]) -> int:
         nonlocal rank

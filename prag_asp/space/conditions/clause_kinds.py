@@ -1,4 +1,4 @@
-"""The kinds of clauses, and the request facts of each for the encodings in ``encodings/conditions``."""
+"""The kinds of clauses, and the facts by which each kind requests tests from ``encodings/conditions``."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Clause(Protocol):
 
     @property
     def file(self) -> str:
-        """The name of the encoding that tests it."""
+        """The name of the encoding that tests the clause."""
         ...
 
     def requests(self, number: int, facts: Facts) -> Iterator[str]:
@@ -37,7 +37,7 @@ class Clause(Protocol):
 
 @dataclass(frozen=True)
 class Begins:
-    """The first actions are these, or have these names."""
+    """The first actions are the given actions or have the given names."""
 
     prefix: tuple[str, ...]
     file: ClassVar[str] = "begins"
@@ -175,7 +175,8 @@ class Matches:
 class Part:
     """The skeleton belongs to one part of all skeletons, divided evenly by a random automaton.
 
-    Each name permutes the numbers below `modulus`, at random by `seed`; the class of a skeleton is the image of 0.
+    Each name permutes the numbers below `modulus`, at random, depending on `seed`; the class of a skeleton is the image
+    of 0.
     """
 
     residues: tuple[int, ...]
@@ -258,13 +259,13 @@ class Achieves(Ends):
 
 @dataclass(frozen=True)
 class KeywordClause:
-    """A clause that is a single keyword, tested by the encoding of its name."""
+    """A clause that is a single keyword, tested by the encoding of the same name."""
 
     keyword: str
 
     @property
     def file(self) -> str:
-        """The encoding that tests it."""
+        """The name of the encoding that tests the clause."""
         return self.keyword.replace("-", "_")
 
     def __str__(self) -> str:

@@ -24,7 +24,7 @@ class Condition:
 
     @classmethod
     def parse(cls, *words: str) -> Condition:
-        """Return the condition of some texts, each with one clause per line.
+        """Return the condition that some texts state, each with one clause per line.
 
         Raises:
             QueryError: a line is not a clause.

@@ -19,7 +19,7 @@ from prag_asp.space.conditions.state_formula import Conjunction
 def conditioned(domain: Domain, condition: Condition) -> Domain:
     """Return a domain whose plans are the plans of `domain` that satisfy a condition.
 
-    The condition becomes part of the program, so every engine treats it like any rule, and entities that it
+    The condition becomes part of the program, so every engine treats it like any other rule, and entities that it
     distinguishes are no longer interchangeable.
 
     Raises:

@@ -35,7 +35,7 @@ MOST_CLASSES = 10_000
 
 
 def parse_clause(text: str) -> Clause:
-    """Return the clause of a text such as ``has at least 2 grasp`` or ``ends holding(panda,apple_1)``.
+    """Return the clause that a text states, such as ``has at least 2 grasp`` or ``ends holding(panda,apple_1)``.
 
     Raises:
         QueryError: the text is not a condition.

@@ -18,7 +18,7 @@ ANY = "_"
 
 @dataclass(frozen=True)
 class Pattern:
-    """An action, an action name, or an action with ``_`` for any argument; `arguments` is None for a name alone."""
+    """An action, an action name, or an action with ``_`` for any argument; `arguments` is None for a mere name."""
 
     name: str
     arguments: tuple[str, ...] | None = None
@@ -57,7 +57,7 @@ class Pattern:
 
 
 def class_members(kind: str, facts: Facts) -> Iterator[clingo.Symbol]:
-    """Return the entities with the name or the class `kind`, in order of terms.
+    """Return the entities whose name or class is `kind`, in clingo's order of terms.
 
     Raises:
         QueryError: there is no such entity or class, or the name is ambiguous.

@@ -166,7 +166,7 @@ def derivative(expression: Expression, name: str) -> Expression:
 
 
 def chain(first: Expression, rest: Expression) -> Expression:
-    """Return the expression for a word of `first` and then one of `rest`, in a normal form."""
+    """Return the expression for a word of `first` followed by a word of `rest`, in a normal form."""
     if isinstance(first, Nothing) or isinstance(rest, Nothing):
         return Nothing()
     if isinstance(first, Empty):

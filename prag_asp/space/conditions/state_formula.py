@@ -103,7 +103,7 @@ class _FormulaParser:
         return fluent
 
     def _smallest(self, conjunctions: list[_Literals]) -> list[_Literals]:
-        """Return the conjunctions that no weaker one absorbs, in order."""
+        """Return the conjunctions that no weaker conjunction absorbs, in order."""
         distinct = list(dict.fromkeys(conjunctions))
         return [literals for literals in distinct if not any(other < literals for other in distinct)]
 

@@ -1,6 +1,6 @@
 """The choice of an engine: states are listed if they fit into memory, otherwise represented by diagrams.
 
-A forecast from the number of new states of each step decides. If a step is not a function of the state, clingo
+A forecast, based on the number of new states of each step, decides. If a step is not a function of the state, clingo
 enumerates; if that takes a long time, a model counter runs in parallel, and the first to finish answers.
 """
 

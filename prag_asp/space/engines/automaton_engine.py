@@ -41,9 +41,9 @@ LONG = 10_000
 class AutomatonEngine:
     """The engine of one domain at one level that explores its automaton and keeps it between queries.
 
-    `merge` decides whether states are merged up to renaming of interchangeable entities; None lets their number decide.
-    Results do not depend on it. `explorer` finds the states, by default by listing them. If `hopeless` forecasts that
-    they exceed the memory, queries raise `TooManyStates`.
+    `merge` decides whether states are merged up to renaming of interchangeable entities; None lets the number of states
+    decide. Results do not depend on it. `explorer` finds the states, by default by listing them. If `hopeless`
+    forecasts that they exceed the memory, queries raise `TooManyStates`.
 
     Raises:
         EngineError: the step is not a function of the state and the action.
@@ -96,7 +96,7 @@ class AutomatonEngine:
 
     @cached_property
     def _names(self) -> tuple[str, ...]:
-        """The name of the action of each letter."""
+        """The action name of each letter."""
         if self._reached is not None:
             return self._reached.names
         return tuple(map(action_name, self._transition.actions))
@@ -267,7 +267,7 @@ class AutomatonEngine:
         return Weighed(reach.completions, unit**length, ends, reach.merged_ranking(length))
 
     def _weigh_apart(self, length: int, weights: Weights, clock: LimitClock) -> Weighed | None:
-        """Return the words with weights of actions as shuffles of the words of the parts, if these are independent."""
+        """If the parts are independent, return the words, weighted by action, as shuffles of the words of the parts."""
         words = self._parts.words(length, self._numbers, clock)
         if words is None:
             return None

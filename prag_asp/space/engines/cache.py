@@ -1,4 +1,4 @@
-"""A cache folder of computed arrays, whose files are named by a key of their inputs.
+"""A cache folder of computed arrays, in which each file is named after a key derived from the inputs.
 
 A file is an archive of `numpy.savez`, with its key and texts as JSON in an array of bytes, and a checksum of the file,
 because the checksums of the archive cover the arrays but not their names. A file that is unreadable, truncated,
@@ -30,14 +30,14 @@ LARGEST_FILE, LARGEST_FOLDER = 200_000_000, 1_000_000_000
 
 @dataclass(frozen=True)
 class CacheEntry:
-    """JSON values by name, and arrays by name."""
+    """The content of a cache entry: named JSON values and named arrays."""
 
     texts: Mapping[str, Any]
     arrays: Mapping[str, NDArray[Any]]
 
 
 def read_entry(folder: Path, key: str, names: Collection[str]) -> CacheEntry | None:
-    """Return the entry of a key with the arrays of some names, or None if there is no valid entry."""
+    """Return the entry under a key, with the arrays of the given names, or None if there is no valid entry."""
     content = read_cached(folder / f"{key}{SUFFIX}", LARGEST_FILE)
     if content is None:
         return None

@@ -147,7 +147,7 @@ class ClingoEngine:
         return sorted(words, key=lambda word: [numbers[letter] for letter in word])
 
     def _reports(self, length: int) -> Callable[[int], None]:
-        """Return a function that reports how many words are listed, each `REPORTED` seconds, and first by a note."""
+        """Return a function that reports the number of listed words every `REPORTED` seconds, at first as a note."""
         due, noted = monotonic() + REPORTED, False
 
         def report(found: int) -> None:
@@ -220,11 +220,11 @@ class _UnrolledPlans:
         return self._true_literals(assumptions, ()) is not None
 
     def following(self, word: Letters, prefix: Letters) -> Iterator[str]:
-        """Yield the letters, in order, that follow `word` in words that continue with `prefix`, each once known.
+        """Yield, in order and as soon as known, the letters that follow `word` in words that continue with `prefix`.
 
-        Each letter is tried alone. After each failure, twice as many searches as before, starting with one, look for
-        any other letters, or prove that there are none. Thus n letters take at most n + 1 successful searches, and one
-        failed search for each doubling.
+        Each letter is tried on its own. After each failure, twice as many searches as before, starting with one, look
+        for any other letters, or prove that there are none. Thus n letters take at most n + 1 successful searches, and
+        one failed search for each doubling.
         """
         assumptions = self.assume((*word, *prefix))
         if assumptions is None:
@@ -272,9 +272,11 @@ class _UnrolledPlans:
             return None if model is None else {literal for literal in literals if model.is_true(literal)}
 
     def models(self, check: Callable[[], None]) -> Iterator[Letters | None]:
-        """Yield all words unordered, None for one whose steps do not have one letter each; call `check` regularly.
+        """Yield all words, unordered; None stands for a word with a step that does not have exactly one letter.
 
-        An error of `check` ends the search.
+        `check` is called regularly.
+
+        An error that `check` raises ends the search.
         """
         texts = {term: text for text, term in self._letters.items()}
         self._limit(0)

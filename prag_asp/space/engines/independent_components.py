@@ -75,15 +75,15 @@ class IndependentParts:
         return self.counts and not self._large
 
     def falls_apart(self, extent: Extent) -> bool:
-        """Return whether the whole domain has enough states to count by parts, and has parts."""
+        """Return whether the whole domain has parts, and enough states to make counting part by part worthwhile."""
         return extent.states > FEW_STATES and self.counts
 
     def spreads(self, extent: Extent) -> bool:
-        """Return whether the whole domain has enough edges to search words by parts, and has parts."""
+        """Return whether the whole domain has parts, and enough edges to make searching part by part worthwhile."""
         return extent.edges > MANY_EDGES and self.finds
 
     def count(self, length: int, clock: LimitClock) -> PartCount | None:
-        """Return the number of words of a given length, or None if a part changes while another one acts.
+        """Return the number of words of a given length, or None if a part changes while another part acts.
 
         With a limit, the count is a lower bound. For skeletons, parts share no action name, so that different
         skeletons of the parts have different shuffles.
@@ -131,7 +131,7 @@ class IndependentParts:
     def _explore_parts(
         self, explorer: Explorer, length: int, clock: LimitClock, halt: Halt | None = None
     ) -> list[Reach] | None:
-        """Return the exploration of each part; None if `halt` stops one, or one changes while another one acts.
+        """Return the exploration of each part; None if `halt` stops one, or a part changes while another part acts.
 
         Once a limit ends one exploration, only the initial states of the others are explored.
         """
@@ -150,10 +150,10 @@ def _first_stop(reaches: Sequence[Reach]) -> StopReason | None:
 
 
 def count_shuffles(counts: Sequence[Sequence[int]], check: LimitCheck = lambda: None) -> tuple[int, StopReason | None]:
-    """Return the number of shuffles of one word of each part with total length n, and None.
+    """Return the number of shuffles of total length n of one word from each part, and None.
 
     `counts` has, for each part, the numbers of words of the lengths 0, 1, ..., n. If `check` reports a limit, the
-    result is a lower bound from the parts shuffled so far, and that limit.
+    result is a lower bound, computed from the parts shuffled so far, and that limit.
     """
     first, *others = counts
     whole, length = list(first), len(first) - 1

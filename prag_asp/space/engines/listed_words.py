@@ -48,7 +48,7 @@ def word_tree(
     weights: Sequence[Fraction] | None = None,
     ends: Sequence[Hashable] | None = None,
 ) -> Weighed:
-    """Return words of one length, in order, as a tree with a leaf for each; `ends` gives the goal of each word."""
+    """Return words of one length, in order, as a tree with a leaf for each word; `ends` gives the goal of each word."""
     numbers: dict[tuple[int, ...], int] = {} if not words else {(): 0}
     for depth in range(1, length + 1):
         for word in words:

@@ -91,7 +91,7 @@ class Reach:
         return not self.stop and (horizon is None or horizon >= length)
 
     def count(self, length: int, prefix: Sequence[frozenset[int]]) -> int:
-        """Return the weight of the words of a given length whose first letters are among those of `prefix`."""
+        """Return the weight of the words of a given length whose first letters `prefix` allows."""
         if not self.merged:
             return count_words(self.completions, length, [allowed.__contains__ for allowed in prefix])
         from prag_asp.space.automaton.merged_states import count_merged
@@ -99,7 +99,7 @@ class Reach:
         return count_merged(self.merged, self.completions, length, prefix)
 
     def words(self, length: int, prefix: Sequence[frozenset[int]]) -> Iterator[Word]:
-        """Yield the words of a given length whose first letters are among those of `prefix`, in order, lazily."""
+        """Yield the words of a given length whose first letters `prefix` allows, in order, lazily."""
         if not self.merged:
             return words(self.completions, length, [allowed.__contains__ for allowed in prefix])
         from prag_asp.space.automaton.merged_states import merged_words
@@ -263,7 +263,7 @@ class Explorer:
         patience: int | None = None,
         halt: Halt | None = None,
     ) -> Watch:
-        """Return the callback that reports progress and stops at the clock, at `patience` edges, or at `halt`."""
+        """Return the callback that reports progress and stops at a limit, at `patience` edges, or if `halt` says so."""
         names = [action_name(action) for action in transition.actions] if self.tell else []
         outlook = Outlook(self.tell, names, length, transition.initial.shape[1]) if self.tell else None
 
@@ -300,7 +300,10 @@ def _known(transition: Transition, explored: Exploration, merging: Merging | Non
 
 
 def _present(groups: Groups, transition: Transition) -> list[Sequence[Unit]]:
-    """Return the groups whose units all occur in the same way in a step function; that of a part may lack units."""
+    """Return the groups whose units all occur in the same way in a step function.
+
+    The step function of a part may lack units.
+    """
     entities = {entity for group in groups for unit in group for entity in unit}
     present = {entity for symbol in (*transition.actions, *transition.variables)
                for entity in mentioned_entities(symbol, entities)}  # fmt: skip

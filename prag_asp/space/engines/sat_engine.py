@@ -90,7 +90,7 @@ class SatEngine:
         return self._searching(length).formula
 
     def _all(self, length: int, prefix: Letters) -> Iterator[Letters]:
-        """Yield the words that begin with `prefix` in any order, each once, by blocking clauses.
+        """Yield the words that begin with `prefix`, each once and in any order, and block each found word by a clause.
 
         A word has one letter at each step, so a clause that excludes one of its letters blocks only this word.
         """

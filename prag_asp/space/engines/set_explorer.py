@@ -1,4 +1,4 @@
-"""Skeletons by a subset construction (Rabin and Scott 1959) in which each set of states is a diagram."""
+"""Explore skeletons by a subset construction (Rabin and Scott 1959) in which each set of states is a diagram."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class SetWords:
 
 @dataclass(frozen=True)
 class SetExplorer(Explorer):
-    """The exploration of the skeletons of a domain by sets of states."""
+    """The explorer of the skeletons of a domain, which works on sets of states."""
 
     def reach(
         self,
@@ -102,13 +102,13 @@ class _Spent(Exception):
 
 @dataclass
 class _Watch:
-    """A check of the limits; `stop` is the first one that was reached."""
+    """A check of the limits; `stop` is the first limit that was reached."""
 
     clock: LimitClock
     stop: StopReason | None = None
 
     def look(self) -> None:
-        """Raise an error at a limit."""
+        """Raise an error if a limit is reached."""
         reason = self.clock.reached_limit()
         if reason:
             self.stop = self.stop or reason

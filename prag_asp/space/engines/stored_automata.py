@@ -73,8 +73,8 @@ def automaton_slot(folder: Path, model: DomainLogic, level: str, merge: bool | N
     """Return the slot of a level of a domain in the cache folder, or None if the encodings cannot be read.
 
     The key covers all inputs of the arrays except the code: the program and its unreachable actions, also for the model
-    without conditions and for the models that contain it as a part, and the rules of tasks. The entry itself has the
-    digest of the code, which is computed only if there is an entry.
+    without conditions and for the models that contain it as a part, and the rules of tasks. The entry itself contains
+    the digest of the code, which is computed only if there is an entry.
     """
     domain = model.domain
     rules = [domain.encodings / "rules" / f"{name}.lp" for name in OF_TASKS] if level == "task" else []

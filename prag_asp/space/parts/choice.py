@@ -17,13 +17,13 @@ SWAPPED = 100
 
 
 def farthest(sizes: Sequence[int], shares: Sequence[Fraction]) -> Fraction:
-    """Return the largest distance of a part's share from the requested one; `sizes` are the sizes of the parts."""
+    """Return the largest difference between the share of a part and its requested share, given the parts' sizes."""
     total = sum(sizes)
     return max(abs(Fraction(size, total) - share) for size, share in zip(sizes, shares, strict=True)) if total else NEAR
 
 
 def choose_parts(pieces: Sequence[int], shares: Sequence[Fraction], seed: int) -> list[int]:
-    """Return the part of each piece by index, given the sizes of the pieces, of which at least one is above 0.
+    """Return the index of each piece's part, given the sizes of the pieces, at least one of which is above 0.
 
     Pieces are assigned at random to parts in deficit and improved by local search. If no attempt comes near enough,
     branch and bound searches for the nearest assignment.

@@ -1,4 +1,4 @@
-"""Subsets of the tasks of a space by rank: ranges and the parts of a split."""
+"""Subsets of the tasks of a space, given by their ranks: ranges, and the parts of a split."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Space(Protocol):
         ...
 
     def tasks_of_plans(self, plans: Iterable[Sequence[str]]) -> Iterator[Task]:
-        """Yield the tasks of plans given in this form."""
+        """Yield the tasks of plans that are given as texts of actions."""
         ...
 
     def index(self, task: Task) -> int:
@@ -166,7 +166,7 @@ class RankedTasks:
         return place
 
     def sample(self, count: int, *, seed: int, distinct: bool = False) -> list[Task]:
-        """Return tasks sampled uniformly and independently, or with `distinct` without replacement.
+        """Return tasks sampled uniformly and independently, or, with `distinct`, without replacement.
 
         A smaller sample of distinct tasks is a prefix of a larger one with the same seed.
 

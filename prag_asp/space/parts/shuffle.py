@@ -13,7 +13,7 @@ ROUNDS = 6
 class Shuffle:
     """A permutation of the numbers below `size`, given by a seed.
 
-    A Feistel network permutes the numbers of the next even number of bits (Luby and Rackoff 1988); cycle walking
+    A Feistel network permutes the numbers that have the next even number of bits (Luby and Rackoff 1988); cycle walking
     repeats it until the result is below `size` (Black and Rogaway 2002).
     """
 

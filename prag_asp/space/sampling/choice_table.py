@@ -73,7 +73,7 @@ class ChoiceTable:
 
 
 def make_choice_table(automaton: Automaton, states: Integers, row: NDArray[Any], *, guided: bool) -> ChoiceTable:
-    """Return the choices of `states`, each with a continuation; `row` holds the total weight from each state on."""
+    """Return the choices of `states`, each with a completion; `row` holds the weight of each state's completions."""
     counts = automaton.offsets[states + 1] - automaton.offsets[states]
     first = np.concatenate([[0], np.cumsum(counts)])
     edges = np.arange(first[-1]) + np.repeat(automaton.offsets[states] - first[:-1], counts)
@@ -87,7 +87,7 @@ def make_choice_table(automaton: Automaton, states: Integers, row: NDArray[Any],
 
 
 def weights_behind(automaton: Automaton, edges: Integers, row: NDArray[Any]) -> list[int]:
-    """Return the total weight through each of some edges; `row` holds the total weight from each state on."""
+    """Return the total weight through each of some edges; `row` holds the weight of each state's completions."""
     behind: list[int] = row[automaton.targets[edges]].tolist()
     if automaton.weights is None:
         return behind

@@ -46,7 +46,7 @@ class PathSampler:
         return edges
 
     def descend(self, states: Integers, words: Words, bits: Bits, first: int) -> NDArray[np.int64]:
-        """Return the edges of paths from states by random words of shape (paths, length); shape (length, paths).
+        """Return the edges of paths from states, shape (length, paths), chosen by random words, shape (paths, length).
 
         Further random words of a path are bits of its draw; `first` is the number of the first draw.
         """
@@ -115,7 +115,7 @@ class PathSampler:
 
 
 def chunks(count: int, words: int) -> Iterator[tuple[int, int]]:
-    """Yield the ranges of draws of each chunk, if a draw uses `words` random words."""
+    """Yield the range of draws in each chunk; each draw uses `words` random words."""
     size = max(CHUNK_WORDS // max(words, 1), 2 * FEW)
     for begin in range(0, count, size):
         yield begin, min(begin + size, count)

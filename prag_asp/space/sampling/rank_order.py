@@ -90,7 +90,7 @@ class EvenOrder:
 
 @dataclass(frozen=True)
 class RemainingOrder:
-    """The tasks of an order without those of some numbers, renumbered; `excluded` has these numbers, ascending."""
+    """The remaining tasks of an order, renumbered; `excluded` has the numbers of the other tasks in ascending order."""
 
     order: RankOrder
     excluded: tuple[int, ...]

@@ -1,4 +1,4 @@
-"""Exact sampling without replacement: each word by its weight among the remaining ones.
+"""Exact sampling without replacement: each word is sampled by its weight among the remaining words.
 
 The weights of the words already taken are summed for each prefix of choices and subtracted during a walk. No draw is
 therefore rejected, and sampling ends only when no weight remains.
@@ -78,7 +78,10 @@ class _PathWalks:
         self.total = int(completions.row(length)[0]) if completions.automaton.states else 0
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
-        """Return a word and its weight; `choose` selects an edge per step by the running totals of the weights."""
+        """Return a word and its weight.
+
+        At each step, `choose` selects an edge, given the running totals of the weights.
+        """
         automaton, state = self._completions.automaton, 0
         edges = []
         for step in range(self._length):

@@ -32,7 +32,7 @@ Sums = tuple[list[dict[int, list[int]]], int]
 
 @dataclass(frozen=True)
 class DrawArray:
-    """Words as numbers of letters, shape (draws, length), and their exact probabilities if these were requested."""
+    """Words as numbers of letters, shape (draws, length), and their exact probabilities, if requested."""
 
     letters: NDArray[np.int32]
     probabilities: Sequence[Fraction] = ()
@@ -91,7 +91,7 @@ class WalkSampler:
 
 
 class GoalSampler:
-    """A sampler of a uniform goal, then of a word with this goal by weight.
+    """A sampler that chooses a goal uniformly, and then a word with this goal by weight.
 
     A goal is the known part of a final state. Words are sampled backward, from their last edge to their first: in the
     automaton with reversed edges, a state for each goal leads to the last edges that reach it.
@@ -151,7 +151,7 @@ def _reversed(automaton: Automaton, goals: NDArray[np.int64]) -> tuple[Automaton
 
 
 class SkeletonSampler:
-    """A sampler of a uniform skeleton, then of a word with this skeleton by weight.
+    """A sampler that chooses a skeleton uniformly, and then a word with this skeleton by weight.
 
     `count` is the number of skeletons of words with positive weight.
     """
@@ -199,7 +199,7 @@ class SkeletonSampler:
         )
 
     def of_rank(self, rank: int, bits: Bits, number: int) -> tuple[list[int], Fraction]:
-        """Return a draw, by number, of a word of one skeleton by weight, and its probability given the skeleton.
+        """Return a word with one skeleton, sampled by weight for draw `number`, and its probability given the skeleton.
 
         The skeleton is given by its rank, from 0 to `count` - 1.
         """
@@ -238,7 +238,7 @@ class SkeletonSampler:
         return path, total
 
     def _sums(self, skeleton: tuple[int, ...]) -> Sums:
-        """Return for each step and state the running sums of the moves, and the weight of all words."""
+        """Return, for each step and state, the running sums of the moves, and the weight of all words."""
         layers: list[set[int]] = [{0}]
         for name in skeleton:
             layers.append({move[1] for state in layers[-1] for move in self._moves[state].get(name, ())})
@@ -260,7 +260,7 @@ def _letters(automaton: Automaton, edges: NDArray[np.int64]) -> NDArray[np.int32
 
 
 def _shares(automaton: Automaton, edges: NDArray[np.int64], totals: Sequence[int]) -> list[Fraction]:
-    """Return the weights of paths, the columns of `edges`, as shares of totals."""
+    """Return the weight of each path, a column of `edges`, as a share of the respective total."""
     weights = [1] * edges.shape[1]
     if automaton.weights is not None:
         for step in automaton.weights[edges]:

@@ -13,7 +13,7 @@ MOST = 1_000_000
 
 @dataclass(frozen=True)
 class Deal:
-    """Shard `number` (from 1) out `of` a number of shards; its draws are renumbered from 0.
+    """One of several shards: `number` counts from 1, `of` is how many there are. Its draws are renumbered from 0.
 
     Raises:
         QueryError: there is no shard with that number.
@@ -28,7 +28,7 @@ class Deal:
 
     @classmethod
     def parse(cls, text: str) -> Deal:
-        """Return the shard of a text such as ``3/64``.
+        """Return the shard that a text such as ``3/64`` specifies.
 
         Raises:
             QueryError: the text has another form.
@@ -51,7 +51,7 @@ class Deal:
         return own * self.of + self.number - 1
 
     def own(self, whole: int) -> int | None:
-        """Return the number in this shard of the draw with an overall number, or None if it is in another shard."""
+        """Return the number of a draw in this shard, given its overall number, or None if it is in another shard."""
         own, remainder = divmod(whole - self.number + 1, self.of)
         return None if remainder else own
 

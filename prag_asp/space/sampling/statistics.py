@@ -38,7 +38,7 @@ Objects = NDArray[np.object_]
 
 @dataclass(frozen=True)
 class Statistics:
-    """Exact statistics of a random word of a level: a plan, a task or a skeleton of `length`, sampled by weight.
+    """Exact statistics of a random word, sampled by weight: a plan, a task or a skeleton with `length` letters.
 
     `words` is the number of words of positive weight and `total_weight` the sum of their weights. `entropy` is in bits,
     with 30 decimal places. The `expected` mappings hold the expected numbers of occurrences of an action, a name and
@@ -154,9 +154,9 @@ def _mentions(facts: Facts, letters: Sequence[str]) -> tuple[dict[str, set[int]]
 
 
 def occurrences(completions: Completions, length: int, kinds: NDArray[np.int64], size: int) -> list[int]:
-    """Return for each kind of edge, from 0 to `size` - 1, the weight of all words, once for each edge of that kind.
+    """Return, for each kind of edge, the total weight of all words, each counted once for every edge of that kind.
 
-    `kinds` has shape (edges,).
+    `kinds` holds the kind of each edge, from 0 to `size` - 1, shape (edges,).
     """
     marks = [(kinds == kind,) for kind in range(size)]
     weights = occurrences_by_recurrence(completions.automaton, marks, length)
@@ -169,7 +169,7 @@ def occurrences(completions: Completions, length: int, kinds: NDArray[np.int64],
 
 
 def consecutive(completions: Completions, length: int, names: NDArray[np.int64]) -> dict[tuple[int, int], int]:
-    """Return for pairs of names the weight of all words in which they are consecutive, once for each occurrence.
+    """Return, for each pair of names, the total weight of all words, each counted once per occurrence of the pair.
 
     `names` maps letters to numbers of names.
     """

@@ -70,7 +70,7 @@ class Weights:
 
 
 def parse_weights(stated: Mapping[str, Number], facts: Facts) -> Weights:
-    """Parse weights of keys such as ``grasp``, ``grasp>move``, ``apple`` or ``apple_1``.
+    """Parse weights whose keys are texts such as ``grasp``, ``grasp>move``, ``apple`` or ``apple_1``.
 
     A key is an action's name, a pair of names, a single action, an entity or a class. Floats are refused because their
     decimal digits are not their exact value.
@@ -195,7 +195,10 @@ class Walks(Protocol):
     total: int
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
-        """Return a word and its weight; `choose` selects an edge per step by the running totals of the weights."""
+        """Return a word and its weight.
+
+        At each step, `choose` selects an edge, given the running totals of the weights.
+        """
         ...
 
 
@@ -226,7 +229,7 @@ class Weighed:
 
 
 def edge_weights(actions: Sequence[clingo.Symbol], weights: Weights) -> tuple[list[Fraction], list[Fraction]]:
-    """Return the weight of an edge by its letter, and the factor for each true label of `weighing_facts`."""
+    """Return the weight of an edge with a letter, and the factor for each true label of `weighing_facts`."""
     by_label = [weights.pairs[pair] for pair in sorted(weights.pairs)]
     by_label += [weights.entities[entity] for entity in sorted(weights.entities)]
     return [weights.of_action(action) for action in actions], by_label

@@ -121,7 +121,7 @@ def _corner(word: str, values: Mapping[str, list[list[float]]]) -> Corner:
 
 
 def _surface(triangles: NDArray[np.int64], tables: list[Floats], material: ObjMaterial, folder: Path) -> Surface:
-    """Return the surface of triangles (n, 3, 3) of indices of points, texture coordinates and normals."""
+    """Return the surface for triangles (n, 3, 3) that hold the indices of points, texture coordinates and normals."""
     own = [None if (triangles[:, :, k] < 0).any() else tables[k][triangles[:, :, k]] for k in (1, 2)]
     content = read_texture(material.texture, folder) if material.texture and own[0] is not None else b""
     suffix = Path(material.texture).suffix.lower()
@@ -129,7 +129,7 @@ def _surface(triangles: NDArray[np.int64], tables: list[Floats], material: ObjMa
 
 
 def _floats(words: list[str]) -> list[float]:
-    """Return words as finite numbers, or an empty result if one is not a finite number."""
+    """Convert words to finite numbers; the result is empty if a word is not a finite number."""
     try:
         numbers = [float(word) for word in words]
     except ValueError:

@@ -22,7 +22,7 @@ from prag_asp.scene.scene import Look, Shape
 def mesh_surfaces(path: str, folder: str) -> tuple[Surface, ...]:
     """Return the visible surfaces of a mesh in the unit of its file; the files that it names must be inside a folder.
 
-    A material whose texture is missing, outside the folder or of unknown format has its plain colour.
+    A material has its plain colour if the texture is missing, is outside the folder or has an unknown format.
 
     Raises:
         SceneError: the file cannot be read.
@@ -72,7 +72,7 @@ def look_surfaces(look: Look) -> tuple[Surface, ...]:
 
 
 def is_painted(shape: Shape) -> bool:
-    """Return whether a visual part of a body has its own colour or texture.
+    """Return whether a visual part of a body specifies a colour or texture.
 
     Raises:
         SceneError: a file cannot be read.

@@ -1,4 +1,4 @@
-"""Read the surfaces of a mesh by trimesh: textures, and colours of materials, faces or vertices."""
+"""Read the surfaces of a mesh with trimesh: textures, and the colours of materials, faces or vertices."""
 
 from __future__ import annotations
 
