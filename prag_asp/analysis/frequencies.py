@@ -71,7 +71,11 @@ def compare_frequencies(
         QueryError: there is no task, a task has another length, or the space is empty or has several lengths.
         LimitReached: a limit ended the exploration.
     """
-    found, whole = task_moments(space, tasks, feature), space_moments(space, feature)
+    return frequency_test(task_moments(space, tasks, feature), space_moments(space, feature))
+
+
+def frequency_test(found: Moments, whole: Moments) -> FrequencyTest:
+    """Compare the frequencies in some tasks with those in a space, given the second moments of one feature of both."""
     values = tuple(sorted({*found.values, *whole.values}))
     observed, total = _occurrences(found, values), _occurrences(whole, values)
     frequencies = tuple(
@@ -85,7 +89,7 @@ def compare_frequencies(
     differences = np.array([float(each.observed - each.expected) for each in frequencies])[inside]
     statistic = inf if outside else _quadratic(differences, (covariance / whole.words**2), degrees) / found.words
     return FrequencyTest(
-        feature, found.words, frequencies, statistic, degrees, upper_tail(degrees, statistic)
+        found.feature, found.words, frequencies, statistic, degrees, upper_tail(degrees, statistic)
     )  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from prag_asp.bddl.ground_goals import FactValue, every
 from prag_asp.bddl.ground_problems import GroundProblem
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.manifest import NAME
-from prag_asp.task import Task
+from prag_asp.task import State, Task
 
 
 def recognizes(folder: Path) -> bool:
@@ -34,12 +34,11 @@ def task_problem(task: Task, name: str, language: str = "") -> GroundProblem:
 
     These are the facts that differ between its initial and final states.
     """
-    changed = (
-        {fact: value for fact, value in task.states[-1].items() if task.initial.get(fact) != value}
-        if task.states
-        else {}
-    )
-    goal = {fact: value for fact, value in task.goal.items() if task.initial.get(fact) != value} or changed
+
+    def changed(facts: State) -> dict[Atom, bool]:
+        return {fact: value for fact, value in facts.items() if task.initial.get(fact) != value}
+
+    goal = changed(task.goal) or changed(task.states[-1] if task.states else {})
     return GroundProblem(
         name,
         task.entities,

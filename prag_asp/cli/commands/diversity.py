@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
-from itertools import chain
 from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -81,7 +80,7 @@ def diversity(
 
             out.write(json.dumps(found, indent=2, default=_exact))
         else:
-            for line in chain(_near_text(found) if plan is not None else _text(found)):
+            for line in _near_text(found) if plan is not None else _text(found):
                 out.write(line)
 
 
@@ -135,24 +134,26 @@ def _given(file: str, space: TaskSpace) -> Iterator[Task]:
 def _measured(
     space: TaskSpace, tasks: list[Task] | None, features: tuple[str, ...], distances: bool
 ) -> dict[str, Any]:  # fmt: skip
-    from prag_asp.analysis.frequencies import compare_frequencies
+    from prag_asp.analysis.frequencies import frequency_test
     from prag_asp.analysis.hamming import hamming_distribution
-    from prag_asp.analysis.vendi import vendi_score
+    from prag_asp.analysis.moments import space_moments, task_moments
+    from prag_asp.analysis.vendi import score_of
 
     found: dict[str, Any] = {"length": space.length, "tasks": space.count()}
     if distances:
         pairs = hamming_distribution(space)
         found["distance"] = {"mean": pairs.mean, "mean_of_different": pairs.mean_of_different, "pairs": pairs.pairs}
     usable: list[Any] = [each for each in dict.fromkeys(features) if space.length > (each == "pairs")]
-    scores: dict[str, dict[str, float]] = {}
-    for feature in usable:
-        scores[feature] = {"space": vendi_score(space, feature=feature).score}
-        if tasks is not None:
-            scores[feature]["given"] = vendi_score(space, tasks, feature=feature).score
-    found["vendi"] = scores
+    moments = {feature: {"space": space_moments(space, feature)} for feature in usable}
+    if tasks is not None:
+        for feature, own in moments.items():
+            own["given"] = task_moments(space, tasks, feature)
+    found["vendi"] = {
+        feature: {name: score_of(each).score for name, each in own.items()} for feature, own in moments.items()
+    }
     if tasks is not None:
         found["given"] = len(tasks)
-        found["frequencies"] = {feature: compare_frequencies(space, tasks, feature) for feature in usable}
+        found["frequencies"] = {feature: frequency_test(own["given"], own["space"]) for feature, own in moments.items()}
     return found
 
 
