@@ -22,7 +22,6 @@ from prag_asp.physics.robot.robot_files import robot_file
 from prag_asp.scene.robots import ROBOTS
 
 
-
 class Fineness(NamedTuple):
     """How finely robots and shadows are rendered.
 

@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from prag_asp.errors import OutputError, PicturesMissingError, QueryError
 from prag_asp.output import whole_file
 from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration
-from prag_asp.physics.filming.appearance_meshes import MIDDLE
+from prag_asp.physics.filming.appearance_meshes import FINE, MIDDLE
 from prag_asp.physics.filming.camera_rendering import moment_of
-from prag_asp.physics.pictures.camera import pillow, view_camera
+from prag_asp.physics.filming.studio import Studio
+from prag_asp.physics.pictures.camera import picture, pillow, view_camera
 from prag_asp.physics.pictures.rendering import caption, check_headings, moments_of, open_stage
 from prag_asp.physics.pictures.saving import save_picture
 from prag_asp.physics.pictures.sheet import MARGIN, PAPER, Panel, line_count, sheet
-from prag_asp.physics.pictures.views import best_view
+from prag_asp.physics.pictures.views import View, best_view
 from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
@@ -58,13 +59,15 @@ def animate(
     size: tuple[int, int] = (400, 350),
     speed: float = 2.0,
     rate: int = RATE,
+    fine: bool = False,
     headings: Sequence[str | None] | None = None,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> None:
     """Write an animation of a demonstration, `speed` times as fast, as a .gif, .webp or .mp4 according to the suffix.
 
-    It shows `rate` frames per second with the current action below; `size` is the size of a frame in pixels. `progress`
-    is called with the number of rendered frames and the total number of frames.
+    It shows `rate` frames per second with the current action below; `size` is the size of a frame in pixels. `fine`
+    renders frames like still pictures, which takes four times as long. `progress` is called with the number of rendered
+    frames and the total number of frames.
 
     Raises:
         PicturesMissingError: Pillow is not installed, or PyAV for an .mp4.
@@ -83,8 +86,8 @@ def animate(
     frames = [*range(0, len(demonstration.times) - 1, every), len(demonstration.times) - 1]
     captions = [caption(task, scene, k, headings)[0] for k in range(len(moments))]
     pictures = []
-    with open_stage(task, demonstration, moments, scene, MIDDLE) as (studio, sized):
-        camera = view_camera(best_view(task, moments, sized, studio, size), size, 1)
+    with open_stage(task, demonstration, moments, scene, FINE if fine else MIDDLE) as (studio, sized):
+        view = best_view(task, moments, sized, studio, size)
         blank = pillow().new("RGB", size)
         lines = line_count(captions, size[0])
         pages = [sheet([Panel(blank, each)], 1, lines=lines) for each in captions]
@@ -92,7 +95,7 @@ def animate(
             studio.show(moment_of(demonstration, frame))
             k = min(bisect_left(demonstration.ends.tolist(), frame), len(task.actions))
             page = pages[k].copy()
-            page.paste(pillow().fromarray(smoothed(studio.take(camera).rgb)), (MARGIN, MARGIN))
+            page.paste(picture(studio, size, view) if fine else _quick_picture(studio, size, view), (MARGIN, MARGIN))
             pictures.append(page)
             progress(len(pictures), len(frames))
     times = demonstration.times[frames] * 1000 / speed
@@ -104,6 +107,12 @@ def animate(
     if path.suffix.lower() == ".gif":
         pictures, options = _in_one_palette(pictures), {"disposal": 1}
     save_picture(pictures[0], path, save_all=True, append_images=pictures[1:], duration=pauses, loop=0, **options)
+
+
+def _quick_picture(studio: Studio, size: tuple[int, int], view: View) -> Image.Image:
+    """Return a picture that is not rendered larger than needed, with smoothed edges."""
+    image: Image.Image = pillow().fromarray(smoothed(studio.take(view_camera(view, size, 1)).rgb))
+    return image
 
 
 def smoothed(rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -166,9 +175,7 @@ def _write_mp4(path: Path, pictures: Sequence[Image.Image], pauses: Sequence[int
         raise OutputError(f"{path}: the video cannot be written: {error}") from None
 
 
-def _at_constant_rate(
-    pictures: Iterable[Image.Image], pauses: Iterable[int], rate: int
-) -> Iterator[Image.Image]:
+def _at_constant_rate(pictures: Iterable[Image.Image], pauses: Iterable[int], rate: int) -> Iterator[Image.Image]:
     """Yield pictures at a rate per second; a picture is repeated as often as its pause in milliseconds demands."""
     shown, due = 0, 0.0
     for picture, pause in zip(pictures, pauses, strict=True):
