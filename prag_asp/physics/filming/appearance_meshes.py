@@ -93,8 +93,8 @@ def _simplified(
 ) -> dict[str, bytes]:
     """Replace the visual mesh of a link by simplified meshes, one for each colour, and return their files.
 
-    File names begin with a stem that is unique to the robot and the fineness, because PyBullet caches meshes by path. `named` are the
-    colours of the robot's materials.
+    File names begin with a stem that is unique to the robot and the fineness, because PyBullet caches meshes by path.
+    `named` are the colours of the robot's materials.
     """
     mesh, origin = visual.find("geometry/mesh"), visual.find("origin")
     assert mesh is not None

@@ -52,10 +52,10 @@ def room_colours(
     points = [eye[i] + way * ray for i, ray in enumerate(rays)]
     gaps = np.stack([np.where(side == i, np.inf, np.minimum(p - low[i], high[i] - p)) for i, p in enumerate(points)])
     shade = 1.0 - CORNER * np.exp(-np.maximum(gaps.min(axis=0), 0.0) / CORNER_WIDTH)
-    floor, ceiling = (side == 2) & (rays[2] < 0), (side == 2) & (rays[2] > 0)  # noqa: PLR2004 - the vertical axis
+    floor, ceiling = (side == 2) & (rays[2] < 0), (side == 2) & (rays[2] > 0)
     colours = np.empty((len(way), 3), dtype=np.float32)
     colours[:] = WALL
-    colours[(side < 2) & (points[2] < FLOOR_HEIGHT + SKIRTING_HEIGHT)] = SKIRTING  # noqa: PLR2004 - a wall
+    colours[(side < 2) & (points[2] < FLOOR_HEIGHT + SKIRTING_HEIGHT)] = SKIRTING
     colours[ceiling] = CEILING
     if floor.any():
         x, y, distance = points[0][floor], points[1][floor], way[floor]
@@ -68,4 +68,5 @@ def room_colours(
         covered = np.clip(0.5 - beyond / TABLE_SOFTNESS, 0.0, 1.0)
         covered = covered * covered * (3.0 - 2.0 * covered)
         colours[floor] = np.array(FLOOR, np.float32) * (spots * (1.0 - TABLE_SHADOW * covered))[:, None]
-    return np.clip(colours * shade[:, None], 0.0, 255.0).astype(np.uint8)
+    shaded: NDArray[np.uint8] = np.clip(colours * shade[:, None], 0.0, 255.0).astype(np.uint8)
+    return shaded

@@ -106,7 +106,8 @@ class ShadowMap:
 
     def on_table(self, places: LightPlaces) -> Floats:
         """Return how much of the light is hidden from points of the table, from 0 to 1."""
-        return self._table_shadow.ravel()[places.texels]
+        hidden: Floats = self._table_shadow.ravel()[places.texels]
+        return hidden
 
     def on_bodies(self, places: LightPlaces, bodies: NDArray[np.int32]) -> Floats:
         """Return how much of the light other bodies hide from points of bodies (N,), from 0 to 1.
@@ -115,16 +116,18 @@ class ShadowMap:
         """
         side, depths, owners = self.camera.size[0], self._depths.ravel(), self._bodies.ravel()
         limit = places.depths - np.float32(BIAS)
-        hidden = np.zeros(len(limit), dtype=np.float32)
+        hidden: Floats = np.zeros(len(limit), dtype=np.float32)
         for row, column in TAPS:
             texels = np.clip(places.texels + np.int32(row * side + column), 0, side * side - 1)
             hidden += (depths[texels] < limit) & (owners[texels] != bodies)
-        return hidden / np.float32(len(TAPS))
+        hidden /= np.float32(len(TAPS))
+        return hidden
 
 
 def _halved(image: Floats) -> Floats:
     """Return an image with half as many rows and columns."""
-    return (image[::2, ::2] + image[1::2, ::2] + image[::2, 1::2] + image[1::2, 1::2]) / np.float32(4.0)
+    halved: Floats = (image[::2, ::2] + image[1::2, ::2] + image[::2, 1::2] + image[1::2, 1::2]) / np.float32(4.0)
+    return halved
 
 
 def _doubled(image: Floats) -> Floats:

@@ -252,7 +252,9 @@ def matrices(camera: Camera, pose: NDArray[np.float64]) -> tuple[list[float], li
 def open_studio(
     scene: Scene, objects: Sequence[str], light: Vector = USUAL_LIGHT, fineness: Fineness = COARSE
 ) -> Iterator[Studio]:
-    """Open a world for rendering some objects of a scene, and close it afterwards; `fineness` is that of robots and shadows.
+    """Open a world for rendering some objects of a scene, and close it afterwards.
+
+    `light` is the direction to the light, `fineness` that of robots and shadows.
 
     Raises:
         SceneError: a robot cannot be loaded, PyBullet refuses a body, or an object has no body.

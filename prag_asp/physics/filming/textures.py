@@ -65,7 +65,8 @@ def wood() -> Texture:
 def concrete() -> Texture:
     """Return a floor of concrete: spots of several sizes."""
     rng = np.random.default_rng(2)
-    return _texture(1.0 + sum(0.02 * _noise(rng, cells, cells) for cells in (8, 32, 128, 512)), FLOOR_SIDE)
+    spots = np.sum([_noise(rng, cells, cells) for cells in (8, 32, 128, 512)], axis=0)
+    return _texture(1.0 + 0.02 * spots, FLOOR_SIDE)
 
 
 def _texture(factors: NDArray[np.float64], side: float) -> Texture:

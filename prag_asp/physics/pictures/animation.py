@@ -132,7 +132,7 @@ def smoothed(rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
     sums = 4 * rgb[rows, columns].astype(np.uint16)
     for row, column in ((-1, 0), (1, 0), (0, -1), (0, 1)):
         sums += rgb[rows + row, columns + column]
-    mixed = rgb.copy()
+    mixed: NDArray[np.uint8] = rgb.copy()
     mixed[rows, columns] = sums // 8
     return mixed
 
@@ -169,7 +169,7 @@ def _write_mp4(path: Path, pictures: Sequence[Image.Image], pauses: Sequence[int
             for image in _at_constant_rate(pictures, pauses, rate):
                 even = pillow().new("RGB", (width, height), PAPER)
                 even.paste(image)
-                file.mux(stream.encode(av.VideoFrame.from_image(even)))
+                file.mux(stream.encode(av.VideoFrame.from_ndarray(np.asarray(even), format="rgb24")))
             file.mux(stream.encode())
     except (OSError, ValueError) as error:
         raise OutputError(f"{path}: the video cannot be written: {error}") from None
@@ -178,8 +178,8 @@ def _write_mp4(path: Path, pictures: Sequence[Image.Image], pauses: Sequence[int
 def _at_constant_rate(pictures: Iterable[Image.Image], pauses: Iterable[int], rate: int) -> Iterator[Image.Image]:
     """Yield pictures at a rate per second; a picture is repeated as often as its pause in milliseconds demands."""
     shown, due = 0, 0.0
-    for picture, pause in zip(pictures, pauses, strict=True):
+    for frame, pause in zip(pictures, pauses, strict=True):
         due += pause * rate / 1000
         while shown < round(due):
-            yield picture
+            yield frame
             shown += 1

@@ -101,7 +101,7 @@ def _outlined(taken: CameraImage, studio: Studio, changed: Sequence[str]) -> Cam
 
 def _grown(mask: NDArray[np.bool_], pixels: int) -> NDArray[np.bool_]:
     """Return a mask that has grown by some pixels on all sides; every other step also grows diagonally."""
-    grown = mask.copy()
+    grown: NDArray[np.bool_] = mask.copy()
     for step in range(pixels):
         before = grown.copy()
         grown[1:] |= before[:-1]

@@ -92,7 +92,7 @@ def line_count(headings: Iterable[str], width: int) -> int:
 
 
 def wrap(text: str, letters: Any, width: int) -> list[str]:
-    """Return a text wrapped to a width in pixels, in the font `letters`; a word that exceeds the width gets a separate line."""
+    """Return a text in the font `letters` wrapped to a width in pixels; a word that exceeds it gets a separate line."""
     lines: list[str] = []
     for word in text.split():
         longer = f"{lines[-1]} {word}" if lines else word
