@@ -17,10 +17,10 @@ PRAG = TaskSpace(load_domain("prag"), 3)
 
 def test_with_other_conditions_the_tasks_are_those_of_a_list(chance: Chance) -> None:
     kept = 0
-    for case, space, _ in orbit_spaces(chance, chance.examples(6), 3):
+    for case, space, _ in orbit_spaces(chance, chance.examples(10), 2):
         search, shortest = PlanSearch(space.engines.model), space.where("shortest")
-        found = [search.solve(task.initial, task.goal, 3, UNLIMITED.begin()) for task in space]
-        expected = [task for task, plans in zip(space, found, strict=True) if plans and plans.length == 3]
+        found = [search.solve(task.initial, task.goal, 2, UNLIMITED.begin()) for task in space]
+        expected = [task for task, plans in zip(space, found, strict=True) if plans and plans.length == 2]
         assert list(shortest) == expected, case.text()
         assert shortest.count("plan") == sum(plan in shortest for plan in space.enumerate("plan"))
         assert shortest.count("skeleton") == len({task.skeleton for task in expected})
