@@ -68,9 +68,10 @@ def _cavity(solids: Sequence[Solid]) -> Cavity | None:
 def _cavity_of(solids: tuple[Solid, ...], decomposes: bool, states: tuple[tuple[int, int], ...]) -> Cavity | None:
     """Return the largest cavity of solids; `decomposes` and the states of the meshes are for the cache key.
 
-    A command reads a scene several times, and measures each cavity once.
+    A command reads a scene several times, and measures each cavity once. One convex part has no cavity.
     """
-    return find_cavity(np.concatenate([part for solid in solids for part in _triangles(solid)]))
+    parts = [part for solid in solids for part in _triangles(solid)]
+    return None if len(parts) == 1 and is_convex(parts[0]) else find_cavity(np.concatenate(parts))
 
 
 def resting(shape: Shape) -> Shape | None:
