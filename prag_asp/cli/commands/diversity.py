@@ -39,7 +39,7 @@ FEATURES = ("actions", "classes", "names", "pairs")
 )  # fmt: skip
 @click.option(
     "--distances/--no-distances", "distances", default=True,
-    help="Print the Hamming distances of all pairs of tasks.  [default: distances]",
+    help="Print the Hamming distances between all pairs of tasks.  [default: distances]",
 )  # fmt: skip
 @click.option(
     "--near", "plan", metavar="'A B ...'", shell_complete=shell_completion.plan,
@@ -59,8 +59,8 @@ def diversity(
 ) -> None:  # fmt: skip
     """Measure how much the tasks of length N differ.
 
-    Prints the exact distribution of the Hamming distance of two random tasks, and Vendi scores (effective numbers of
-    different tasks). With --tasks, also the scores of the given tasks, and a chi-square test of their frequencies
+    Prints the exact distribution of the Hamming distance between two random tasks, and Vendi scores (effective numbers
+    of different tasks). With --tasks, also the scores of the given tasks, and a chi-square test of their frequencies
     against the exact expected frequencies. With --near, prints the numbers of tasks within 0, 1, ... edits of a task,
     which need not be in the space, and a nearest task. Nothing is sampled or listed.
     """
@@ -175,7 +175,7 @@ def _text(found: dict[str, Any]) -> Iterator[str]:
         pairs = found["distance"]["pairs"]
         total = sum(pairs)
         yield ""
-        yield f"mean Hamming distance of two tasks: {float(found['distance']['mean']):.6f}"
+        yield f"mean Hamming distance between two tasks: {float(found['distance']['mean']):.6f}"
         yield ""
         rows = [(f"{k}", f"{number}", f"{float(Fraction(number, total)):.3e}") for k, number in enumerate(pairs)]
         yield from aligned([("distance", "ordered pairs of tasks", "share"), *rows])
