@@ -52,7 +52,7 @@ def feasible(
     """Yield feasible tasks sampled from a space, each with its verdict and its witness, endlessly.
 
     `scene` is by default the scene of the domain, and `drawing` holds options of `TaskSpace.stream`; with
-    ``distinct=True`` (without `over`), no task is sampled twice, and the iterator ends with the last task. It also ends
+    ``distinct=True``, no task is sampled twice, and the iterator ends with the last task. It also ends
     after a number of `draws`, feasible or not; `tally` counts all of them, and `progress` is called after each. Tasks
     that do not satisfy `keep`, a function such as `exclude` returns, do not count as draws. With `demonstrate`, the
     robot performs each task, and recordings are written into that folder, which is created if it is missing; `staging`

@@ -35,11 +35,7 @@ DRAWS_PER_TASK = 1000
 @click.option("--count", "requested_count", type=whole(0), default=10, show_default=True, help="Number of tasks.")
 @options.seed
 @options.weight_options
-@click.option(
-    "--over",
-    type=click.Choice(["skeletons", "goals"]),
-    help="Sample a skeleton (or a goal) uniformly first, then a task that has it.",
-)
+@options.over
 @click.option(
     "--by", type=click.Choice(["plan", "task"]), default="task", show_default=True, help="Sample plans, or tasks."
 )
@@ -107,13 +103,12 @@ def sample(
             require_physics(f"the scene of {space.domain.name} needs physics (--no-physics samples without it)")
         staging = filming.staging(scene_of(space.domain)) if filming.any else None
         line = task_format.line(space, seed, staging)
-        if distinct and (over is not None or by != "task"):
-            given = f"--over {over}" if over is not None else f"--by {by}"
-            raise QueryError(f"--distinct samples tasks without replacement; leave {given} out")
+        if distinct and by != "task":
+            raise QueryError(f"--distinct samples tasks without replacement; leave --by {by} out")
         if excluded is not None and not distinct:
             raise QueryError(f"--except {excluded} leaves tasks out of a sample without replacement; add --distinct")
         keep = None if excluded is None else exclude(space, read_earlier(excluded))
-        drawing: dict[str, Any] = {"distinct": True} if distinct else {"by": by, "over": over}
+        drawing: dict[str, Any] = {"distinct": distinct, "by": by, "over": over}
         drawing.update(weighting.arguments(space.domain))
         source: TaskSpace | CoveringTasks = space
         choose: Callable[[Iterator[Record]], Iterator[Record]] = iter
