@@ -157,7 +157,7 @@ def test_what_is_wrong_with_a_covering_split_is_found(
 
 def test_requests_for_covering_splits_are_checked(tmp_path: Path) -> None:
     for arguments, refused in (
-        (("--cover", "2", "--hold-out", "can"), "give either shares"),
+        (("--cover", "2", "--hold-out", "can"), "or --cover T; one of them"),
         (("--hold-out", "can", "--combinations", "2"), "--combinations are held out with --cover"),
         (("--cover", "2", "--skeletons"), "leave --skeletons out"),
         (("--cover", "2", "--count", "2", "-o", str(tmp_path)), "the file of train needs "),

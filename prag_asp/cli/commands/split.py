@@ -79,7 +79,7 @@ def split(
     task_format.check()
     names, shares = domain_and_others(words)
     if [held is not None, bool(shares), cover is not None].count(True) != 1:
-        raise QueryError("give either shares, such as train=0.8 test=0.2, or --hold-out WHAT, or --cover T")
+        raise QueryError("give shares, such as train=0.8 test=0.2, or --hold-out WHAT, or --cover T; one of them")
     if combinations is not None and cover is None:
         raise QueryError("--combinations are held out with --cover; give both")
     if (requested_count is None) != (output is None):
