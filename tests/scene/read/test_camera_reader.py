@@ -44,7 +44,7 @@ def test_a_cube_of_50_mm_below_the_hand_covers_300_of_128_x_128_pixels_of_the_ca
     area = 0.0
     for face in (top, side):
         us, vs = np.array([pixel(camera, corner) for corner in face]).T
-        assert 0 < min(*us, *vs) and max(*us, *vs) < 128
+        assert min(*us, *vs) > 0 and max(*us, *vs) < 128
         area += abs(us @ np.roll(vs, 1) - vs @ np.roll(us, 1)) / 2
     assert area > 300
 
