@@ -15,7 +15,7 @@ from prag_asp.cli.line_output import recordings_folder, require_writable, writer
 from prag_asp.cli.options import WeightOptions, whole
 from prag_asp.cli.physics_options import CameraOptions, PhysicsOptions, camera_options, physics_options
 from prag_asp.cli.task_options import LINE_FORMAT, TaskFormat, format_options
-from prag_asp.cli.terminal import Tell, progress
+from prag_asp.cli.terminal import Tell, progress, tell_line
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.wording import plural
 
@@ -112,10 +112,20 @@ def sample(
             if found < requested_count:
                 others = "others of positive weight" if keep is None and space.count() > found else "others"
                 raise NotFound(f"only {found} of {plural(requested_count, 'task')}: there are no {others}")
+            _tell_repetition(space, by, distinct, requested_count)
             return
         drawing |= {"seed": seed, "staging": staging, "keep": keep}
         drawing["draws"] = max_draws or DRAWS_PER_TASK * requested_count
         _write_feasible(space, drawing, requested_count, validation, output, line, tell)
+        _tell_repetition(space, by, distinct, requested_count)
+
+
+def _tell_repetition(space: TaskSpace, by: Any, distinct: bool, requested_count: int) -> None:
+    """Print on stderr that the space has fewer tasks than were sampled."""
+    if not distinct and space.count(by) < requested_count:
+        tell_line(
+            f"the space has only {plural(space.count(by), by)}, so some are repeated; --distinct samples each once"
+        )
 
 
 def _write_feasible(
@@ -153,11 +163,13 @@ def _write_feasible(
 def _remedy(tally: Tally) -> str:
     """Return the remedy if a number of draws has too few feasible tasks.
 
-    More draws help if some tasks are feasible, and a larger budget may help if none was found; neither helps against
-    proofs.
+    More draws help if some tasks are feasible, and a larger budget may help if none was found; against proofs, rules
+    that exclude such tasks help.
     """
-    if tally.passed:
+    if tally.passed and 2 * tally.proved <= tally.seen:
         return "raise --max-draws"
+    if tally.passed or 2 * tally.proved > tally.seen > tally.proved:
+        return f"{tally.proved} of them proved infeasible; see prag-asp learn, which excludes such tasks"
     if tally.proved == tally.seen:
         (_, reason), _ = tally.reasons.most_common(1)[0]
         every = "it is" if tally.seen == 1 else "all are"
