@@ -450,5 +450,6 @@ class TaskSpace:
         from prag_asp.logic.formula.cnf import dimacs
         from prag_asp.space.engines.word_formula import word_formula
 
+        self.engines.require_program("a formula")
         formula = word_formula(self.engines.model, checked_level(by), self.length)
         return dimacs(formula.cnf, [f"the {by}s of {self.title}, by prag_asp"])
