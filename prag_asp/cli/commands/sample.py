@@ -129,19 +129,17 @@ def sample(
             if found < at_least:
                 others = "others of positive weight" if keep is None and space.count() > found else "others"
                 raise NotFound(f"only {found} of {plural(at_least, 'task')}: there are no {others}")
-            if cover is None and not distinct:
-                _tell_repetition(space, by, requested_count)
+            _tell_repetition(space, by, 0 if distinct or cover is not None else requested_count)
             return
         drawing |= {"seed": seed, "staging": staging, "keep": keep}
         drawing["draws"] = max_draws or DRAWS_PER_TASK * requested_count
         _write_feasible(source, drawing, requested_count, validation, output, line, choose, tell)
-        if cover is None and not distinct:
-            _tell_repetition(space, by, requested_count)
+        _tell_repetition(space, by, 0 if distinct or cover is not None else requested_count)
 
 
 def _tell_repetition(space: TaskSpace, by: Any, requested_count: int) -> None:
-    """Print on stderr that the space has fewer tasks than were sampled."""
-    number = space.count(by)
+    """Print on stderr that the space has fewer tasks than were sampled with replacement."""
+    number = space.count(by) if requested_count else 0
     if number < requested_count:
         tell_line(f"the space has only {plural(number, by)}, so some are repeated; --distinct samples each once")
 
