@@ -15,6 +15,7 @@ from prag_asp.grammar.phrasings import Phrasings
 from prag_asp.integers import digits_of, number_of
 from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.verdict import Budget, Tier
+from prag_asp.space.parts.strata import StratifiedBy
 from prag_asp.space.sampling.sharding import ALL, Deal
 from prag_asp.tables.json_fields import Whole
 
@@ -46,7 +47,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     `split` holds the exact share of each part. `weights` and `temperature` are exact numbers as text. Without a
     `budget`, physics is not run. Unless `trivial`, tasks whose final state is the initial state are left out. `part`,
     such as ``3/64``, selects every 64th draw from the third on; other machines generate the rest. `excluded` identifies
-    tasks to leave out by their length and rank.
+    tasks to leave out by their length and rank. With `strata`, the parts are the strata of a sample.
 
     Raises:
         QueryError: a number is out of range.
@@ -70,6 +71,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     staging: Staging | None = None
     part: Annotated[str, msgspec.Meta(pattern="^[1-9][0-9]{0,6}/[1-9][0-9]{0,6}$")] | None = None
     excluded: list[ExcludedTask] | msgspec.UnsetType = msgspec.UNSET
+    strata: StratifiedBy | msgspec.UnsetType = msgspec.UNSET
 
     def __post_init__(self) -> None:
         if self.tasks < 1:
@@ -94,6 +96,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         phrasings: str = "",
         part: str | None = None,
         excluded: Iterable[tuple[int, int]] = (),
+        strata: StratifiedBy | None = None,
         **fields: Any,
     ) -> DatasetSpec:
         """Return the request for a dataset of `tasks` different feasible tasks of a domain, given its `fields`.
@@ -108,7 +111,8 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         such as ``1 of 2``. A shard has at most `shard` tasks. With ``part="3/64"``, only every 64th draw from the third
         on is validated, for a 64th of the tasks.
 
-        `excluded` holds the tasks to leave out, as pairs of a length and a rank.
+        `excluded` holds the tasks to leave out, as pairs of a length and a rank. With `strata`, `split` holds the
+        share of each stratum in the sample, as `stratified_shares` returns it; strata are sampled uniformly.
 
         Raises:
             QueryError: a value is out of range, or two of them contradict each other.
@@ -117,8 +121,12 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         """
         from prag_asp.space.without_replacement import Division
 
-        division = Division.parse(split, skeletons=skeletons, hold_out=hold_out)
-        weights = domain.settings.weights if weights is None else weights
+        division = Division.parse(split, skeletons=skeletons, hold_out=hold_out, strata=strata)
+        weights = ({} if strata else domain.settings.weights) if weights is None else weights
+        others = {"weights": weights, "evenly": fields.get("evenly"), "excluded": (excluded := list(excluded))}
+        for name, value in others.items():
+            if strata and value:
+                raise QueryError(f"strata are sampled uniformly as a whole; leave {name} out")
         spec = cls(
             split={name: str(share) for name, share in division.shares.items()},
             skeletons=skeletons,
@@ -128,6 +136,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
             phrasings=str(Phrasings.parse(phrasings)),
             part=None if part is None or Deal.parse(part) == ALL else str(Deal.parse(part)),
             excluded=[f"{length}:{digits_of(rank)}" for length, rank in sorted(set(excluded))] or msgspec.UNSET,
+            strata=strata or msgspec.UNSET,
             **fields,
         )
         budget = spec._budget_in(domain, bool(domain.settings.scene) if physics is None else physics)
@@ -163,7 +172,8 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         """
         from prag_asp.space.without_replacement import Division
 
-        return Division.parse(self.split, skeletons=self.skeletons, hold_out=self.hold_out)
+        strata = self.strata or None
+        return Division.parse(self.split, skeletons=self.skeletons, hold_out=self.hold_out, strata=strata)
 
     @property
     def excluded_ranks(self) -> list[tuple[int, int]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import blake2b
@@ -44,10 +44,11 @@ class SubgoalResult(msgspec.Struct, frozen=True):
 class EvaluatedEpisode(msgspec.Struct, frozen=True):
     """The result of an episode.
 
-    `part` is the part of a dataset or a suite, or "". `initial` is a digest of the initial state, and `classes` are the
-    classes of the entities that the actions name. `reached` counts the subgoals that were reached; `subgoals` holds a
-    result for each subgoal that was pursued. `cause` is one of `SUCCESS`, `LIMIT` and `GAVE_UP`; `seconds` is the
-    simulated time.
+    `part` is the part of a dataset or a suite, the stratum of a stratified sample, or "". `initial` is a digest of the
+    initial state, and `classes` are the classes of the entities that the actions name. `reached` counts the subgoals
+    that were reached; `subgoals` holds a result for each subgoal that was pursued. `cause` is one of `SUCCESS`, `LIMIT`
+    and `GAVE_UP`; `seconds` is the simulated time. `weight` is the exact weight of the episode in a stratified sample
+    as text, and `weight_value` the nearest float; without strata, they are "" and 0.
     """
 
     scenario: str
@@ -63,6 +64,8 @@ class EvaluatedEpisode(msgspec.Struct, frozen=True):
     steps: Whole
     cause: str
     seconds: float
+    weight: str = ""
+    weight_value: float = 0.0
 
 
 class EpisodeJob(NamedTuple):
@@ -71,6 +74,18 @@ class EpisodeJob(NamedTuple):
     part: str
     scenario: Scenario
     given: tuple[Task, Witness] | None = None
+
+
+class JobGroup(NamedTuple):
+    """The numbered jobs of a stratum, or of all scenarios; they are run until `requested` of them have a witness.
+
+    `size` is the number of tasks from which they are drawn, or `requested` if they are given.
+    """
+
+    name: str
+    size: int
+    requested: int
+    jobs: Iterable[tuple[int, EpisodeJob]]
 
 
 @dataclass(frozen=True)
