@@ -15,8 +15,8 @@ from prag_asp.processes.machine import SHARE
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
-    from prag_asp.space.parts.allocation import Stratification
-    from prag_asp.space.parts.strata import StratifiedBy
+    from prag_asp.space.strata.allocation import Stratification
+    from prag_asp.space.strata.stratum import StratifiedBy
 
 Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]
@@ -208,7 +208,7 @@ class StrataOptions:
         for option, given in others.items():
             if given:
                 raise QueryError(f"--strata {self.strata}: strata are sampled uniformly as a whole; leave {option} out")
-        from prag_asp.space.parts.allocation import PROPORTIONAL, Stratification
+        from prag_asp.space.strata.allocation import PROPORTIONAL, Stratification
 
         return Stratification.parse(cast("StratifiedBy", self.strata), self.allocation or PROPORTIONAL)
 
@@ -228,6 +228,11 @@ strata_options = grouped(
     ),
 )  # fmt: skip
 """Give a command the options of strata, as one value `stratifying`."""
+
+over = click.option(
+    "--over", type=click.Choice(["skeletons", "goals"]),
+    help="Sample a skeleton (or a goal) uniformly first, then a task that has it.",
+)  # fmt: skip
 
 
 def parse_weight_options(options: Sequence[str]) -> dict[str, str]:

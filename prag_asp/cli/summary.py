@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from prag_asp.dataset.pass_rates import Tally
-    from prag_asp.dataset.strata import StratumFigures
+    from prag_asp.dataset.strata.stratum_figures import StratumFigures
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.task import State, Task
 
@@ -63,7 +63,7 @@ MOST_STRATA = 20
 
 def strata_lines(strata: Sequence[StratumFigures]) -> list[str]:
     """Return a line for each stratum of a sample: its tasks, its size and the weight of each task."""
-    from prag_asp.dataset.strata import stratum_weights
+    from prag_asp.dataset.strata.stratum_figures import stratum_weights
 
     weights = stratum_weights(strata)
     rows = [

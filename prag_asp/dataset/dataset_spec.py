@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from math import ceil
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import msgspec
 
@@ -15,8 +15,8 @@ from prag_asp.grammar.phrasings import Phrasings
 from prag_asp.integers import digits_of, number_of
 from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.verdict import Budget, Tier
-from prag_asp.space.parts.strata import StratifiedBy
 from prag_asp.space.sampling.sharding import ALL, Deal
+from prag_asp.space.strata.stratum import StratifiedBy
 from prag_asp.tables.json_fields import Whole
 
 if TYPE_CHECKING:
@@ -47,7 +47,8 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     `split` holds the exact share of each part. `weights` and `temperature` are exact numbers as text. Without a
     `budget`, physics is not run. Unless `trivial`, tasks whose final state is the initial state are left out. `part`,
     such as ``3/64``, selects every 64th draw from the third on; other machines generate the rest. `excluded` identifies
-    tasks to leave out by their length and rank. With `strata`, the parts are the strata of a sample.
+    tasks to leave out by their length and rank. With `over`, a skeleton or a goal is sampled uniformly before a task.
+    With `strata`, the parts are the strata of a sample.
 
     Raises:
         QueryError: a number is out of range.
@@ -72,6 +73,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     part: Annotated[str, msgspec.Meta(pattern="^[1-9][0-9]{0,6}/[1-9][0-9]{0,6}$")] | None = None
     excluded: list[ExcludedTask] | msgspec.UnsetType = msgspec.UNSET
     strata: StratifiedBy | msgspec.UnsetType = msgspec.UNSET
+    over: Literal["skeletons", "goals"] | msgspec.UnsetType = msgspec.UNSET
 
     def __post_init__(self) -> None:
         if self.tasks < 1:
@@ -97,12 +99,14 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         part: str | None = None,
         excluded: Iterable[tuple[int, int]] = (),
         strata: StratifiedBy | None = None,
+        over: Literal["skeletons", "goals"] | None = None,
         **fields: Any,
     ) -> DatasetSpec:
         """Return the request for a dataset of `tasks` different feasible tasks of a domain, given its `fields`.
 
         Tasks are sampled without replacement, with `weights` or the weights of the domain; lengths occur in exact
-        proportion, or in turn with `evenly`. With `split`, each part gets its share of the tasks, and no two parts have
+        proportion, or in turn with `evenly`. With ``over="skeletons"`` (or ``"goals"``, at one length), a skeleton (or
+        a goal) is sampled uniformly first. With `split`, each part gets its share of the tasks, and no two parts have
         a task (with `skeletons`: a skeleton) in common; with `hold_out`, only ``test`` has the held-out tasks. For each
         task, witnesses from `starts` initial states are searched for. Unless `trivial`, tasks whose final state is the
         initial state are left out. With `demonstrate`, the robot performs each task; `staging` specifies the cameras
@@ -123,7 +127,12 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
 
         division = Division.parse(split, skeletons=skeletons, hold_out=hold_out, strata=strata)
         weights = ({} if strata else domain.settings.weights) if weights is None else weights
-        others = {"weights": weights, "evenly": fields.get("evenly"), "excluded": (excluded := list(excluded))}
+        others = {
+            "weights": weights,
+            "over": over,
+            "evenly": fields.get("evenly"),
+            "excluded": (excluded := list(excluded)),
+        }
         for name, value in others.items():
             if strata and value:
                 raise QueryError(f"strata are sampled uniformly as a whole; leave {name} out")
@@ -137,6 +146,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
             part=None if part is None or Deal.parse(part) == ALL else str(Deal.parse(part)),
             excluded=[f"{length}:{digits_of(rank)}" for length, rank in sorted(set(excluded))] or msgspec.UNSET,
             strata=strata or msgspec.UNSET,
+            over=over or msgspec.UNSET,
             **fields,
         )
         budget = spec._budget_in(domain, bool(domain.settings.scene) if physics is None else physics)

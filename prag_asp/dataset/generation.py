@@ -12,14 +12,14 @@ from prag_asp.dataset.making.executors import executor_of
 from prag_asp.dataset.making.run import DatasetRun, Progress
 from prag_asp.dataset.scenarios import excluded_ranks
 from prag_asp.dataset.store.domain_snapshot import snapshot_of
-from prag_asp.dataset.stratified_sampling import allocated
+from prag_asp.dataset.strata.stratified_sampling import allocated
 from prag_asp.errors import QueryError
 from prag_asp.missing import require_pyarrow
 
 if TYPE_CHECKING:
     from prag_asp.dataset.scenario import Scenario
     from prag_asp.dataset.store.dataset import Dataset
-    from prag_asp.space.parts.allocation import Stratification
+    from prag_asp.space.strata.allocation import Stratification
     from prag_asp.space.task_space import TaskSpace
 
 

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from prag_asp.dataset.strata import StratumFigures
+from prag_asp.dataset.strata.stratum_figures import StratumFigures
 from prag_asp.errors import QueryError
 from prag_asp.evaluation.episode import EvaluatedEpisode
 from prag_asp.evaluation.paired import Pairs
 from prag_asp.evaluation.results import GROUPINGS, Results
-from prag_asp.evaluation.stratified import StratifiedDifference, stratified_difference
+from prag_asp.evaluation.stratified_rates import StratifiedDifference, stratified_difference
 from prag_asp.wording import plural
 
 

@@ -14,13 +14,13 @@ import msgspec
 import numpy as np
 
 from prag_asp.dataset.scenarios import Scenarios
-from prag_asp.dataset.strata import StratumFeed
+from prag_asp.dataset.strata.stratum_figures import StratumFeed
 from prag_asp.errors import NotFound, OutputError, QueryError
 from prag_asp.evaluation.episode import EpisodeJob, EpisodeSetup, EvaluatedEpisode, open_episodes, open_runner
 from prag_asp.evaluation.policies import environment_of, load_policy
 from prag_asp.evaluation.policies.python_callable import CallablePolicy
 from prag_asp.evaluation.results import EVALUATION, EvaluationRecord, Results
-from prag_asp.evaluation.stratified import weighted
+from prag_asp.evaluation.stratified_rates import weighted
 from prag_asp.missing import require_pyarrow
 from prag_asp.output import Journal, file_in, make_folder
 from prag_asp.output.digests import digest

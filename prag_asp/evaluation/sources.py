@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 from prag_asp.dataset.scenario import Scenario, SearchStart
 from prag_asp.dataset.scenarios import Scenarios
 from prag_asp.dataset.store.dataset import Dataset
-from prag_asp.dataset.stratified_sampling import allocated
+from prag_asp.dataset.strata.stratified_sampling import allocated
 from prag_asp.dataset.suites.suite_manifest import SUITE, is_suite
 from prag_asp.errors import QueryError
 from prag_asp.evaluation.episode import EpisodeJob, JobGroup
@@ -20,11 +20,11 @@ from prag_asp.space.without_replacement import with_tasks
 from prag_asp.wording import unknown
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.strata import StratumFeed, StratumFigures
+    from prag_asp.dataset.strata.stratum_figures import StratumFeed, StratumFigures
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Budget
-    from prag_asp.space.parts.allocation import Stratification
-    from prag_asp.space.parts.strata import Stratum
+    from prag_asp.space.strata.allocation import Stratification
+    from prag_asp.space.strata.stratum import Stratum
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.task import Task
 

@@ -18,7 +18,7 @@ from prag_asp.tables.json_fields import decoded
 
 if TYPE_CHECKING:
     from prag_asp.evaluation.sources import ScenarioSource
-    from prag_asp.space.parts.allocation import Stratification
+    from prag_asp.space.strata.allocation import Stratification
 
 COUNT = 100
 """The default number of fresh scenarios."""

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @options.seed
 @options.weight_options
+@options.over
 @click.option(
     "--evenly", is_flag=True, help="Sample all lengths equally often, not in proportion to their numbers of tasks."
 )
@@ -105,6 +106,7 @@ def generate(
     tasks: int,
     seed: int,
     weighting: WeightOptions,
+    over: Any,
     evenly: bool,
     trivial: bool,
     split: str | None,
@@ -144,8 +146,8 @@ def generate(
     stratification = stratifying.stratification(
         {
             "--split": split is not None, "--skeletons": skeletons, "--hold-out": held is not None,
-            "--except": bool(excluded), "--evenly": evenly, "--weight": bool(weighting.weight),
-            "--temperature": weighting.temperature != "1",
+            "--except": bool(excluded), "--evenly": evenly, "--over": over is not None,
+            "--weight": bool(weighting.weight), "--temperature": weighting.temperature != "1",
         }
     )  # fmt: skip
     with progress() as tell, warnings_as_lines():
@@ -158,7 +160,8 @@ def generate(
         try:
             dataset = make(
                 space, output, tasks=tasks, seed=seed, split=shares, skeletons=skeletons, hold_out=held, starts=starts,
-                demonstrate=with_demonstrations, evenly=evenly, trivial=trivial, stratification=stratification,
+                demonstrate=with_demonstrations, over=over, evenly=evenly, trivial=trivial,
+                stratification=stratification,
                 **({} if stratification else weighting.arguments(space.domain)),
                 physics=with_physics, budget=validation.parse_budget() if with_physics else None,
                 workers=validation.workers,

@@ -14,7 +14,7 @@ from prag_asp.dataset.dataset_spec import DatasetSpec
 from prag_asp.dataset.store.domain_snapshot import DomainSnapshot, FileRecord
 from prag_asp.dataset.store.draw_results import TRIVIAL
 from prag_asp.dataset.store.manifest_file import ManifestFile
-from prag_asp.dataset.strata import StratumFigures, stratum_weights
+from prag_asp.dataset.strata.stratum_figures import StratumFigures, stratum_weights
 from prag_asp.errors import QueryError
 from prag_asp.integers import digits_of, number_of
 from prag_asp.output.digests import digest

@@ -11,7 +11,7 @@ import msgspec
 
 from prag_asp.errors import QueryError
 from prag_asp.integers import digits_of, number_of
-from prag_asp.space.parts.allocation import FEWEST
+from prag_asp.space.strata.allocation import FEWEST
 from prag_asp.tables.json_fields import Whole
 
 Item = TypeVar("Item")

@@ -14,12 +14,12 @@ import pytest
 
 from prag_asp import Dataset, QueryError, TaskSpace, load_domain
 from prag_asp.dataset import generate, read_lines
-from prag_asp.dataset.strata import StratumFigures, stratum_weights
-from prag_asp.dataset.stratified_sampling import stratified_sample
+from prag_asp.dataset.strata.stratified_sampling import stratified_sample
+from prag_asp.dataset.strata.stratum_figures import StratumFigures, stratum_weights
 from prag_asp.evaluation import FreshScenarios, Results, StoredScenarios, compare, evaluate
-from prag_asp.evaluation.stratified import stratified_difference, stratified_rate
+from prag_asp.evaluation.stratified_rates import stratified_difference, stratified_rate
 from prag_asp.rl.skill_chains import Rate
-from prag_asp.space.parts.allocation import Stratification
+from prag_asp.space.strata.allocation import Stratification
 from tests.commands import ok
 
 

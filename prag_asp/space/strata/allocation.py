@@ -13,7 +13,7 @@ from prag_asp.exact_numbers import Number, parse_number
 from prag_asp.wording import plural, unknown
 
 if TYPE_CHECKING:
-    from prag_asp.space.parts.strata import StratifiedBy, Stratum
+    from prag_asp.space.strata.stratum import StratifiedBy, Stratum
 
 FEWEST = 2
 """The minimum number of tasks of a stratum, unless it has fewer: the variance in a stratum needs two."""

@@ -13,10 +13,10 @@ from prag_asp.dataset.dataset_spec import budget_of
 from prag_asp.dataset.jsonl import Record
 from prag_asp.dataset.pass_rates import Tally
 from prag_asp.dataset.scenes import scene_of
-from prag_asp.dataset.strata import StratumFeed, StratumFigures, stratum_weights
+from prag_asp.dataset.strata.stratum_figures import StratumFeed, StratumFigures, stratum_weights
 from prag_asp.errors import NotFound
-from prag_asp.space.parts.allocation import FEWEST, Stratification
-from prag_asp.space.parts.strata import Stratum, strata_of
+from prag_asp.space.strata.allocation import FEWEST, Stratification
+from prag_asp.space.strata.stratum import Stratum, strata_of
 from prag_asp.space.without_replacement import with_tasks
 from prag_asp.wording import plural
 

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import msgspec
 
-from prag_asp.dataset.strata import StratumFigures, stratum_weights
+from prag_asp.dataset.strata.stratum_figures import StratumFigures, stratum_weights
 from prag_asp.evaluation.episode import EvaluatedEpisode
 from prag_asp.integers import number_of
 
