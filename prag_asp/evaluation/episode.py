@@ -13,6 +13,7 @@ import msgspec
 
 from prag_asp.dataset.scenario import Scenario
 from prag_asp.dataset.scenarios import Scenarios, verdict_of
+from prag_asp.dataset.store.instructions import TaskTexts
 from prag_asp.dataset.validation_jobs import initial_state_key
 from prag_asp.errors import PragError, QueryError
 from prag_asp.evaluation.policies.policy import Policy, PolicyMaker
@@ -69,11 +70,15 @@ class EvaluatedEpisode(msgspec.Struct, frozen=True):
 
 
 class EpisodeJob(NamedTuple):
-    """An episode to run: its part, its scenario, and its task with a witness, or None to search for one."""
+    """An episode to run: its part, its scenario, and its task with a witness, or None to search for one.
+
+    `texts` are the texts of the task in a dataset.
+    """
 
     part: str
     scenario: Scenario
     given: tuple[Task, Witness] | None = None
+    texts: TaskTexts | None = None
 
 
 class JobGroup(NamedTuple):
@@ -128,7 +133,8 @@ class EpisodeRunner:
         task, witness = job.given or self._searched(job.scenario)
         if witness is None:
             return None
-        observation, info = self._env.reset(seed=0, options={"task": task, "witness": witness})
+        texts = None if "language" in self._setup.options else job.texts
+        observation, info = self._env.reset(seed=0, options={"task": task, "witness": witness, "texts": texts})
         watch(self._env)
         steps, reached, stage, cause, ended = [0] * len(task), 0, 0, LIMIT, False
         with self._errors(job.scenario):

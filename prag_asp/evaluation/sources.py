@@ -263,7 +263,7 @@ class StoredScenarios:
         """Yield a job for each initial state of each task."""
         for name, dataset, number, start in self._starts():
             given = dataset.task(number), dataset.witness(number, start)
-            yield EpisodeJob(name, dataset.scenario(number, start), given)
+            yield EpisodeJob(name, dataset.scenario(number, start), given, dataset.entry(number).texts)
 
     def _starts(self) -> Iterator[tuple[str, Dataset, int, int]]:
         """Yield the part, the dataset, the number of a task, and the number of one of its initial states."""
