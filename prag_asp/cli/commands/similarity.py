@@ -54,13 +54,17 @@ SHOWN = 5
     "-k", "--neighbours", type=whole(1), default="5", show_default=True, metavar="K",
     help="Nearest tasks of each, for --nearest.",
 )  # fmt: skip
+@click.option(
+    "--against", metavar="FILE|DATASET", shell_complete=shell_completion.files,
+    help="Print how novel the tasks are: their distances from the nearest of these tasks.",
+)  # fmt: skip
 @click.option("--diverse", type=whole(1), metavar="K", help="Choose K tasks that are far apart.")
 @FILE_OPTIONS
 @click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True,
               help="Text, or JSON with exact fractions.")  # fmt: skip
 def similarity(
     *, request: DomainOptions, words: tuple[str, ...], metric: str, costs: str | None, up_to: str, at_most: float,
-    neighbours: int, diverse: int | None, files: SimilarityFiles, form: str,
+    neighbours: int, against: str | None, diverse: int | None, files: SimilarityFiles, form: str,
 ) -> None:  # fmt: skip
     """Compare two tasks, or all tasks of a set, up to renaming of interchangeable entities.
 
@@ -77,6 +81,8 @@ def similarity(
         raise QueryError(f"{' '.join(words)}: give two tasks, or one dataset or file")
     if diverse is not None and len(words) == 2:
         raise QueryError("--diverse chooses from a dataset or a file of tasks, not from two tasks")
+    if against is not None and (len(words) == 2 or diverse is not None or files.names):
+        raise QueryError(f"--against {against} is for one dataset or file, without other files to write and --diverse")
     if (files.chosen is not None) > (diverse is not None):
         raise QueryError(f"--chosen {files.chosen}: say how many tasks to choose with --diverse K")
     files.check(one_set=len(words) == 1)
@@ -86,6 +92,9 @@ def similarity(
         if len(words) == 2:
             found = _compared(words, request, metric, costs, up_to)
             lines = _json(found) if form == "json" else _text(found)
+        elif against is not None:
+            given, known = read_all(words[0], request, up_to), read_all(against, request, up_to)
+            lines = _novel(given, known, metric, costs, up_to, form)
         else:
             given = read_all(words[0], request, up_to)
             lines = _summary(
@@ -207,6 +216,35 @@ def _json(found: TaskComparison) -> Iterator[str]:
         ],
     }
     yield json.dumps(values, indent=2)
+
+
+def _novel(
+    given: ComparedTasks, known: ComparedTasks, metric: str, costs: str | None, up_to: str, form: str
+) -> Iterator[str]:
+    """Yield how far the given tasks are from the nearest known ones, the nearest first."""
+    import json
+
+    from prag_asp.analysis.farthest_first import novelty
+
+    together = ComparedTasks([*known.tasks, *given.tasks], [*known.groups, *given.groups], known.space)
+    if {task.domain for task in known.tasks} != {task.domain for task in given.tasks} and known.space is not None:
+        raise QueryError("the tasks belong to different domains; compare them with --up-to names")
+    found = novelty(given.tasks, known.tasks, _metric(metric, costs, together, up_to), known.space, _names(up_to))
+    if form == "json":
+        rows = zip(found.distances.tolist(), found.nearest.tolist(), strict=True)
+        yield json.dumps([{"distance": distance, "nearest": nearest} for distance, nearest in rows], indent=2)
+        return
+    yield from aligned(
+        [
+            ("tasks", f"{len(given.tasks)}"),
+            ("given tasks", f"{len(known.tasks)}"),
+            ("mean novelty", f"{found.distances.mean():.4f}"),
+            ("smallest novelty", f"{found.distances.min():.4f}"),
+            ("tasks that are given", f"{int((found.distances == 0).sum())}"),
+        ]
+    )
+    for place in found.distances.argsort(kind="stable")[:SHOWN].tolist():
+        yield f"  {place} is {_number(found.distances[place])} from given task {found.nearest[place]}"
 
 
 def _summary(
