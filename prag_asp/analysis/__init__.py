@@ -30,7 +30,7 @@ if TYPE_CHECKING:
         without_duplicates,
     )
     from prag_asp.analysis.distant_tasks import tasks_apart
-    from prag_asp.analysis.farthest_first import DiverseChoice, diverse_choice
+    from prag_asp.analysis.farthest_first import DiverseChoice, Novelty, diverse_choice, novelty
     from prag_asp.analysis.frequencies import Frequency, FrequencyTest, compare_frequencies
     from prag_asp.analysis.hamming import DistanceDistribution, hamming_distribution, mean_hamming
     from prag_asp.analysis.neighbours import NearestTask, count_neighbours, nearest_task
@@ -49,6 +49,7 @@ __all__ = [
     "NearDuplicates",
     "NearestNeighbours",
     "NearestTask",
+    "Novelty",
     "PairDistances",
     "Series",
     "SimilarityMatrix",
@@ -66,6 +67,7 @@ __all__ = [
     "near_duplicates",
     "nearest_neighbours",
     "nearest_task",
+    "novelty",
     "pair_distances",
     "similarity_matrix",
     "task_map",
@@ -81,7 +83,7 @@ _HOMES = {
     "prag_asp.analysis.hamming": ("DistanceDistribution", "hamming_distribution", "mean_hamming"),
     "prag_asp.analysis.neighbours": ("NearestTask", "count_neighbours", "nearest_task"),
     "prag_asp.analysis.distant_tasks": ("tasks_apart",),
-    "prag_asp.analysis.farthest_first": ("DiverseChoice", "diverse_choice"),
+    "prag_asp.analysis.farthest_first": ("DiverseChoice", "Novelty", "diverse_choice", "novelty"),
     "prag_asp.analysis.dendrogram": ("Dendrogram", "dendrogram_of"),
     "prag_asp.analysis.all_pairs": ("PairDistances", "pair_distances"),
     "prag_asp.analysis.distance_matrix": (

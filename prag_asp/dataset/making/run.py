@@ -129,7 +129,8 @@ class DatasetRun:
             with uninterrupted():
                 self._journal.close()
         for note in self._manifest.parts:
-            exhausted = spec.part is not None and note.draws >= number_of(note.size)  # other machines may have the rest
+            # Other machines may have the rest, and a stratum may have too few feasible tasks.
+            exhausted = (spec.part is not None or bool(spec.strata)) and note.draws >= number_of(note.size)
             if note.tasks < note.requested and not exhausted:
                 raise NotFound(too_few(note, parts[note.name], self._limit(note.name)))
         return Dataset.open(self._folder)
