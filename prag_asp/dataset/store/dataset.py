@@ -260,7 +260,8 @@ class Dataset:
         from prag_asp.space.without_replacement import order_of
 
         spec, lengths = self.manifest.spec, [space.length for space in self.manifest.spaces if space.tasks != "0"]
-        uniform = not (spec.weights or spec.over or spec.skeletons) and spec.hold_out is None
+        divided = spec.skeletons or spec.hold_out is not None or spec.strata
+        uniform = not (spec.weights or spec.over or divided)
         if uniform and (length not in lengths or not 0 <= rank < int(self._sizes[length])):
             return
         for note in self._notes:
