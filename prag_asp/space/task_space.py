@@ -197,10 +197,10 @@ class TaskSpace:
         return sum(self.engines.count(by, length, first) for length, first in self._prefixes(by, prefix))
 
     def next_actions(self, prefix: Prefix = (), by: Level = "task") -> dict[str, int]:
-        """Return each action or name that may follow `prefix`, with the number of plans, tasks or skeletons that remain.
+        """Return each action or name that may follow `prefix`, with the exact number of words that begin so.
 
-        The numbers are exact and above 0, and their sum is the number of those that begin with `prefix`, which must be
-        shorter than the length. The actions of tasks have canonical names of entities.
+        The words are plans, tasks or skeletons. Numbers are above 0, and add up to the number of words that begin with
+        `prefix`, unless it is as long as they are. The actions of tasks have canonical names of entities.
 
         Raises:
             QueryError: there is no such level, the space has several lengths, or the prefix names no action.

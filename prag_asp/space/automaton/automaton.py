@@ -193,7 +193,7 @@ def count_words(completions: Completions, length: int, prefix: Sequence[Callable
 def count_following(
     completions: Completions, length: int, prefix: Sequence[Callable[[int], bool]] = ()
 ) -> dict[int, int]:
-    """Return the weight of the words whose first letters satisfy `prefix`, by their next letter, if it is above 0."""
+    """Return the weight of the words whose first letters satisfy `prefix`, by their next letter, if not 0."""
     automaton = completions.automaton
     found: dict[int, int] = {}
     if not automaton.states or len(prefix) >= length:

@@ -90,7 +90,7 @@ class ShuffledWords:
         return sum(weight * self._completions(state, left) for state, weight in self._after(prefix).items())
 
     def following(self, prefix: Sequence[Collection[int]]) -> dict[int, int]:
-        """Return the weight of the words whose first letters `prefix` allows, by their next letter, if it is above 0."""
+        """Return the weight of the words whose first letters `prefix` allows, by their next letter, if not 0."""
         found: dict[int, int] = {}
         if not self.total or len(prefix) >= self._length:
             return found

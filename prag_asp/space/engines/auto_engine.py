@@ -108,7 +108,7 @@ class AutoEngine:
             raise limit_error(reached.reason, counted, level, length) from None
 
     def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
-        """Return the number of words that begin with `prefix`, by their next letter, if it is above 0."""
+        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
         return self._answer(length, lambda engine: engine.following(length, prefix))
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:

@@ -141,7 +141,7 @@ class AutomatonEngine:
         return counted
 
     def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
-        """Return the number of words that begin with `prefix`, by their next letter, if it is above 0."""
+        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
         reach, sets = self.known(length), self._sets(prefix)
         found = reach.following(length, sets) if isinstance(reach, Reach) else reach.following(sets)
         return {self.letters[letter]: number for letter, number in found.items()}

@@ -80,7 +80,7 @@ class ClingoEngine:
         return counted
 
     def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
-        """Return the number of words that begin with `prefix`, by their next letter, if it is above 0."""
+        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
         return count_each(self, length, prefix)
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:

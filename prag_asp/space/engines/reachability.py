@@ -107,7 +107,7 @@ class Reach:
         return count_merged(self.merged, self.completions, length, prefix)
 
     def following(self, length: int, prefix: Sequence[frozenset[int]]) -> dict[int, int]:
-        """Return the weight of the words whose first letters `prefix` allows, by their next letter, if it is above 0."""
+        """Return the weight of the words whose first letters `prefix` allows, by their next letter, if not 0."""
         if not self.merged:
             return count_following(self.completions, length, [allowed.__contains__ for allowed in prefix])
         from prag_asp.space.automaton.merged_states import count_following_merged

@@ -72,7 +72,7 @@ class SymbolicEngine:
             raise limit_error(reached.reason, least, self._level, length) from None
 
     def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
-        """Return the number of words that begin with `prefix`, by their next letter, if it is above 0."""
+        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
         found = self._words(length, prefix).following()
         return {self.letters[letter]: number for letter, number in found.items()}
 
