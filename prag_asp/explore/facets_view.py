@@ -84,9 +84,9 @@ def fact_orbits(fluents: Sequence[clingo.Symbol], symmetries: Symmetries) -> lis
     known, orbit_of = set(fluents), {fluent: [fluent] for fluent in fluents}
     for fluent in fluents:
         for swap in swaps:
-            other = _renamed(fluent, swap)
-            if other in known and orbit_of[other] is not orbit_of[fluent]:
-                joined = orbit_of[fluent] + orbit_of[other]
+            image = _renamed(fluent, swap)
+            if image in known and orbit_of[image] is not orbit_of[fluent]:
+                joined = orbit_of[fluent] + orbit_of[image]
                 orbit_of |= dict.fromkeys(joined, joined)
     places = {fluent: place for place, fluent in enumerate(fluents)}
     orbits = {id(orbit): sorted(orbit, key=places.__getitem__) for orbit in orbit_of.values()}

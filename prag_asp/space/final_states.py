@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,7 @@ from prag_asp.errors import EngineError
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.hindsight import FALSE, TRUE, FluentValues, Hindsight, numbered_goals
 from prag_asp.space.automaton.automaton import Automaton, Completions, states_after
+from prag_asp.space.automaton.exploration import Extent
 from prag_asp.space.engines.engine import Engine, Letters, Level, name_in_prefix
 from prag_asp.space.engines.reachability import HALT, Explorer
 from prag_asp.space.limits import LimitClock, limit_error
@@ -148,12 +149,15 @@ def final_states(model: DomainLogic, engine: Engine, level: Level, length: int, 
     remembered = [place for place, each in enumerate(fluents) if memory.issuperset(Hindsight(step, (each,)).last_read)]
     for chosen, edges in ((list(range(len(fluents))), FEW_EDGES), (remembered, MANY_EDGES)):
         hindsight = Hindsight(step, tuple(fluents[place] for place in chosen))
-        reach, _, marks = explorer.weighed(
-            length, Weights(), clock, hindsight.last_read, lambda extent, most=edges: extent.edges > most
-        )
+        halt = partial(_exceeds, edges)
+        reach, _, marks = explorer.weighed(length, Weights(), clock, hindsight.last_read, halt)
         if reach.stop is None:
             goals, values = numbered_goals(hindsight, marks)
             return FinalStates(length, reach.letters, reach.completions.automaton, goals, values, tuple(chosen))
         if reach.stop != HALT:
             raise limit_error(reach.stop, 0, level, length, reach.states)
     raise EngineError(f"more than {MANY_EDGES:,} steps between states are too many to count final states at once")
+
+
+def _exceeds(edges: int, extent: Extent) -> bool:
+    return extent.edges > edges
