@@ -55,6 +55,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "safe_reading": frozenset(),
     "array_archive": frozenset(),
     "random_bits": frozenset(),
+    "html": frozenset(["lazy"]),
     "tables": frozenset(["errors", "wording"]),
     "output": frozenset(["errors", "lazy", "safe_reading"]),
     "wording": frozenset(["errors"]),
@@ -80,8 +81,8 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
     "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
     "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
-    "analysis": GROUND | {"program", "domain", "logic", "space", "similarity"},
-    "audit": GROUND | {"program", "bddl", "pddl", "domain", "space", "dataset", "similarity", "analysis"},
+    "analysis": GROUND | {"html", "program", "domain", "logic", "space", "similarity"},
+    "audit": GROUND | {"html", "program", "bddl", "pddl", "domain", "space", "dataset", "similarity", "analysis"},
     "explore": GROUND | {"program", "domain", "logic", "space", "models", "dataset", "physics"},
     "cli": GROUND
     | {"program", "scene", "grammar", "pddl", "bddl", "reduction", "domain", "logic", "space", "models", "planners"}
@@ -99,7 +100,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     ),
     "logic": ("ground", "step", "diagram", "symmetry", "domain_logic", "formula"),
     "space": (
-        "limits", "automaton", "weights", "plans", "parts", "conditions", "engines", "reduced_count",
+        "limits", "automaton", "weights", "plans", "parts", "conditions", "engines", "shortest_tasks", "reduced_count",
         "explanation", "sampling", "domain_engines", "word_set", "task_sampling", "distinct_sampling", "lengths",
         "task_space", "without_replacement", "emptiness",
     ),

@@ -16,12 +16,12 @@ from textwrap import wrap
 
 import av
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont, ImageOps
+from PIL import Image, ImageDraw, ImageFont
 from pyarrow.parquet import read_table
 
 from prag_asp import TaskSpace, load_domain, load_scene
 from prag_asp.dataset import feasible, instruction_writer_of
-from prag_asp.physics import CameraImage, Demonstration, Staging, film_strip, validate_task
+from prag_asp.physics import CameraImage, Demonstration, Staging, animate, demonstrate, film_strip, validate_task
 from prag_asp.scene.colours import more_colours
 
 ROOT = Path(__file__).parent.parent.parent
@@ -41,25 +41,22 @@ class Strip:
     seed: int
     weights: Mapping[str, int] = field(default_factory=dict)
     where: tuple[str, ...] = ()
-    frame: tuple[int, int] = (260, 250)
-    columns: int = 6
-    start: bool = True
+    frame: tuple[int, int] = (264, 244)
+    columns: int = 3
 
 
 STRIPS = {
-    "five_subgoals": Strip("tabletop", 5, 34526, {"stack": 8, "insert": 8}, start=False),
+    "five_subgoals": Strip("tabletop", 5, 34526, {"stack": 8, "insert": 8}),
     "strip": Strip("tabletop", 3, 7),
-    "prag": Strip("prag", 5, 3, where=("begins approach", "uses can_1"), columns=3),
-    "tabletop": Strip("tabletop", 5, 11, {"stack": 8, "insert": 8}, columns=3),
+    "prag": Strip("prag", 5, 3, where=("begins approach", "uses can_1")),
+    "tabletop": Strip("tabletop", 5, 11, {"stack": 8, "insert": 8}),
     "kitchen": Strip("kitchen", 7, 4, where=("matches open approach grasp move drop withdraw close",), columns=4),
     "two_arms": Strip("two_arms", 7, 1, where=("begins pick", "has give"), columns=4),
-    "household": Strip(
-        "household", 5, 1, where=("has wipe(panda,sponge_1,mug_1)", "has put(panda,mug_1,rack_1)"), columns=3
-    ),
+    "household": Strip("household", 5, 1, where=("has wipe(panda,sponge_1,mug_1)", "has put(panda,mug_1,rack_1)")),
     "dishes": Strip(
         "examples/dishes", 6, 2, where=("matches pick put wash charge pick put", "ends inside(cup_1,rack_1)"), columns=4
     ),
-    "desk": Strip("examples/desk", 4, 4, where=("starts on_top(cup_1,desk_1), on_top(cup_2,desk_1)",), columns=5),
+    "desk": Strip("examples/desk", 4, 4, where=("starts on_top(cup_1,desk_1), on_top(cup_2,desk_1)",)),
     "warehouse": Strip(
         "examples/warehouse", 4, 5, where=("avoids crate", "avoids rod", "uses shelf_1", "avoids shelf_2")
     ),
@@ -77,12 +74,7 @@ def draw(strip: Strip) -> Image.Image:
     checked = ((task, validate_task(task, scene, seed=strip.seed).witness) for task in tasks)
     task, witness = next((task, witness) for task, witness in checked if witness is not None)
     captions = instruction_writer_of(domain).captions(task)
-    picture = film_strip(task, witness, scene, size=strip.frame, columns=strip.columns, captions=captions)
-    if not strip.start:
-        subgoals = picture.crop((picture.width // (strip.length + 1), 0, picture.width, picture.height))
-        bottom = ImageOps.invert(subgoals.convert("L")).getbbox()[3]
-        picture = subgoals.crop((0, 0, subgoals.width, bottom + MARGIN))
-    return reduced(picture)
+    return reduced(film_strip(task, witness, scene, size=strip.frame, columns=strip.columns, captions=captions))
 
 
 FILMED = Staging(("front", "wrist"), (160, 160), rate=5)
@@ -107,6 +99,22 @@ def draw_films() -> Image.Image:
             for k, pixels in enumerate((picture.rgb, in_grey(picture), in_palette(picture, len(footage.legend)))):
                 page.paste(Image.fromarray(pixels), (column * (width + GAP), (row + k) * (height + GAP)))
     return reduced(page)
+
+
+SHOWN, SHOWN_SEED = ("has wipe(panda,sponge_1,mug_1)", "has put(panda,mug_1,rack_1)"), 4
+"""The conditions on the task of the animation, and the seed with which its witness can be executed."""
+
+
+def write_demonstration(path: Path) -> None:
+    """Write the animation of the README: 640 pixels wide, 5 s long."""
+    domain = load_domain("household")
+    scene = load_scene(domain)
+    (task,) = TaskSpace(domain, 5).where(*SHOWN).sample(1, seed=1)
+    witness = validate_task(task, scene, seed=SHOWN_SEED).witness
+    assert witness is not None
+    headings = [heading.partition(". ")[2] for heading, _ in instruction_writer_of(domain).captions(task)[1:]]
+    options = {"size": (612, 400), "speed": 3.0, "rate": 15, "fine": True, "headings": headings}
+    animate(task, demonstrate(task, witness, scene), scene, path, **options)
 
 
 FIRST = "tabletop --length 2 --tasks 4 --seed 0 --split train=0.75,test=0.25 --demonstrate --cameras front,wrist"
@@ -168,7 +176,7 @@ def reduced(picture: Image.Image) -> Image.Image:
 
 def main(names: list[str]) -> None:
     """Generate the named pictures, by default all."""
-    for name in names or [*STRIPS, "curve", "cameras", "first_dataset"]:
+    for name in names or [*STRIPS, "curve", "cameras", "first_dataset", "demonstration"]:
         target = PICTURES / f"{name}.png"
         if name == "curve":
             curve = ["stats", "prag", "--length", "15", "--by", "skeleton", "--plot", str(target)]
@@ -176,6 +184,8 @@ def main(names: list[str]) -> None:
             with Image.open(target) as drawn:
                 few = reduced(drawn)
             few.save(target, optimize=True)
+        elif name == "demonstration":
+            write_demonstration(target.with_suffix(".webp"))
         elif name == "cameras":
             draw_films().save(target, optimize=True)
         elif name == "first_dataset":

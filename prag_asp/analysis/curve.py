@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from decimal import MAX_EMAX, Context, Decimal, localcontext
-from html import escape
 from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from prag_asp.errors import PicturesMissingError, QueryError
+from prag_asp.html import Markup, element, html_page, scroll_table
 from prag_asp.output import replace_file
 from prag_asp.processes.progress_events import stage
 from prag_asp.space.task_space import TaskSpace
@@ -35,12 +35,6 @@ COLORS = ("#0072b2", "#d55e00", "#009e73", "#777777")
 
 MARKED = 60
 """The maximum number of lengths for which each length has a marker."""
-
-STYLE = (
-    "body{font:16px sans-serif;max-width:60em;margin:auto;padding:1em}svg{max-width:100%;height:auto}"
-    "div{overflow-x:auto}table{border-collapse:collapse;font-variant-numeric:tabular-nums}"
-    "th,td{padding:.2em .8em;text-align:right}tr+tr{border-top:1px solid #e0e0e0}"
-)
 
 
 @dataclass(frozen=True)
@@ -144,20 +138,15 @@ def saved(drawn: Figure, kind: str) -> bytes:
 def page(curve: Curve) -> str:
     """Return the curve as a web page: the picture, and a table of the counts."""
     picture = saved(figure(curve), ".svg").decode()
-    names = "".join(f"<th>{escape(series.name)}" for series in curve.series)
     rows = [
-        f"<tr><th>{length}{''.join(f'<td>{shown(count)}' for count in counts)}"
+        (str(length), *map(shown, counts))
         for length, counts in enumerate(zip(*(series.counts for series in curve.series), strict=True), 1)
     ]
-    return "\n".join(
-        [
-            f"<!doctype html><html lang=en><meta charset=utf-8><title>{escape(curve.title)}</title>",
-            f"<meta name=viewport content='width=device-width'><style>{STYLE}</style>",
-            picture[picture.index("<svg") :],
-            f"<div><table><thead><tr><th>n{names}<tbody>",
-            *rows,
-            "</table></div>\n",
-        ]
+    return html_page(
+        curve.title,
+        element("h1", curve.title),
+        element("div", Markup(picture[picture.index("<svg") :]), class_="picture"),
+        scroll_table(("length", *(series.name for series in curve.series)), rows, label="counts by length"),
     )
 
 

@@ -5,20 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
-from html import escape
 from typing import Any
 
 from prag_asp.audit.auditing import BenchmarkAudit
+from prag_asp.html import element, html_page, scroll_table
 from prag_asp.wording import plural
 
 SHOWN_GROUPS, SHOWN_MEMBERS = 5, 3
 """The maximum numbers of groups of equal goals, and of problems in each group, that a text shows."""
-
-STYLE = (
-    "body{font:15px/1.5 system-ui,sans-serif;margin:2rem auto;max-width:72rem;padding:0 1rem;color:#1a1a1a}"
-    "table{border-collapse:collapse;margin:.5rem 0 1.5rem}th,td{border:1px solid #ccc;padding:.2rem .6rem;"
-    "text-align:right}th:first-child,td:first-child{text-align:left}th{background:#f2f2f2}h2{margin-top:2rem}"
-)
 
 
 @dataclass(frozen=True)
@@ -160,15 +154,13 @@ def audit_page(audit: BenchmarkAudit) -> str:
     """Return the report as a self-contained HTML page."""
     parts = []
     for table in audit_tables(audit, full=True):
-        head = "".join(f"<th>{escape(each)}</th>" for each in table.heads)
-        body = "".join(f"<tr>{''.join(f'<td>{escape(cell)}</td>' for cell in row)}</tr>" for row in table.rows)
-        rows = f"<table><tr>{head}</tr>{body}</table>" if table.rows else ""
-        parts.append(f"<h2>{escape(table.title.capitalize())}</h2>{rows}<p>{escape(table.note)}</p>")
+        parts.append(element("h2", table.title.capitalize()))
+        if table.rows:
+            parts.append(scroll_table(table.heads, table.rows, label=table.title))
+        if table.note:
+            parts.append(element("p", table.note, class_="note"))
     title = f"Audit of {', '.join(each.suite for each in audit.suites)}"
-    return (
-        f'<!doctype html><html lang="en"><meta charset="utf-8"><title>{escape(title)}</title><style>{STYLE}</style>'
-        f"<h1>{escape(title)}</h1>{''.join(parts)}</html>\n"
-    )
+    return html_page(title, element("h1", title), *parts)
 
 
 def audit_json(audit: BenchmarkAudit) -> dict[str, Any]:

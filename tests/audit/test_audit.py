@@ -136,8 +136,8 @@ def test_the_command_prints_a_table_json_and_a_page(suites: Path) -> None:
     assert "  all        6     6      4                  6" in done.stdout
     assert "2 classes and 2 targets; 75.0 % of the pairs are in a goal." in done.stdout
     page = (suites / "report.html").read_text()
-    assert "<td>test/both</td><td>train/first</td><td>1</td>" in page
-    assert "http" not in page
+    assert '<td class="left">test/both</td><td class="left">train/first</td><td>1</td>' in page
+    assert "://" not in page
     values = json.loads(run("audit", "train", "test", "--no-reach", "--format", "json", cwd=suites).stdout)
     assert values["total"] == {"suite": "all", "files": 6, "problems": 6, "goals": 4, "tasks": 6}
     assert values["combinations"]["reachable"] is None
