@@ -22,6 +22,7 @@ from prag_asp.space.automaton.exploration import Extent
 from prag_asp.space.engines.engine import Engine, Letters, Level, name_in_prefix
 from prag_asp.space.engines.reachability import HALT, Explorer
 from prag_asp.space.limits import LimitClock, limit_error
+from prag_asp.space.shortest_tasks import ShortestEngine
 from prag_asp.space.weights.weights import Weights
 
 Numbers = NDArray[Any]
@@ -137,15 +138,14 @@ def final_states(model: DomainLogic, engine: Engine, level: Level, length: int, 
         EngineError: the states or the words are too many to list.
     """
     fluents = model.domain.facts.fluents
+    if isinstance(engine, ShortestEngine):
+        return _listed(engine, length, len(fluents))
     try:
         step = model.step
         explorer = Explorer(model, level, merge=False)
         memory = frozenset(explorer.transition().variables)
-    except EngineError:  # the engine lists the words
-        weighed = engine.weighed(length, Weights(), goals=True)
-        assert weighed.goals is not None and weighed.goal_values is not None, "goals are requested"
-        places = tuple(range(len(fluents)))
-        return FinalStates(length, engine.letters, weighed.automaton, weighed.goals, weighed.goal_values, places)
+    except EngineError:  # a step is not a function of state and action
+        return _listed(engine, length, len(fluents))
     remembered = [place for place, each in enumerate(fluents) if memory.issuperset(Hindsight(step, (each,)).last_read)]
     for chosen, edges in ((list(range(len(fluents))), FEW_EDGES), (remembered, MANY_EDGES)):
         hindsight = Hindsight(step, tuple(fluents[place] for place in chosen))
@@ -157,6 +157,14 @@ def final_states(model: DomainLogic, engine: Engine, level: Level, length: int, 
         if reach.stop != HALT:
             raise limit_error(reach.stop, 0, level, length, reach.states)
     raise EngineError(f"more than {MANY_EDGES:,} steps between states are too many to count final states at once")
+
+
+def _listed(engine: Engine, length: int, fluents: int) -> FinalStates:
+    """Return the final states of words whose states or words the engine lists."""
+    weighed = engine.weighed(length, Weights(), goals=True)
+    assert weighed.goals is not None and weighed.goal_values is not None, "goals are requested"
+    values, places = weighed.goal_values, tuple(range(fluents))
+    return FinalStates(length, engine.letters, weighed.automaton, weighed.goals, values, places)
 
 
 def _exceeds(edges: int, extent: Extent) -> bool:

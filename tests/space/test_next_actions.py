@@ -88,3 +88,12 @@ def test_wrong_questions_about_ends_are_refused() -> None:
         space.ending([["clear(a)"]], by="skeleton")
     with pytest.raises(QueryError, match="choose one"):
         TaskSpace(load_domain("blocks"), "2..3").next_actions()
+
+
+def test_the_tasks_of_a_condition_on_whole_plans_have_their_own_ends() -> None:
+    space = TaskSpace(load_domain("blocks"), 4).where("shortest")
+    tasks = list(space)
+    assert space.next_actions() == Counter(str(task.actions[0]) for task in tasks)
+    (ending,) = space.ending([["hand_empty"]])
+    assert ending is not None
+    assert ending.holding == sum(task.states[-1][parse_atom("hand_empty")] for task in tasks)
