@@ -135,11 +135,7 @@ def sample(
             validation.refuse_without_physics({"--max-draws": max_draws is not None})
             drawn = source.stream(seed=seed, **drawing) if requested_count else iter(())
             records = map(Record, islice(drawn if keep is None else filter(keep, drawn), requested_count))
-            found, at_least = 0, requested_count if diverse is None else diverse
-            with writer(output) as out:
-                for record in choose(records):
-                    out.write(line(record))
-                    found += 1
+            found, at_least = _write_all(choose(records), output, line), diverse or requested_count
             if found < at_least:
                 others = "others of positive weight" if keep is None and space.count() > found else "others"
                 raise NotFound(f"only {found} of {plural(at_least, 'task')}: there are no {others}")
@@ -156,6 +152,16 @@ def _tell_repetition(space: TaskSpace, by: Any, requested_count: int) -> None:
     number = space.count(by) if requested_count else 0
     if number < requested_count:
         tell_line(f"the space has only {plural(number, by)}, so some are repeated; --distinct samples each once")
+
+
+def _write_all(records: Iterator[Record], output: str | None, line: Callable[[Record], str]) -> int:
+    """Write records, and return their number."""
+    found = 0
+    with writer(output) as out:
+        for record in records:
+            out.write(line(record))
+            found += 1
+    return found
 
 
 def _check_choice(cover: int | None, diverse: int | None, count: int, by: str, over: Any, excluded: str | None) -> None:
