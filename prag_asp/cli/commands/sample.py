@@ -135,18 +135,33 @@ def sample(
             validation.refuse_without_physics({"--max-draws": max_draws is not None})
             drawn = source.stream(seed=seed, **drawing) if requested_count else iter(())
             records = map(Record, islice(drawn if keep is None else filter(keep, drawn), requested_count))
-            found, at_least = 0, requested_count if diverse is None else diverse
-            with writer(output) as out:
-                for record in choose(records):
-                    out.write(line(record))
-                    found += 1
+            found, at_least = _write_all(choose(records), output, line), diverse or requested_count
             if found < at_least:
                 others = "others of positive weight" if keep is None and space.count() > found else "others"
                 raise NotFound(f"only {found} of {plural(at_least, 'task')}: there are no {others}")
+            _tell_repetition(space, by, 0 if distinct or cover is not None else requested_count)
             return
         drawing |= {"seed": seed, "staging": staging, "keep": keep}
         drawing["draws"] = max_draws or DRAWS_PER_TASK * requested_count
         _write_feasible(source, drawing, requested_count, validation, output, line, choose, tell)
+        _tell_repetition(space, by, 0 if distinct or cover is not None else requested_count)
+
+
+def _tell_repetition(space: TaskSpace, by: Any, requested_count: int) -> None:
+    """Print on stderr that the space has fewer tasks than were sampled with replacement."""
+    number = space.count(by) if requested_count else 0
+    if number < requested_count:
+        tell_line(f"the space has only {plural(number, by)}, so some are repeated; --distinct samples each once")
+
+
+def _write_all(records: Iterator[Record], output: str | None, line: Callable[[Record], str]) -> int:
+    """Write records, and return their number."""
+    found = 0
+    with writer(output) as out:
+        for record in records:
+            out.write(line(record))
+            found += 1
+    return found
 
 
 def _check_choice(cover: int | None, diverse: int | None, count: int, by: str, over: Any, excluded: str | None) -> None:
@@ -233,11 +248,13 @@ def _write_strata(
 def _remedy(tally: Tally) -> str:
     """Return the remedy if a number of draws has too few feasible tasks.
 
-    More draws help if some tasks are feasible, and a larger budget may help if none was found; neither helps against
-    proofs.
+    More draws help if some tasks are feasible, and a larger budget may help if none was found; against proofs, rules
+    that exclude such tasks help.
     """
-    if tally.passed:
+    if tally.passed and 2 * tally.proved <= tally.seen:
         return "raise --max-draws"
+    if tally.passed or 2 * tally.proved > tally.seen > tally.proved:
+        return f"{tally.proved} of them proved infeasible; see prag-asp learn, which excludes such tasks"
     if tally.proved == tally.seen:
         (_, reason), _ = tally.reasons.most_common(1)[0]
         every = "it is" if tally.seen == 1 else "all are"

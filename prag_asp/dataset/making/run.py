@@ -295,10 +295,14 @@ def too_few(part: PartManifest, available: TaskOrder, limit: int) -> str:
         return f"{summary}, {trivial} of them trivial: {TRIVIAL}; keep these by --trivial"
     if part.draws >= limit:
         proved = sum(tally.infeasible for tally in tallies)
-        remedy = "change the domain or its scene, or see prag-asp learn"
-        return (
-            f"{summary}, all proved infeasible; {remedy}" if proved == part.draws else f"{summary}; raise --max-draws"
-        )
+        if proved == part.draws - trivial:
+            which = (
+                "all proved infeasible" if not trivial else f"all others than {trivial} trivial ones proved infeasible"
+            )
+            return f"{summary}, {which}; change the domain or its scene, or see prag-asp learn"
+        if 2 * proved > part.draws:
+            return f"{summary}, {proved} of them proved infeasible; see prag-asp learn, which excludes such tasks"
+        return f"{summary}; raise --max-draws" if part.tasks else f"{summary}; raise --budget or --max-draws"
     if part.draws >= available.size:
         return f"{summary}, the whole space"
     return f"{summary}; those left weigh next to nothing: give other weights, or --uniform"

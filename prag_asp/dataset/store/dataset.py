@@ -196,6 +196,11 @@ class Dataset:
         for entry, row in self._starts("recordings"):
             yield entry, row["start"], self._recording(row["file"])
 
+    def recorded_seconds(self) -> Iterator[tuple[DatasetEntry, int, float]]:
+        """Yield each recorded task, the number of an initial state, and the seconds of its episode, in order."""
+        for entry, row in self._starts("recordings"):
+            yield entry, row["start"], row["seconds"]
+
     @cached_property
     def _scenarios(self) -> Scenarios:
         from prag_asp.dataset.scenarios import Scenarios

@@ -27,7 +27,7 @@ from tests.dataset.formats.published import Published
 
 JOINTS = [*(f"joint_{number}" for number in range(1, 8)), "gripper"]
 CAMERAS = ["observation.images.front", "observation.images.wrist"]
-ALLOWED = 300_000
+ALLOWED = 350_000
 """Bytes of an episode of 185 frames with two cameras of 128 x 128 pixels."""
 
 
