@@ -38,7 +38,7 @@ GROUND = frozenset(
         "tables",
         "batches",
     ]
-) | {"safe_reading", "array_archive", "random_bits"}
+) | {"safe_reading", "array_archive", "random_bits", "success_rate"}
 """What every room may stand on."""
 
 OURS = re.compile(r"prag_asp(\.|$)")
@@ -55,6 +55,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "safe_reading": frozenset(),
     "array_archive": frozenset(),
     "random_bits": frozenset(),
+    "success_rate": frozenset(["errors"]),
     "html": frozenset(["lazy"]),
     "tables": frozenset(["errors", "wording"]),
     "output": frozenset(["errors", "lazy", "safe_reading"]),
@@ -83,9 +84,11 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
     "analysis": GROUND | {"html", "program", "domain", "logic", "space", "similarity"},
     "audit": GROUND | {"html", "program", "bddl", "pddl", "domain", "space", "dataset", "similarity", "analysis"},
+    "report": GROUND
+    | {"html", "program", "domain", "space", "similarity", "physics", "dataset", "evaluation", "analysis"},
     "cli": GROUND
     | {"program", "scene", "grammar", "pddl", "bddl", "reduction", "domain", "logic", "space", "models", "planners"}
-    | {"physics", "dataset", "evaluation", "analysis", "similarity", "audit", "versions"},
+    | {"physics", "dataset", "evaluation", "analysis", "similarity", "audit", "report", "versions"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""

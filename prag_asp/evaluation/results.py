@@ -17,8 +17,8 @@ from prag_asp.errors import QueryError
 from prag_asp.evaluation.episode import EvaluatedEpisode
 from prag_asp.missing import require_pyarrow
 from prag_asp.output import file_in, replace_file
-from prag_asp.rl.skill_chains import Rate
 from prag_asp.safe_reading import read_bytes
+from prag_asp.success_rate import Rate
 from prag_asp.tables.json_fields import Whole
 from prag_asp.tables.report import shown
 

@@ -28,7 +28,8 @@ if TYPE_CHECKING:
     from prag_asp.rl.episode_replay import Replay, replay
     from prag_asp.rl.observations import Layout
     from prag_asp.rl.scripted_agent import OraclePolicy, oracle
-    from prag_asp.rl.skill_chains import Rate, Rollout, Rollouts, run
+    from prag_asp.rl.skill_chains import Rollout, Rollouts, run
+    from prag_asp.success_rate import Rate
 
 __all__ = [
     "AdaptiveCurriculum",
@@ -59,7 +60,8 @@ _HOMES = {
     "prag_asp.rl.environment": ("TaskEnv",),
     "prag_asp.rl.observations": ("Layout",),
     "prag_asp.rl.episode_replay": ("Replay", "replay"),
-    "prag_asp.rl.skill_chains": ("Rate", "Rollout", "Rollouts", "run"),
+    "prag_asp.rl.skill_chains": ("Rollout", "Rollouts", "run"),
+    "prag_asp.success_rate": ("Rate",),
     "prag_asp.rl.scripted_agent": ("OraclePolicy", "oracle"),
 }
 
