@@ -97,7 +97,7 @@ def _require_kind(path: str | Path, found: os.stat_result) -> None:
     open_already = os.path.realpath(path).startswith(OPEN_ALREADY)
     nothing = stat.S_ISCHR(mode) and found.st_rdev == Path(os.devnull).stat().st_rdev
     if not (nothing or (stat.S_ISFIFO(mode) and open_already)):
-        raise Refused(errno.EINVAL, "it is no regular file", str(path))
+        raise Refused(errno.EINVAL, "it is not a regular file", str(path))
 
 
 def _too_large(path: str | Path, at_most: int) -> Refused:

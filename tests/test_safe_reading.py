@@ -30,7 +30,7 @@ def test_neither_a_device_nor_a_pipe_without_a_writer_is_read_or_waited_for(tmp_
         link = tmp_path / f"link to {Path(target).name}"
         link.symlink_to(target)
         for path in (target, link):
-            with pytest.raises(Refused, match="it is no regular file"):
+            with pytest.raises(Refused, match="it is not a regular file"):
                 read_bytes(path)
 
 

@@ -17,6 +17,7 @@ from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
     from prag_asp.analysis.all_pairs import PairDistances, pair_distances
+    from prag_asp.analysis.complexity import Complexity, ComplexityMeasure, complexity_of
     from prag_asp.analysis.curve import Curve, Series, counts_by_length, draw_curve
     from prag_asp.analysis.dendrogram import Dendrogram, dendrogram_of
     from prag_asp.analysis.distance_matrix import (
@@ -37,6 +38,8 @@ if TYPE_CHECKING:
     from prag_asp.analysis.vendi import VendiScore, vendi_score
 
 __all__ = [
+    "Complexity",
+    "ComplexityMeasure",
     "Curve",
     "Dendrogram",
     "DistanceDistribution",
@@ -52,6 +55,7 @@ __all__ = [
     "TaskMap",
     "VendiScore",
     "compare_frequencies",
+    "complexity_of",
     "count_neighbours",
     "counts_by_length",
     "dendrogram_of",
@@ -71,6 +75,7 @@ __all__ = [
 ]
 
 _HOMES = {
+    "prag_asp.analysis.complexity": ("Complexity", "ComplexityMeasure", "complexity_of"),
     "prag_asp.analysis.curve": ("Curve", "Series", "counts_by_length", "draw_curve"),
     "prag_asp.analysis.frequencies": ("Frequency", "FrequencyTest", "compare_frequencies"),
     "prag_asp.analysis.hamming": ("DistanceDistribution", "hamming_distribution", "mean_hamming"),

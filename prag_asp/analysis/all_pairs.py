@@ -1,4 +1,4 @@
-"""Compute the distances of all pairs of tasks, up to renaming, in blocks of bounded memory.
+"""Compute the distances between all pairs of tasks, up to renaming, in blocks of bounded memory.
 
     tasks -> features, each once -> renamed features (one for each renaming that matters) -> table of codes
           -> block of rows x renamed columns -> least of each column's renamings -> matrix, neighbours, ...
@@ -50,7 +50,7 @@ class Images:
 
 @dataclass(frozen=True)
 class PairDistances:
-    """The distances of all pairs of some tasks.
+    """The distances between all pairs of some tasks.
 
     `place` maps each task to its feature; several tasks can have the same feature. `groups` are the images of all
     features for each group of rows, with the features of the group, which are consecutive.
@@ -101,7 +101,7 @@ class PairDistances:
             first = last
 
     def square(self) -> Values:
-        """Return the distances of all features, shape (features, features), in units."""
+        """Return the distances between all features, shape (features, features), in units."""
         stage("comparing tasks")
         values = np.zeros((self.features, self.features), self.kind)
         step, _ = self.table.shape
@@ -117,7 +117,7 @@ class PairDistances:
         return values
 
     def row(self, task: int) -> Values:
-        """Return the distances of one task to all tasks, in units."""
+        """Return the distances from one task to all tasks, in units."""
         feature = int(self.place[task])
         images = next(images for own, images in self.groups if feature in own)
         blocks = [self.block(np.array([feature]), images, columns)[0] for columns in self._columns(images, 0)]
@@ -125,7 +125,7 @@ class PairDistances:
         return values
 
     def stripes(self) -> Iterator[tuple[range, Values]]:
-        """Yield the distances of ranges of tasks to all tasks, in order, without a whole matrix."""
+        """Yield the distances from ranges of tasks to all tasks, in order, without a whole matrix."""
         stage("comparing tasks")
         step = max(STRIPE // max(self.count, 1), 1)
         for first in range(0, self.count, step):
@@ -146,7 +146,7 @@ def pair_distances(
     within: KnownDomain | None = None,
     up_to: UpTo = "names",
 ) -> PairDistances:
-    """Return the distances of all pairs of tasks, to be computed in blocks; arguments are those of `Task.distance`.
+    """Return the distances between all pairs of tasks, computed in blocks; arguments are those of `Task.distance`.
 
     Raises:
         QueryError: there is no such metric, it does not compare such tasks, or too many renamings matter.

@@ -27,12 +27,12 @@ MOST_BYTES = 4 * 10**9
 """The largest matrix that is kept in memory."""
 
 SUFFIXES = (".npz", ".parquet")
-"""The endings of files of a matrix."""
+"""The extensions of files of distances."""
 
 
 @dataclass(frozen=True)
 class SimilarityMatrix:
-    """The distances of all pairs of tasks, shape (tasks, tasks).
+    """The distances between all pairs of tasks, shape (tasks, tasks).
 
     `units` are exact integers, and a distance of 1 is `denominator` units. If `denominator` is 0, `units` are 32-bit
     floats.
@@ -48,7 +48,7 @@ class SimilarityMatrix:
         return len(self.units)
 
     def row(self, task: int) -> Values:
-        """Return the distances of one task to all tasks, in units."""
+        """Return the distances from one task to all tasks, in units."""
         row: Values = self.units[task]
         return row
 
@@ -66,10 +66,10 @@ class SimilarityMatrix:
         return values
 
     def save(self, file: str | Path) -> None:
-        """Write the matrix: a .npz with `units` and `denominator`, or a .parquet with a row for each pair i < j.
+        """Write the matrix to a .npz with `units` and `denominator`, or to a .parquet with a row for each pair i < j.
 
         Raises:
-            QueryError: the file has another ending.
+            QueryError: the file has a different extension.
             OutputError: the file cannot be written.
             DatasetsMissingError: the file is a .parquet, and pyarrow is not installed.
         """
@@ -85,10 +85,10 @@ class SimilarityMatrix:
 
 
 def check_suffix(file: str | Path) -> None:
-    """Check that a matrix or neighbours can be written to a file of this name.
+    """Check that a matrix or neighbours can be written to a file with this name.
 
     Raises:
-        QueryError: the ending is unknown.
+        QueryError: the extension is unknown.
     """
     if Path(file).suffix not in SUFFIXES:
         raise QueryError(f"{file}: distances are written to a file that ends in {' or '.join(SUFFIXES)}")
@@ -98,7 +98,7 @@ def save_columns(file: str | Path, **columns: NDArray[Any]) -> None:
     """Write columns of one length as the arrays of a .npz or as the columns of a .parquet.
 
     Raises:
-        QueryError: the file has another ending.
+        QueryError: the file has a different extension.
         OutputError: the file cannot be written.
         DatasetsMissingError: the file is a .parquet, and pyarrow is not installed.
     """
@@ -126,7 +126,7 @@ def similarity_matrix(
     within: KnownDomain | None = None,
     up_to: UpTo = "names",
 ) -> SimilarityMatrix:
-    """Return the distances of all pairs of tasks; the arguments are those of `Task.distance`.
+    """Return the distances between all pairs of tasks; the arguments are those of `Task.distance`.
 
     Raises:
         QueryError: there is no such metric, it does not compare such tasks, or the matrix is larger than 4 GB.
@@ -141,7 +141,7 @@ def fits(pairs: PairDistances) -> bool:
 
 
 def matrix_of(pairs: PairDistances) -> SimilarityMatrix:
-    """Return the distances of all pairs as a matrix.
+    """Return the distances between all pairs as a matrix.
 
     Raises:
         QueryError: the matrix is larger than 4 GB.
@@ -183,7 +183,7 @@ class NearestNeighbours:
         """Write a row for each task and neighbour: `task`, `other` and `distance`, to a .npz or .parquet.
 
         Raises:
-            QueryError: the file has another ending.
+            QueryError: the file has a different extension.
             OutputError: the file cannot be written.
             DatasetsMissingError: the file is a .parquet, and pyarrow is not installed.
         """
@@ -224,7 +224,7 @@ class NearDuplicates:
         """Write a row for each pair: `task`, `other` and `distance`, to a .npz or .parquet.
 
         Raises:
-            QueryError: the file has another ending.
+            QueryError: the file has a different extension.
             OutputError: the file cannot be written.
             DatasetsMissingError: the file is a .parquet, and pyarrow is not installed.
         """

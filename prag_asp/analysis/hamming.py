@@ -1,10 +1,10 @@
-"""The exact distribution of the Hamming distance of two random words of a space.
+"""The exact distribution of the Hamming distance between two random words of a space.
 
-The distance of two tasks is the smallest number of different actions over all renamings of one of them. Pairs of words
-are pairs of paths of the layered automaton. For each pair of states, the dynamic programme counts the pairs of paths to
-the end by their numbers of agreements under each renaming; it distinguishes only letters of one orbit, because letters
-of two orbits differ under all renamings. The recursion for one renaming and matrices M of pairs of states is M' = A M
-A^T + (z - 1) sum_a A_a M A_a^T, where A_a contains the edges with letter a, and z counts agreements.
+The distance between two tasks is the smallest number of different actions over all renamings of one of them. Pairs of
+words are pairs of paths of the layered automaton. For each pair of states, the dynamic programme counts the pairs of
+paths to the end by their numbers of agreements under each renaming; it distinguishes only letters of one orbit, because
+letters of two orbits differ under all renamings. The recursion for one renaming and matrices M of pairs of states is M'
+= A M A^T + (z - 1) sum_a A_a M A_a^T, where A_a contains the edges with letter a, and z counts agreements.
 """
 
 from __future__ import annotations
@@ -63,12 +63,12 @@ class DistanceDistribution:
 
     @property
     def mean(self) -> Fraction:
-        """The exact mean distance of two independent random words."""
+        """The exact mean distance between two independent random words."""
         return Fraction(sum(distance * number for distance, number in enumerate(self.pairs)), self.words**2)
 
     @property
     def mean_of_different(self) -> Fraction:
-        """The exact mean distance of two different random words; 0 if there is only one."""
+        """The exact mean distance between two different random words; 0 if there is only one."""
         return self.mean * Fraction(self.words, max(self.words - 1, 1))
 
     def share(self, distance: int) -> Fraction:
@@ -77,7 +77,7 @@ class DistanceDistribution:
 
 
 def hamming_distribution(space: TaskSpace, by: Level = "task") -> DistanceDistribution:
-    """Return the exact distribution of the Hamming distance of two random plans, tasks or skeletons of a space.
+    """Return the exact distribution of the Hamming distance between two random plans, tasks or skeletons of a space.
 
     Raises:
         QueryError: the space has several lengths or is empty, or it has too many renamings or states.
@@ -94,7 +94,7 @@ def hamming_distribution(space: TaskSpace, by: Level = "task") -> DistanceDistri
 
 
 def mean_hamming(space: TaskSpace, by: Level = "plan") -> Fraction:
-    """Return the exact mean Hamming distance of two independent random plans or skeletons, at any length.
+    """Return the exact mean Hamming distance between two independent random plans or skeletons, at any length.
 
     The mean only depends on the number of occurrences of each letter at each place. For tasks, see
     `hamming_distribution`.

@@ -1,4 +1,4 @@
-"""The distance of two goals: the number of facts that only one of them has, under the best renaming."""
+"""The distance between two goals: the number of facts that are in only one of them, under the best renaming."""
 
 from __future__ import annotations
 

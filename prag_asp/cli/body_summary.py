@@ -28,7 +28,7 @@ def body_lines(scene: Scene) -> Iterator[str]:
         parts = plural(sum(len(mesh_parts(s.mesh, s.size)) if s.mesh else 1 for s in model.solids), "convex part")
         cavity = model.cavity
         sides = "" if cavity is None else " x ".join(f"{side * 1000:.0f}" for side in cavity.sides)
-        room = f"; things can be in its cavity of {sides} mm" if sides else ""
+        room = f"; cavity: {sides} mm" if sides else ""
         rest = f"; {rest_text(model)}" if model.settled > 0.0 else ""
         concave = not can_decompose() and any(s.mesh and is_concave(s.mesh, s.size) for s in model.solids)
         hull = '; its mesh is not convex and stands for its hull: pip install "prag_asp[meshes]"' if concave else ""

@@ -23,8 +23,8 @@ class Exit(IntEnum):
 
 MEANINGS = {
     Exit.DONE: "done",
-    Exit.NOT_FOUND: "incomplete result: validate found invalid tasks, sample, generate, suite or evaluate found too "
-    "few, explain or verify found a problem",
+    Exit.NOT_FOUND: "incomplete result: validate found invalid tasks; sample, generate, suite or evaluate found too "
+    "few tasks; or explain or verify found a problem",
     Exit.BAD_INPUT: "invalid input: the domain, a file, or the request",
     Exit.LIMIT: "a limit on time or memory was reached",
     Exit.OUTPUT: "the output could not be written (no message after a closed pipe)",

@@ -222,7 +222,7 @@ class ComparisonDesign:
 
     @staticmethod
     def _least(reaches: Callable[[int], bool], what: str) -> int:
-        """Return a number of scenarios that reaches the power, as do the next `AHEAD`, but not the number before it."""
+        """Return a number of scenarios that suffices, as do the next `AHEAD`; the number before it does not."""
         low, high = 0, 16
         while not reaches(high):
             if high == MOST:

@@ -139,7 +139,7 @@ def whole_file(file: Path) -> Iterator[Path]:
         OutputError: the file cannot be written, another run is writing it, or it exists and is not a regular file.
     """
     if is_stream(file):
-        raise OutputError(f"{file}: is no regular file; give a file")
+        raise OutputError(f"{file}: is not a regular file; give a file")
     with open_atomic(file) as part, output_errors(file):
         yield part.path
 
@@ -178,7 +178,7 @@ def open_locked(path: Path, mode: int = EVERYBODY) -> int:
         if stat.S_ISREG(os.fstat(descriptor).st_mode):
             return descriptor
         os.close(descriptor)
-        raise OutputError(f"{path}: is no regular file, but one has to be written there; remove it")
+        raise OutputError(f"{path}: is not a regular file, but one has to be written there; remove it")
 
     return locked(path, open_file)
 

@@ -82,7 +82,7 @@ def file_in(folder: str | Path, name: str) -> Path:
     if not is_inside(path, folder):
         raise OutputError(f"{path}: leads out of the folder; remove the link, or choose another folder")
     if os.path.lexists(path) and not path.is_file():
-        raise OutputError(f"{path}: is no regular file; remove it, or choose another folder")
+        raise OutputError(f"{path}: is not a regular file; remove it, or choose another folder")
     return path
 
 

@@ -21,7 +21,7 @@ from prag_asp.program.parse import parse_sources
 from prag_asp.program.sources import Program, owned
 from prag_asp.task import Task
 
-NOT_OVER_TIME = ("closed_world", "ever", "canonical_names", "joint_names", "closed_invariants", "weights")
+NOT_OVER_TIME = ("closed_world", "ever", "canonical_names", "joint_names", "closed_invariants", "same_start", "weights")
 """Rules of the encodings that do not restrict plans."""
 
 MOST = 400

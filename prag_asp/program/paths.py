@@ -8,8 +8,8 @@ from prag_asp.errors import DomainError, QueryError
 from prag_asp.safe_reading import STANDARD_INPUT
 from prag_asp.wording import did_you_mean
 
-BY_LIBRARY = frozenset(["canonical_names", "joint_names", "closed_invariants", "weights"])
-"""Rules that only the library adds, three of them with computed facts."""
+BY_LIBRARY = frozenset(["canonical_names", "joint_names", "closed_invariants", "same_start", "weights"])
+"""Rules that only the library adds, most of them with computed facts."""
 
 PDDL = ".pddl"
 """The suffix of PDDL files."""

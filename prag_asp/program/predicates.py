@@ -47,7 +47,8 @@ EVER, IMPOSSIBLE = EncodingPredicate("ever", 1), EncodingPredicate("impossible",
 KNOWN, STEP_NAME = EncodingPredicate("_known", 3), EncodingPredicate("_step_name", 2)
 FINAL, STATE = EncodingPredicate("_final", 3), EncodingPredicate("_state", 3)
 RULED_OUT, BARRED = EncodingPredicate("_ruled_out", 2), EncodingPredicate("_barred", 2)
-"""Predicates of known fluent values: at a step, in the final state, and in hindsight."""
+PROPAGATES = EncodingPredicate("_propagates", 4)
+"""Predicates of known fluent values: at a step, in the final state, in hindsight, and by the invariants."""
 
 PRUNED = EncodingPredicate("_pruned", 1)
 MAY_OCCUR, MAY_HOLD = EncodingPredicate("_may_occur", 1), EncodingPredicate("_may_hold", 2)

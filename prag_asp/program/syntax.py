@@ -115,7 +115,7 @@ class Statement:
         return tuple(n.name for n in below(self.node) if n.ast_type == ASTType.Function and n.external)
 
     def problem(self, text: str, line: int | None = None, name: str = "") -> Problem:
-        """Return a problem of this statement: an error, or a warning if it has a `name`."""
+        """Return a problem with this statement: an error, or a warning if a `name` is given."""
         return Problem(self.path, self.line if line is None else line, text, name)
 
 

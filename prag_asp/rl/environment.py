@@ -229,7 +229,7 @@ class TaskEnv(GoalEnv):
         return seen, float(reward), done, late and not done, self._latest[1]
 
     def render(self) -> Image | None:
-        """Return an image of the first of the `cameras`, or of the scene's first camera; None without a render mode.
+        """Return an image from the first of the `cameras` or the scene's first camera; None without a render mode.
 
         Raises:
             QueryError: no episode has begun.

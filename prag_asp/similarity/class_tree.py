@@ -1,4 +1,4 @@
-"""The tree of classes, and the distances of entities and of actions in it."""
+"""The tree of classes, and the distances between entities and between actions in it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ LEAST_DIAMETER = 4
 class ClassTree:
     """Entities with their classes, and classes with their direct parents.
 
-    The distance of two entities is the number of edges on the shortest path between them, divided by the number of
+    The distance between two entities is the number of edges on the shortest path between them, divided by the number of
     edges on the longest such path between entities of any two classes (Rada et al. 1989): 0 for the same entity, 1 for
     the farthest classes. Without `parents`, the distance is 1/2 within a class and 1 otherwise. The lengths of shortest
     paths in a graph are a metric.
@@ -55,7 +55,7 @@ class ClassTree:
         return max(2 + longest, LEAST_DIAMETER)
 
     def entity_distance(self, one: str, other: str) -> Fraction:
-        """Return the distance of two entities, from 0 to 1."""
+        """Return the distance between two entities, from 0 to 1."""
         if one == other:
             return Fraction(0)
         return Fraction(2 + self._paths[self.classes[one]][self.classes[other]], self.diameter)
@@ -76,7 +76,7 @@ class ClassTree:
         return above
 
     def atom_distance(self, one: Atom, other: Atom) -> Fraction:
-        """Return the mean distance of the arguments of two actions or facts, or 1 if their names or arities differ."""
+        """Return the mean distance between the arguments of two actions or facts, or 1 if names or arities differ."""
         if one == other:
             return Fraction(0)
         if one.name != other.name or len(one.arguments) != len(other.arguments):

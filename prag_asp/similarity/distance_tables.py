@@ -1,4 +1,4 @@
-"""Compute the distances of all pairs of features, block by block in arrays of small integers."""
+"""Compute the distances between all pairs of features, block by block in arrays of small integers."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ MULTIPLIED = (1024, 2048)
 
 
 class DistanceTable(Protocol):
-    """Distances of all pairs of a list of features; `denominator` is 0 if they are floats and not exact."""
+    """Distances between all pairs of a list of features; `denominator` is 0 if they are floats and not exact."""
 
     @property
     def denominator(self) -> int:
@@ -50,11 +50,11 @@ class DistanceTable(Protocol):
         ...
 
     def block(self, rows: Numbers, columns: Numbers) -> Values:
-        """Return the distances of two lists of features, shape (rows, columns), in units."""
+        """Return the distances between two lists of features, shape (rows, columns), in units."""
         ...
 
     def normalised(self, block: Values, rows: Numbers, columns: Numbers) -> NDArray[np.float32]:
-        """Return the distances of a block between 0 and 1."""
+        """Return the distances of a block, scaled to between 0 and 1."""
         ...
 
 
@@ -146,7 +146,7 @@ class EditTable:
 
 @dataclass(frozen=True)
 class PlaceTable:
-    """Place-by-place distances of sequences of one length, shape (features, length)."""
+    """Place-by-place distances between sequences of one length, shape (features, length)."""
 
     costs: CostTable
     codes: Numbers
@@ -187,7 +187,7 @@ class PlaceTable:
 
 @dataclass(frozen=True)
 class StateTable:
-    """Edit distances of sequences of states, whose costs are computed only for the states of each block.
+    """Edit distances between sequences of states, whose costs are computed only for the states of each block.
 
     `members` is true for the facts of each state, shape (states, facts).
     """

@@ -1,4 +1,4 @@
-"""Edit distances of all pairs of two lists of coded sequences, in numpy.
+"""Edit distances between all pairs of two lists of coded sequences, in numpy.
 
 Sequences of one length are the rows of an array of codes. All functions return an array of shape (rows, columns).
 """

@@ -1,4 +1,4 @@
-"""The edit distance of two sequences under given costs, and the edits that achieve it."""
+"""The edit distance between two sequences under given costs, and the edits that achieve it."""
 
 from __future__ import annotations
 

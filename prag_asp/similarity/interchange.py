@@ -1,8 +1,8 @@
 """Interchangeable entities as plain values, and the renamings that matter when two tasks are compared.
 
 Swaps of two entities of a group, and swaps of two aligned units of a joint group, generate all renamings, as in
-`prag_asp.logic.symmetry.symmetries`. The distance of two tasks is the smallest over the renamings of one of them, but
-two renamings give the same distance if a renaming that fixes all entities of the other task leads from one to the
+`prag_asp.logic.symmetry.symmetries`. The distance between two tasks is the smallest over the renamings of one of them,
+but two renamings give the same distance if a renaming that fixes all entities of the other task leads from one to the
 other. One representative of each such class (a double coset) is enough: for k and l entities of a group of any size,
 these are the partial matchings of k with l.
 """

@@ -28,11 +28,11 @@ class Measure(Protocol):
     """A way to compare two features."""
 
     def distance(self, one: Feature, other: Feature) -> Distance:
-        """Return the distance of two features."""
+        """Return the distance between two features."""
         ...
 
     def normalised(self, one: Feature, other: Feature) -> Distance:
-        """Return the normalised distance of two features, between 0 and 1."""
+        """Return the normalised distance between two features, from 0 to 1."""
         ...
 
     def edits(self, one: Feature, other: Feature) -> tuple[Edit, ...]:
@@ -40,7 +40,7 @@ class Measure(Protocol):
         ...
 
     def table(self, features: Sequence[Feature]) -> DistanceTable:
-        """Return the distances of all pairs of features, to be computed in blocks."""
+        """Return the distances between all pairs of features, to be computed in blocks."""
         ...
 
 
@@ -69,7 +69,7 @@ class EditMeasure:
         return least_edits(one, other, self.cost)
 
     def table(self, features: Sequence[Feature]) -> DistanceTable:
-        """Return the distances of all pairs."""
+        """Return the distances between all pairs of features."""
         from prag_asp.similarity.distance_tables import EditTable  # noqa: PLC0415 - a pair needs no arrays
 
         return EditTable.of(features, self.cost)
@@ -82,7 +82,7 @@ class StateMeasure(EditMeasure):
     cost: Cost = state_cost
 
     def table(self, features: Sequence[Feature]) -> DistanceTable:
-        """Return the distances of all pairs."""
+        """Return the distances between all pairs of features."""
         from prag_asp.similarity.distance_tables import StateTable  # noqa: PLC0415 - a pair needs no arrays
 
         return StateTable.of(features)
@@ -112,7 +112,7 @@ class PlaceMeasure:
         return replacements(one, other, self.cost)
 
     def table(self, features: Sequence[Feature]) -> DistanceTable:
-        """Return the distances of all pairs."""
+        """Return the distances between all pairs of features."""
         from prag_asp.similarity.distance_tables import PlaceTable  # noqa: PLC0415 - a pair needs no arrays
 
         return PlaceTable.of(features, self.cost)
@@ -140,7 +140,7 @@ class SetMeasure:
         )
 
     def table(self, features: Sequence[Feature]) -> DistanceTable:
-        """Return the distances of all pairs."""
+        """Return the distances between all pairs of features."""
         from prag_asp.similarity.distance_tables import SetTable  # noqa: PLC0415 - a pair needs no arrays
 
         return SetTable.of(features)
@@ -148,13 +148,13 @@ class SetMeasure:
 
 @dataclass(frozen=True)
 class StringMeasure:
-    """A distance of texts: between 0 and 1 if `bounded`, otherwise a number of edits."""
+    """A distance between texts: between 0 and 1 if `bounded`, otherwise a number of edits."""
 
     function: StringDistance
     bounded: bool
 
     def distance(self, one: Feature, other: Feature) -> Distance:
-        """Return the distance of the texts; a number of edits is exact."""
+        """Return the distance between the texts; a number of edits is exact."""
         value = self.function(*spelled(one, other))
         return value if self.bounded else Fraction(int(value))
 
@@ -168,7 +168,7 @@ class StringMeasure:
         return ()
 
     def table(self, features: Sequence[Feature]) -> DistanceTable:
-        """Return the distances of all pairs."""
+        """Return the distances between all pairs of features."""
         from prag_asp.similarity.distance_tables import StringTable  # noqa: PLC0415 - a pair needs no arrays
 
         return StringTable.of(features, self.function, bounded=self.bounded)
@@ -194,7 +194,7 @@ class MixedMeasure:
         return self.parts[0][1].edits(one[0], other[0])
 
     def table(self, features: Sequence[Feature]) -> DistanceTable:
-        """Return the distances of all pairs."""
+        """Return the distances between all pairs of features."""
         from prag_asp.similarity.distance_tables import MixedTable  # noqa: PLC0415 - a pair needs no arrays
 
         tables = [measure.table([each[at] for each in features]) for at, (_, measure) in enumerate(self.parts)]

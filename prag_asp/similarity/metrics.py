@@ -67,7 +67,7 @@ def places_by(cost: Callable[[Background], Cost]) -> Callable[[Background], Meas
 
 
 def strings_by(function: Callable[[], StringDistance], *, bounded: bool) -> Callable[[Background], Measure]:
-    """Return a function that makes a distance of texts."""
+    """Return a function that makes a distance between texts."""
     return lambda background: StringMeasure(function(), bounded)
 
 

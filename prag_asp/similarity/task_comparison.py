@@ -1,4 +1,4 @@
-"""The distance of two tasks, minimal over renamings, and its explanation."""
+"""The distance between two tasks, minimal over renamings, and its explanation."""
 
 from __future__ import annotations
 

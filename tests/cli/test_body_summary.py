@@ -37,7 +37,7 @@ def checked(folder: Path, name: str) -> Result:
 def test_check_counts_the_grasps_of_a_bowl_and_names_its_cavity(tmp_path: Path) -> None:
     result = checked(tmp_path, "bowl")
     assert result.exit_code == 0 and "warning" not in result.output
-    assert "things can be in its cavity of 136 x 136 x 49 mm" in result.output
+    assert "cavity: 136 x 136 x 49 mm" in result.output
     above, slanted, side = map(int, re.findall(r"(\d+) (?:from above|at a slant|from the side)", result.output))
     assert above > 8 and slanted >= 0 and side == 0
 

@@ -46,9 +46,9 @@ def test_what_a_gripper_cannot_close_around_is_told_with_its_width_and_the_limit
     tmp_path: Path, crate: str, width: str
 ) -> None:
     place = f"{tmp_path / 'it' / 'domain.toml'}:13: warning: crate_1, crate_2"
-    limit = "the gripper opens 80 mm; it never closes around more than 74 mm, so make it narrower [too-wide]"
+    limit = "the gripper closes around at most 74 mm (it opens to 80 mm); make it narrower [too-wide]"
     line = f"crate = {crate}"
-    assert warnings(tmp_path / "it", (LINE, line)) == [f"{place} are {width} mm wide and {limit}"]
+    assert warnings(tmp_path / "it", (LINE, line)) == [f"{place} are {width} mm wide, but {limit}"]
     assert warnings(tmp_path / "quiet" / "it", (LINE, f"{line}  # lint: allow too-wide")) == []
 
 
@@ -58,13 +58,13 @@ def test_what_a_gripper_cannot_close_around_is_told_with_its_width_and_the_limit
         (
             '{ kind = "box", size = [0.06, 0.06, 0.06] }',
             "crate = { density = 7870, friction = 0.3 }",
-            "are 1.7 kg heavy and with a friction of 0.3 the gripper bears 1.03 kg at rest, and lifts about 0.873 kg; "
-            "make it lighter or rougher [too-heavy]",
+            "are too heavy (1.7 kg): with a friction of 0.3, the gripper holds 1.03 kg at rest and lifts about "
+            "0.873 kg; make it lighter or rougher [too-heavy]",
         ),
         (
             '{ kind = "box", size = [0.07, 0.07, 0.07] }',
             "crate = { density = 9000, friction = 5 }",
-            "are 3.09 kg heavy and the robot carries 3 kg; make it lighter [too-heavy]",
+            "are too heavy (3.09 kg): the robot carries at most 3 kg; make it lighter [too-heavy]",
         ),
     ],
 )

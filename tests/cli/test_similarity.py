@@ -1,4 +1,4 @@
-"""`prag-asp similarity` explains the distance of two tasks, and compares all tasks of a file."""
+"""`prag-asp similarity` explains the distance between two tasks, and compares all tasks of a file."""
 
 from __future__ import annotations
 

@@ -2,7 +2,8 @@
 
 Blocks are fenced, at the margin of the page. A page's blocks are run in their order, in one folder of its own:
 
-    console             commands after ``$``, and what they print; a line ``...`` stands for any lines
+    console             commands after ``$``, which may continue after a ``\\``, and what they print; a line ``...``
+                        stands for any lines
     pycon               a Python session, as doctest reads it; one namespace for the whole page
     prolog, toml        a piece of a domain, to be added to that of examples/dishes
     any, with a title   a piece of that file: of the repository's if it has one, else added to the page's folder
@@ -140,6 +141,8 @@ def _commands(block: Block) -> list[tuple[str, int, str]]:
     for line, text in enumerate(block.text.splitlines(keepends=True), block.line):
         if text.startswith("$ "):
             found.append((text[2:-1], line, ""))
+        elif found[-1][0].endswith("\\"):
+            found[-1] = f"{found[-1][0]}\n{text[:-1]}", line, ""
         else:
             source, start, shown = found[-1]
             found[-1] = source, start, shown + text

@@ -103,6 +103,16 @@ def test_every_page_stands_in_the_navigation() -> None:
     assert listed == {str(path.relative_to(DOCS)) for path in DOCS.rglob("*.md")} | notebooks
 
 
+def test_a_group_of_the_navigation_has_at_most_six_pages() -> None:
+    groups = re.split(r"^ +- [^:\n]+:$", (ROOT / "mkdocs.yml").read_text(encoding="utf-8"), flags=re.MULTILINE)
+    assert max(len(re.findall(r"\.md$", group, re.MULTILINE)) for group in groups) == 6
+
+
+def test_the_overview_has_a_sentence_for_every_guide() -> None:
+    sentences = re.findall(r"^\| \[[^]]+\]\((guides/\w+\.md)\) \| You [^|]+\. \|$", page("index.md"), re.MULTILINE)
+    assert sorted(sentences) == sorted(str(path.relative_to(DOCS)) for path in DOCS.glob("guides/*.md"))
+
+
 def test_contributing_tells_of_every_room() -> None:
     text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     told = set(re.findall(r"^\| `(\w+)/` \|", text, re.MULTILINE))

@@ -116,7 +116,7 @@ def test_nobody_writes_through_a_link_that_lies_where_a_part_does(tmp_path: Path
     with pytest.raises(OutputError, match="file: cannot be written"):
         replace_file(tmp_path / "file", NEW)
     os.mkfifo(tmp_path / "other.part")
-    with pytest.raises(OutputError, match=r"other\.part: is no regular file"):
+    with pytest.raises(OutputError, match=r"other\.part: is not a regular file"):
         replace_file(tmp_path / "other", NEW)
     assert (tmp_path / "secret").read_bytes() == OLD
 

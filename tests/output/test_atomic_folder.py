@@ -90,7 +90,7 @@ def test_what_fails_leaves_neither_a_tree_nor_a_file(tmp_path: Path) -> None:
     with whole_file(tmp_path / "file") as path:
         path.write_bytes(b"new")
     assert (tmp_path / "file").read_bytes() == b"new"
-    with pytest.raises(OutputError, match="is no regular file"), whole_file(tmp_path):
+    with pytest.raises(OutputError, match="is not a regular file"), whole_file(tmp_path):
         fail()
 
 
@@ -100,11 +100,11 @@ def test_only_regular_files_inside_a_folder_are_written(tmp_path: Path) -> None:
     (tmp_path / "victim").write_text("old")
     for target in ("../victim", "../new", "/dev/null", "a"):
         (own / "a").symlink_to(target)
-        with pytest.raises(OutputError, match=r"a: (leads out of the folder|is no regular file)"):
+        with pytest.raises(OutputError, match=r"a: (leads out of the folder|is not a regular file)"):
             file_in(own, "a")
         (own / "a").unlink()
     os.mkfifo(own / "pipe")
-    with pytest.raises(OutputError, match="is no regular file"):
+    with pytest.raises(OutputError, match="is not a regular file"):
         file_in(own, "pipe")
     assert file_in(own, "a") == own / "a"
     (own / "a").write_text("old")

@@ -1,4 +1,4 @@
-"""``prag-asp similarity``: the distance of two tasks, and the distances of all pairs of a set."""
+"""``prag-asp similarity``: the distance between two tasks, and the distances between all pairs of tasks in a set."""
 
 from __future__ import annotations
 

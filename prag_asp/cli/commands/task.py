@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
 import click
 
 from prag_asp.atom import split_actions
@@ -9,9 +12,13 @@ from prag_asp.cli import options, shell_completion
 from prag_asp.cli.domain_options import SPACE, DomainOptions, domain_options
 from prag_asp.cli.summary import described
 from prag_asp.cli.task_options import ENGLISH, FORMS, INSTRUCTIONS, LEVELS, TaskFormat, format_options
-from prag_asp.cli.terminal import progress, say
+from prag_asp.cli.terminal import aligned, progress, say
 from prag_asp.errors import QueryError
 from prag_asp.wording import plural
+
+if TYPE_CHECKING:
+    from prag_asp.space.task_space import TaskSpace
+    from prag_asp.task import Task
 
 FORM = click.option(
     "--format", "form", type=click.Choice(["full", *FORMS]), default="full", show_default=True,
@@ -28,6 +35,10 @@ FORM = click.option(
 )  # fmt: skip
 @format_options(FORM)
 @click.option("--all", "false_facts", is_flag=True, help="Also print the facts that are known to be false.")
+@click.option(
+    "--complexity", "with_complexity", is_flag=True,
+    help="Also print how complex the task is: choices, changes undone, shortest plans to its goal.",
+)  # fmt: skip
 @options.seed
 def task(
     *,
@@ -36,6 +47,7 @@ def task(
     plan: str | None,
     task_format: TaskFormat,
     false_facts: bool,
+    with_complexity: bool,
     seed: int,
 ) -> None:
     """Print the task of a rank, or the rank of a task.
@@ -48,6 +60,8 @@ def task(
     task_format.check()
     if (index is None) == (plan is None):
         raise QueryError("give --index or --rank-of")
+    if with_complexity and (index is None or task_format.form != "full"):
+        raise QueryError("--complexity goes with --index and --format full")
     with progress() as tell:
         space = request.space(tell)
         if index is None:
@@ -59,6 +73,8 @@ def task(
             raise QueryError(f"--index {index}: the space has {plural(space.count(), 'task')}, ranked from 0") from None
         if task_format.form == "full":
             say("\n".join(described(found, space, false_facts=false_facts)))
+            if with_complexity:
+                say("\n".join(("", *_complexity_lines(found, space))))
         elif task_format.form == INSTRUCTIONS and task_format.level is None:
             from prag_asp.dataset.language import instruction_writer_of
 
@@ -71,3 +87,20 @@ def task(
                 say(f"named    {', '.join(texts.named)}: not visually distinguishable from other objects")
         else:
             say(task_format.line(space, seed)(Record(found)))
+
+
+def _complexity_lines(found: Task, space: TaskSpace) -> Iterator[str]:
+    from prag_asp.analysis.complexity import complexity_of
+
+    own = complexity_of(found, space)
+    yield from aligned(
+        [
+            ("actions", f"{own.length}"),
+            ("entities used", f"{own.entities}"),
+            ("changes undone", f"{own.undone}"),
+            ("choices, bits", f"{own.bits:.2f}"),
+            ("shortest plan", f"{own.shortest}"),
+            ("shortest plans", f"{own.shortest_plans}"),
+            ("detour", f"{own.detour}"),
+        ]
+    )

@@ -52,7 +52,7 @@ class SimilarityFiles:
         """Check the names of the files before anything is computed.
 
         Raises:
-            QueryError: a file is requested for two tasks, or has a wrong ending.
+            QueryError: a file is requested for two tasks, or has a wrong extension.
             PicturesMissingError: matplotlib is not installed.
         """
         from prag_asp.analysis.distance_matrix import check_suffix

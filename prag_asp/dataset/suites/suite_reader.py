@@ -174,7 +174,7 @@ class _SuiteReader:
         return budget, staging, True
 
     def _held_outs(self) -> dict[str, HeldOut]:
-        """Map the text of each thing that is held out from some parts to its conditions."""
+        """Map the text of each `unseen` entry of the parts to its conditions."""
         held: dict[str, HeldOut] = {}
         for name, table in self._parts.items():
             lengths = self._lengths(name, table) if table.unseen else None

@@ -117,7 +117,7 @@ def check_actions(checkpoint: LeRobotCheckpoint, env: TaskEnv) -> None:
 
 
 def environment(text: str) -> dict[str, Any]:
-    """Return the options of the environment that a checkpoint determines.
+    """Return the environment options that a checkpoint determines.
 
     Raises:
         QueryError: the folder is not a checkpoint.

@@ -44,28 +44,28 @@ def _faults(scene: Scene, name: str, entity: str) -> Iterator[tuple[str, str, st
     """Yield the reasons why a robot cannot hold a body in its easiest size: name of the warning, table and text."""
     robot, shapes = robot_of(scene, name), scene.ranges.get(entity, (scene.shapes[entity],))
     limit = (robot.opening - CLEARANCE) * 1000
-    opens = f"the gripper opens {robot.opening * 1000:.3g} mm; it never closes around more than {limit:.3g} mm"
+    closes = f"the gripper closes around at most {limit:.3g} mm (it opens to {robot.opening * 1000:.3g} mm)"
     if shapes[0].model is not None:
         gripper = ParallelGripper.of(robot)._replace(opening=robot.opening - CLEARANCE)
         if is_never_spanned(shapes[0], gripper, pad_friction(scene, entity)):
             wide = f"wider than {limit:.3g} mm between all sides that face each other"
-            yield "too-wide", "shapes", f"{wide} and {opens}, so make it narrower"
+            yield "too-wide", "shapes", f"{wide}, but {closes}; make it narrower"
         elif not body_grasps(shapes[0], ParallelGripper.of(robot), pad_friction(scene, entity)):
-            text = "in no way that was found held by two flat pads on opposite sides"
-            yield "no-grasp", "shapes", f"{text}, so give it a rim, a handle or parallel sides"
+            text = "not held by any grasp that was found (two flat pads on opposite sides)"
+            yield "no-grasp", "shapes", f"{text}; give it a rim, a handle or parallel sides"
     else:
         width = min(shape.breadth(widest=False) for shape in shapes)
         if width > robot.opening - CLEARANCE:
-            yield "too-wide", "shapes", f"{width * 1000:.3g} mm wide and {opens}, so make it narrower"
+            yield "too-wide", "shapes", f"{width * 1000:.3g} mm wide, but {closes}; make it narrower"
     mass = min(weight(scene.with_shapes({entity: shape}), entity) for shape in shapes)
     bears = bearable(scene, entity, name)
     if mass > robot.payload:
-        text = f"{mass:.3g} kg heavy and the robot carries {robot.payload:.3g} kg"
+        text = f"too heavy ({mass:.3g} kg): the robot carries at most {robot.payload:.3g} kg"
         yield "too-heavy", "materials", f"{text}; make it lighter"
     elif mass > LIFTED * bears:
         friction = scene.material(entity).friction
-        text = f"{mass:.3g} kg heavy and with a friction of {friction:.3g} the gripper bears {bears:.3g} kg at rest"
-        yield "too-heavy", "materials", f"{text}, and lifts about {LIFTED * bears:.3g} kg; make it lighter or rougher"
+        text = f"too heavy ({mass:.3g} kg): with a friction of {friction:.3g}, the gripper holds {bears:.3g} kg at rest"
+        yield "too-heavy", "materials", f"{text} and lifts about {LIFTED * bears:.3g} kg; make it lighter or rougher"
 
 
 def _line(domain: Domain, table: str, entity: str) -> int:

@@ -84,8 +84,8 @@ def text_of(rules: Iterable[ExclusionRule], name: str) -> str:
     found = list(rules)
     legend = " impossible(F,G): F and G never hold together; impossible(F,F): F never holds." if found else ""
     lines = [
-        f"% What physics proves impossible in the scene of {name}: written by prag-asp learn, to be written again",
-        f"% where the scene changes.{legend}",
+        f"% What physics proves impossible in the scene of {name}. Written by prag-asp learn; run it again",
+        f"% when the scene changes.{legend}",
     ]
     for rule in found:
         lines += ["", f"% {rule.reason}", str(rule)]

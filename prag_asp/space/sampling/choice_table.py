@@ -46,7 +46,10 @@ class ChoiceTable:
     guide: NDArray[np.int32]
 
     def choose(self, slots: Integers, words: Words, resolve: Resolve) -> Integers:
-        """Return the edges, numbered as in this table, that random words choose at slots; shapes (draws,)."""
+        """Return the edges, numbered as in this table, that random words choose at slots.
+
+        All arrays have shape (draws,).
+        """
         if not self.bits:
             return self._search(slots, words, np.arange(len(slots)), resolve)
         cells = (words >> np.uint64(WORD - self.bits)).view(np.int64)

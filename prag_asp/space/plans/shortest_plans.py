@@ -1,0 +1,275 @@
+"""The shortest plans to the goal of a task from its initial state, counted by a breadth-first search.
+
+A plan solves a task if it is a plan of the domain from the known facts of the initial state to the goal, and nothing
+more becomes known of the initial state: so it can be executed wherever the task can. The logic is in
+``encodings/rules/same_start.lp``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import clingo
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.errors import LimitReached
+from prag_asp.logic.domain_logic import DomainLogic
+from prag_asp.logic.step.packed import Rows, pack
+from prag_asp.logic.step.transition import Transition
+from prag_asp.program.grounding import Grounder
+from prag_asp.program.predicates import FINDING, HOLDS, PROPAGATES
+from prag_asp.program.sources import ADDED, Program, Source, each_once, read_sources
+from prag_asp.space.automaton.numbering import Numbering
+from prag_asp.space.limits import LimitClock
+from prag_asp.stop_reason import StopKind, StopReason
+from prag_asp.task import State
+
+MOST_STATES = 2_000_000
+"""Maximum number of states of a search: with 64 bytes a state and its edges, they take about 1 GB."""
+
+TOGETHER = 4096
+"""Number of states that are expanded together."""
+
+SAFE = 2**62
+"""Numbers of plans below this bound fit into 64 bits."""
+
+Literals = set[tuple[str, bool]]
+"""Fluents as texts, with their values."""
+
+Bits = NDArray[np.uint8]
+"""Truth values, eight in a byte."""
+
+START = clingo.Number(0)
+TRUTH = {True: "true", False: "false"}
+
+
+@dataclass(frozen=True)
+class ShortestPlans:
+    """The length of the shortest plans that solve a task, and their number; equal plans have equal actions."""
+
+    length: int
+    number: int
+
+
+@dataclass(frozen=True)
+class PlanLayer:
+    """The states that plans of `depth` actions reach and shorter ones do not.
+
+    `numbers` holds the number of plans to each state; `ends` whether a plan may end there; `meets` whether a goal may
+    give each fluent each value there, packed, shape (states, bytes). All have one row for each state.
+    """
+
+    depth: int
+    numbers: NDArray[Any]
+    ends: NDArray[np.bool_]
+    meets: Bits
+
+    def solving(self, goal: Bits) -> NDArray[np.bool_]:
+        """Return in which states a goal, packed like a row of `meets`, is reached."""
+        solving: NDArray[np.bool_] = self.ends & ((self.meets & goal) == goal).all(axis=1)
+        return solving
+
+
+@dataclass(frozen=True)
+class Start:
+    """An initial state of plans: its ground base part, and the values that it makes known."""
+
+    grounder: Grounder
+    known: Literals
+
+    @classmethod
+    def of(cls, program: Program, initial: Iterable[tuple[object, bool]]) -> Start:
+        """Return the initial state of plans of a program in which fluents have these values.
+
+        Raises:
+            DomainError: clingo cannot ground the program.
+        """
+        facts = " ".join(HOLDS.fact(fluent, TRUTH[value], 0) for fluent, value in initial)
+        grounder = Grounder(Program((*program.sources, Source(ADDED, facts))))
+        grounder.ground([("base", [])])
+        values = (
+            symbol.arguments for symbol in _true(grounder, HOLDS.name, HOLDS.arity) if symbol.arguments[2] == START
+        )
+        return cls(grounder, {(str(fluent), value.name == "true") for fluent, value, _ in values})
+
+    def row(self, transition: Transition) -> Rows:
+        """Return the packed state, shape (1, words); no row if it is contradictory."""
+        at_start = (clingo.Function(each.name, [*each.arguments, START]) for each in transition.variables)
+        atoms = self.grounder.control.symbolic_atoms
+        bits = np.array([[(atom := atoms[each]) is not None and atom.is_fact] for each in at_start], dtype=np.bool_)
+        return pack(bits.reshape(-1, 1))[: 0 if self.grounder.control.is_conflicting else 1]
+
+    def covered(self, transition: Transition) -> bool:
+        """Return whether the step is ground for all atoms of the initial state that it may read."""
+        before = transition.step.ground.before
+        signatures = {(symbol.name, len(symbol.arguments)) for symbol in before}
+        return all(
+            clingo.Function(symbol.name, symbol.arguments[:-1]) in before
+            for name, arity in signatures
+            for symbol in _true(self.grounder, name, arity + 1)
+            if symbol.arguments[-1] == START
+        )
+
+    def closed(self, values: Iterable[tuple[object, bool]]) -> Literals:
+        """Return values of fluents with all values that follow from them by the invariants."""
+        follows: dict[tuple[str, bool], list[tuple[str, bool]]] = {}
+        for one, value, other, then in (each.arguments for each in _true(self.grounder, *PROPAGATES)):
+            follows.setdefault((str(one), value.name == "true"), []).append((str(other), then.name == "true"))
+        waiting = [(str(fluent), value) for fluent, value in values]
+        found = set(waiting)
+        while waiting:
+            new = set(follows.get(waiting.pop(), ())) - found
+            found |= new
+            waiting += new
+        return found
+
+    def may_end(self) -> bool:
+        """Return whether the plan without actions may end here; no step may be ground before."""
+        self.grounder.ground([("check", [START])])
+        return bool(self.grounder.control.solve().satisfiable)
+
+
+def _true(grounder: Grounder, name: str, arity: int) -> Iterator[clingo.Symbol]:
+    return (atom.symbol for atom in grounder.control.symbolic_atoms.by_signature(name, arity) if atom.is_fact)
+
+
+class PlanSearch:
+    """The searches for shortest plans of one domain, which share one ground step.
+
+    Conditions of a space are no part of the domain: a shortest plan need not satisfy them.
+    """
+
+    def __init__(self, model: DomainLogic) -> None:
+        domain = (model.bare or model).domain
+        rules = read_sources(domain.encodings / "rules" / "same_start.lp", domain.encodings)
+        program = Program(each_once((*domain.program.sources, *rules)))
+        self._model = DomainLogic(replace(domain, program=program, reduction=None))
+        values = [(fluent, value) for fluent in domain.facts.fluents for value in TRUTH]
+        self._places = {(str(fluent), value): place for place, (fluent, value) in enumerate(values)}
+        self._labels = [
+            FINDING.timeless(clingo.Function("meets", [fluent, clingo.Function(TRUTH[value])]))
+            for fluent, value in values
+        ]
+
+    @cached_property
+    def _transition(self) -> Transition:
+        """The step function of plans that make nothing known of their initial state."""
+        return self._model.transition(tasks=False, labels=self._labels)
+
+    def solve(self, initial: State, goal: State, at_most: int, clock: LimitClock) -> ShortestPlans | None:
+        """Return the shortest plans from an initial state to a goal, or None if they have more than `at_most` actions.
+
+        Raises:
+            EngineError: the step is not a function of the state and the action.
+            LimitReached: a limit was reached, or there are more than `MOST_STATES` states.
+        """
+        wanted = self.goal_row(goal.items())
+        for layer in self.layers(Start.of(self._model.program, initial.items()), at_most, clock):
+            solving = layer.solving(wanted)
+            if solving.any():
+                return ShortestPlans(layer.depth, int(sum(layer.numbers[solving].tolist())))
+        return None
+
+    def solvable(
+        self, initial: Iterable[tuple[object, bool]], goals: Bits, at_most: int, clock: LimitClock
+    ) -> NDArray[np.bool_]:
+        """Return which goals some plan of `at_most` actions or fewer reaches from an initial state, shape (goals,).
+
+        Goals have the form of `goal_row`, one in each row; they are closed under the invariants.
+
+        Raises:
+            EngineError: the step is not a function of the state and the action.
+            LimitReached: a limit was reached, or there are more than `MOST_STATES` states.
+        """
+        reached: set[bytes] = set()
+        ends = [np.zeros((0, goals.shape[1]), dtype=np.uint8)]
+        for layer in self.layers(Start.of(self._model.program, initial), at_most, clock):
+            ends.append(layer.meets[layer.ends])
+            reached.update(map(bytes, ends[-1]))
+        solved = np.array([bytes(goal) in reached for goal in goals], dtype=np.bool_)
+        meets, sizes = _by_size(np.concatenate(ends))
+        for place in np.flatnonzero(~solved):  # a state may meet more than the goal
+            larger = meets[: np.searchsorted(-sizes, -int(np.unpackbits(goals[place]).sum()))]
+            solved[place] = ((larger & goals[place]) == goals[place]).all(axis=1).any()
+        return solved
+
+    def goal_row(self, values: Iterable[tuple[object, bool]]) -> Bits:
+        """Return values of fluents, and all values that follow from them by the invariants, as a packed row."""
+        return self._row(self._bare_start.closed(values))
+
+    @cached_property
+    def _bare_start(self) -> Start:
+        return Start.of(self._model.program, ())
+
+    def _row(self, literals: Literals) -> Bits:
+        """Return values of fluents as a packed row, shape (bytes,): for each fluent, whether it is true, then false."""
+        row = np.zeros(len(self._places), dtype=np.bool_)
+        row[[self._places[each] for each in literals]] = True
+        return np.packbits(row)
+
+    def layers(self, start: Start, at_most: int, clock: LimitClock) -> Iterator[PlanLayer]:
+        """Yield the states that plans from a state reach, in order of their distance; the last layer may be earlier.
+
+        Raises:
+            EngineError: the step is not a function of the state and the action.
+            LimitReached: a limit was reached, or there are more than `MOST_STATES` states.
+        """
+        transition = self._transition
+        if not start.covered(transition):
+            facts = " ".join(HOLDS.fact(fluent, TRUTH[value], 0) for fluent, value in start.known)
+            program = Program((*self._model.domain.program.sources, Source(ADDED, facts)))
+            model = DomainLogic(replace(self._model.domain, program=program))
+            transition = model.transition(tasks=False, labels=self._labels)
+        rows = start.row(transition)
+        seen = Numbering(rows.shape[1])
+        seen.add(rows)
+        numbers: NDArray[Any] = np.ones(len(rows), dtype=np.int64)
+        yield PlanLayer(0, numbers, np.array([start.may_end()] * len(rows)), self._row(start.known)[None, :])
+        for depth in range(1, at_most + 1):
+            rows, numbers, meets = _advance(transition, rows, numbers, seen, clock)
+            if not len(rows):
+                return
+            yield PlanLayer(depth, numbers, transition.accepts(rows), meets)
+
+
+def _by_size(rows: Bits) -> tuple[Bits, NDArray[np.int64]]:
+    """Return the distinct rows in descending order of their numbers of true bits, and these numbers."""
+    distinct = np.unique(rows, axis=0)
+    sizes = np.unpackbits(distinct, axis=1).sum(axis=1, dtype=np.int64)
+    order = np.argsort(-sizes, kind="stable")
+    return distinct[order], sizes[order]
+
+
+def _advance(
+    transition: Transition, rows: Rows, numbers: NDArray[Any], seen: Numbering, clock: LimitClock
+) -> tuple[Rows, NDArray[Any], Bits]:
+    """Return the states after one more action that are new, the number of plans to each, and what they meet."""
+    known = len(seen)
+    targets, paths, meets = [], [], [np.zeros((0, -(-len(transition.labels) // 8)), dtype=np.uint8)]
+    for first in range(0, len(rows), TOGETHER):
+        reason = clock.reached_limit(seen.nbytes) or (StopReason(StopKind.SIZE) if len(seen) > MOST_STATES else None)
+        if reason:
+            raise LimitReached(
+                f"{reason.prose()} was reached with {len(seen):,} states from the initial state of the task; "
+                "take a shorter task, or allow more (--time, --memory)", 0, reason,
+            )  # fmt: skip
+        for step in transition.expand(rows[first : first + TOGETHER]):
+            size = len(seen)
+            found = seen.add(step.states)
+            new = found >= known
+            targets.append(found[new] - known)
+            paths.append(numbers[first + step.sources[new]])
+            _, firsts = np.unique(found, return_index=True)
+            meets.append(np.packbits(step.labels[firsts[found[firsts] >= size]], axis=1))
+    states = seen.rows[known:]
+    whole: NDArray[Any] = np.zeros(len(states), dtype=np.int64)
+    if paths:
+        ways = np.concatenate(paths)
+        if numbers.dtype == object or int(numbers.max(initial=0)) * (len(ways) + 1) >= SAFE:
+            ways, whole = ways.astype(object), whole.astype(object)
+        np.add.at(whole, np.concatenate(targets), ways)
+    return states.copy(), whole, np.concatenate(meets)
