@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
-    from prag_asp.report.report_plots import PlotSeries, ReportPlot, report_plots
+    from prag_asp.report.all_tables import report_tables
+    from prag_asp.report.plots import PlotSeries, ReportPlot, report_plots
     from prag_asp.report.report_table import ReportTable
-    from prag_asp.report.report_tables import report_tables
     from prag_asp.report.source import PhysicsOutcome, ReportedTask, ReportSource, read_source
     from prag_asp.report.writing import write_report
 
@@ -24,9 +24,9 @@ __all__ = [
 ]  # fmt: skip
 
 _HOMES = {
-    "prag_asp.report.report_plots": ("PlotSeries", "ReportPlot", "report_plots"),
+    "prag_asp.report.plots": ("PlotSeries", "ReportPlot", "report_plots"),
     "prag_asp.report.report_table": ("ReportTable",),
-    "prag_asp.report.report_tables": ("report_tables",),
+    "prag_asp.report.all_tables": ("report_tables",),
     "prag_asp.report.source": ("PhysicsOutcome", "ReportSource", "ReportedTask", "read_source"),
     "prag_asp.report.writing": ("write_report",),
 }

@@ -71,7 +71,7 @@ def _effort_table(checked: Sequence[PhysicsOutcome]) -> ReportTable:
 
 
 def result_tables(source: ReportSource) -> Iterator[ReportTable]:
-    """Yield the success rates of each policy, the reasons why its episodes ended, and all episodes."""
+    """Yield the success rates of each policy, and the reasons why its episodes ended."""
     if not source.evaluations:
         return
     names = policy_names(source.evaluations)
@@ -97,6 +97,13 @@ def result_tables(source: ReportSource) -> Iterator[ReportTable]:
         tuple((name, cause, count) for name, each in zip(names, source.evaluations, strict=True)
               for cause, count in each.causes().items()),
     )  # fmt: skip
+
+
+def episode_tables(source: ReportSource) -> Iterator[ReportTable]:
+    """Yield the table of all episodes, if there are evaluations."""
+    if not source.evaluations:
+        return
+    names = policy_names(source.evaluations)
     yield ReportTable(
         "episodes", "Episodes",
         ("policy", "scenario", "part", "length", "plan", "instruction", "success",

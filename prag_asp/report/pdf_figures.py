@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from prag_asp.analysis.curve import saved
 from prag_asp.errors import PicturesMissingError
-from prag_asp.report.report_plots import PlotSeries, ReportPlot
+from prag_asp.report.plots import PlotSeries, ReportPlot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

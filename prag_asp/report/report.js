@@ -217,7 +217,10 @@ function showTip(event) {
   bubble.style.top = `${below ? y + 18 : Math.max(8, y - bubble.offsetHeight - 10)}px`;
 }
 
-for (const [name, value] of new URLSearchParams(location.hash.slice(1))) if (form.elements[name]) form.elements[name].value = value;
+for (const [name, value] of new URLSearchParams(location.hash.slice(1))) {
+  const field = form.elements.namedItem(name);
+  if (field) field.value = value;
+}
 form.addEventListener("change", update);
 form.addEventListener("submit", (event) => event.preventDefault());
 form.addEventListener("reset", () => setTimeout(update));

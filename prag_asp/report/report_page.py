@@ -9,7 +9,7 @@ from typing import Any
 
 from prag_asp.atom import parse_atom
 from prag_asp.html import Markup, element, html_page, json_block, scroll_table
-from prag_asp.report.report_plots import ReportPlot
+from prag_asp.report.plots import ReportPlot
 from prag_asp.report.report_table import ReportTable, Value, natural_order, shown_value
 from prag_asp.report.source import ReportedTask, ReportSource
 from prag_asp.report.task_tables import chosen_tasks
@@ -45,7 +45,7 @@ def report_page(
     headings = [(table.name, table.title) for table in tables]
     for table in tables:
         if table.name == "tasks" and strips:
-            headings.insert(-1, ("film-strips", "Film strips"))
+            headings.insert(len(headings) - 1, ("film-strips", "Film strips"))
             parts += [element("h2", "Film strips", id="film-strips"), element("div", id="strips")]
         parts += _section(table, [plot for plot in plots if plot.table == table.name])
     data = {

@@ -8,15 +8,19 @@ from random import Random
 
 import numpy as np
 
+from prag_asp.analysis.complexity import ComplexityMeasure
 from prag_asp.analysis.distance_matrix import SimilarityMatrix, similarity_matrix
 from prag_asp.analysis.task_scaling import task_map
-from prag_asp.errors import MissingError, QueryError
-from prag_asp.processes.progress_events import stage
+from prag_asp.errors import MissingError, PragError, QueryError
+from prag_asp.processes.progress_events import counted, stage
 from prag_asp.report.report_table import ReportTable, Value
 from prag_asp.report.source import ReportedTask, ReportSource
 
 SAMPLE = 1_000
 """The default number of tasks whose pairs are compared: half a million distances, a few seconds."""
+
+MEASURED = 200
+"""The number of tasks whose shortest plans are searched for."""
 
 BINS = 40
 """The number of bars of the histogram of distances."""
@@ -41,6 +45,46 @@ def complexity_table(source: ReportSource) -> ReportTable:
     )  # fmt: skip
 
 
+def difficulty_tables(source: ReportSource, seed: int = 0) -> Iterator[ReportTable]:
+    """Yield the complexity of tasks by the logic of their space: choices, detours, changes that are taken back.
+
+    More than `MEASURED` tasks are sampled uniformly with the seed. Without a space, or where its states are too many to
+    be listed, there is no table.
+    """
+    space = source.space
+    known = [each for each in source.tasks if each.task is not None]
+    if space is None or not known:
+        return
+    stage("measuring complexity")
+    chosen = chosen_tasks(known, MEASURED, seed)
+    measures = {length: ComplexityMeasure(space.at(length)) for length in {len(each.plan) for each in chosen}}
+    rows: list[tuple[Value, ...]] = []
+    try:
+        for each in counted(chosen, "tasks"):
+            assert each.task is not None, "only tasks with states are chosen"
+            found = measures[len(each.plan)].of(each.task)
+            bits = round(found.bits, 6)
+            rows.append(
+                (each.number, found.length, bits, found.shortest, found.detour, found.shortest_plans, found.undone)
+            )
+    except PragError:  # the states are too many, a step is no function, or the encodings of a dataset are older
+        return
+    yield ReportTable(
+        "difficulty", "Complexity by the logic of the space",
+        ("task", "length", "bits of choices", "shortest plan", "detour", "shortest plans", "changes taken back"),
+        tuple(rows),
+        f"Of {sample_text(len(chosen), len(known), seed)}. Detour: actions beyond a shortest plan to the same goal. "
+        "Bits: the sum of log2 of the number of actions that could stand in the place of each action.",
+    )  # fmt: skip
+
+
+def sample_text(chosen: int, whole: int, seed: int) -> str:
+    """Return how many tasks were chosen of how many, in words."""
+    if chosen == whole:
+        return f"all {whole:,} tasks"
+    return f"{chosen:,} of {whole:,} tasks, sampled uniformly with seed {seed}"
+
+
 def chosen_tasks(tasks: Sequence[ReportedTask], count: int, seed: int) -> list[ReportedTask]:
     """Return at most `count` tasks: all of them, or a uniform sample without replacement, in their order."""
     if len(tasks) <= count:
@@ -63,11 +107,7 @@ def similarity_tables(source: ReportSource, sample: int = SAMPLE, seed: int = 0)
     except (MissingError, QueryError) as error:
         yield ReportTable("distances", "Distances of pairs of tasks", ("distance from", "to", "pairs"), (), str(error))
         return
-    of = (
-        f"{len(chosen):,} of {len(known):,} tasks, sampled uniformly with seed {seed}"
-        if len(chosen) < len(known)
-        else f"all {len(known):,} tasks"
-    )
+    of = sample_text(len(chosen), len(known), seed)
     yield _histogram(matrix, of)
     placed = task_map(matrix.distances)
     rows = tuple(

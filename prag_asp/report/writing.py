@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 from prag_asp.errors import OutputError
 from prag_asp.output import file_in, make_folder, replace_file
 from prag_asp.processes.progress_events import stage
+from prag_asp.report.all_tables import report_tables
 from prag_asp.report.pdf_figures import pdf_figure, require_matplotlib
+from prag_asp.report.plots import report_plots
 from prag_asp.report.report_page import report_page
-from prag_asp.report.report_plots import report_plots
 from prag_asp.report.report_table import csv_text
-from prag_asp.report.report_tables import report_tables
 from prag_asp.report.source import read_source
 from prag_asp.report.strips import STRIPS, film_strips
 from prag_asp.report.task_tables import SAMPLE

@@ -14,7 +14,7 @@ from prag_asp.report.report_table import ReportTable, Value, natural_order
 Kind = Literal["lines", "columns", "bars", "intervals", "map"]
 Style = Literal["line", "dashed", "dots", "bars", "marks"]
 
-MOST_BARS = 30
+MOST_BARS = 24
 """The number of values of a figure of frequencies; the table has all."""
 
 FEATURE_TITLES = {"names": "Names of actions", "classes": "Actions with classes", "actions": "Actions"}
@@ -63,7 +63,7 @@ def report_plots(tables: Sequence[ReportTable]) -> tuple[ReportPlot, ...]:
     makers = {
         "results": _results, "counts": _counts, "coverage": _coverage, "frequencies": _frequencies,
         "pass_rates": _pass_rates, "effort": _effort, "causes": _causes, "complexity": _complexity,
-        "distances": _distances, "map": _map,
+        "difficulty": _difficulty, "distances": _distances, "map": _map,
     }  # fmt: skip
     plots = [plot for table in tables if table.rows and table.name in makers for plot in makers[table.name](table)]
     return tuple(plot for plot in plots if any(each.places for each in plot.series))
@@ -176,6 +176,14 @@ def _complexity(table: ReportTable) -> Iterator[ReportPlot]:
         yield ReportPlot(
             name, table.name, f"Tasks by {column}", "columns", across, "tasks", (series,), filtered=True, width=0.8
         )
+
+
+def _difficulty(table: ReportTable) -> Iterator[ReportPlot]:
+    for name, column in (("detours", "detour"), ("taken_back", "changes taken back")):
+        found = sorted(Counter(_floats(table.records(), column)).items())
+        series = PlotSeries("tasks", "bars", *_columns([(value, float(count)) for value, count in found]))
+        title = f"Tasks by {column}"
+        yield ReportPlot(name, table.name, title, "columns", column, "tasks", (series,), width=0.8)
 
 
 def _distances(table: ReportTable) -> Iterator[ReportPlot]:

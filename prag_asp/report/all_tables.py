@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from prag_asp.report.outcome_tables import physics_tables, result_tables
+from prag_asp.report.outcome_tables import episode_tables, physics_tables, result_tables
 from prag_asp.report.report_table import ReportTable
 from prag_asp.report.source import ReportSource
 from prag_asp.report.space_tables import space_tables
-from prag_asp.report.task_tables import SAMPLE, complexity_table, similarity_tables, task_table
+from prag_asp.report.task_tables import SAMPLE, complexity_table, difficulty_tables, similarity_tables, task_table
 
 
 def report_tables(source: ReportSource, *, sample: int = SAMPLE, seed: int = 0) -> tuple[ReportTable, ...]:
@@ -22,6 +22,8 @@ def report_tables(source: ReportSource, *, sample: int = SAMPLE, seed: int = 0) 
         *space_tables(source),
         *physics_tables(source.outcomes),
         complexity_table(source),
+        *difficulty_tables(source, seed),
         *similarity_tables(source, sample, seed),
+        *episode_tables(source),
         task_table(source),
     )
