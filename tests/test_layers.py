@@ -104,7 +104,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "space": (
         "limits", "automaton", "weights", "plans", "parts", "conditions", "engines", "shortest_tasks", "reduced_count",
         "explanation", "sampling", "domain_engines", "word_set", "task_sampling", "distinct_sampling", "lengths",
-        "task_space", "without_replacement", "emptiness",
+        "task_space", "strata", "without_replacement", "emptiness",
     ),
     "physics": (
         "bullet", "required", "temporary_files", "robot", "grasps", "witness", "extent", "situation", "predicates",

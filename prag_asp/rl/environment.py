@@ -169,7 +169,8 @@ class TaskEnv(GoalEnv):
         """Begin an episode.
 
         `options` may set the `task` (and its `witness`), the `rank` of a task (in a dataset, its number) or a
-        `scenario`, the initial `stage`, and the `steps` of each subgoal; all other values are sampled. With a `seed`,
+        `scenario`, the initial `stage`, the `steps` of each subgoal, and the `texts` of the task (`TaskTexts`, such as
+        the `texts` of an entry of a dataset); all other values are sampled. With a `seed`,
         all later samples depend only on the seed; without any seed, they are random.
 
         Raises:

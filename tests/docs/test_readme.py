@@ -89,5 +89,6 @@ def test_a_picture_is_what_its_script_draws(name: str) -> None:
 def test_the_pictures_are_those_of_the_script_and_small() -> None:
     pictures = generated("pictures")
     found: dict[str, Path] = {path.stem: path for path in pictures.PICTURES.iterdir()}
-    assert found.keys() == {*pictures.STRIPS, "curve", "cameras", "first_dataset"}
-    assert all(path.stat().st_size < 150_000 for path in found.values())
+    assert found.keys() == {*pictures.STRIPS, "curve", "cameras", "first_dataset", "demonstration"}
+    assert found.pop("demonstration").stat().st_size < 2_000_000
+    assert all(path.stat().st_size < 300_000 for path in found.values())

@@ -196,6 +196,11 @@ class Dataset:
         for entry, row in self._starts("recordings"):
             yield entry, row["start"], self._recording(row["file"])
 
+    def recorded_seconds(self) -> Iterator[tuple[DatasetEntry, int, float]]:
+        """Yield each recorded task, the number of an initial state, and the seconds of its episode, in order."""
+        for entry, row in self._starts("recordings"):
+            yield entry, row["start"], row["seconds"]
+
     @cached_property
     def _scenarios(self) -> Scenarios:
         from prag_asp.dataset.scenarios import Scenarios
@@ -255,7 +260,8 @@ class Dataset:
         from prag_asp.space.without_replacement import order_of
 
         spec, lengths = self.manifest.spec, [space.length for space in self.manifest.spaces if space.tasks != "0"]
-        uniform = not (spec.weights or spec.over or spec.skeletons) and spec.hold_out is None
+        divided = spec.skeletons or spec.hold_out is not None or spec.strata
+        uniform = not (spec.weights or spec.over or divided)
         if uniform and (length not in lengths or not 0 <= rank < int(self._sizes[length])):
             return
         for note in self._notes:

@@ -36,7 +36,7 @@ class Fineness(NamedTuple):
     shadow_texels: int
 
 
-COARSE = Fineness("coarse", 0.026, 0.006, 6, 192)
+COARSE = Fineness("coarse", 0.026, 0.006, 6, 144)
 MIDDLE = Fineness("middle", 0.016, 0.005, 10, 256)
 FINE = Fineness("fine", 0.011, 0.004, 16, 512)
 """For camera images of episodes, animations, and still pictures."""
