@@ -38,7 +38,7 @@ GROUND = frozenset(
         "tables",
         "batches",
     ]
-) | {"safe_reading", "array_archive", "random_bits", "success_rate"}
+) | {"safe_reading", "array_archive", "random_bits"}
 """What every room may stand on."""
 
 OURS = re.compile(r"prag_asp(\.|$)")
@@ -55,7 +55,6 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "safe_reading": frozenset(),
     "array_archive": frozenset(),
     "random_bits": frozenset(),
-    "success_rate": frozenset(["errors"]),
     "html": frozenset(["lazy"]),
     "tables": frozenset(["errors", "wording"]),
     "output": frozenset(["errors", "lazy", "safe_reading"]),
@@ -85,7 +84,8 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "analysis": GROUND | {"html", "program", "domain", "logic", "space", "similarity"},
     "audit": GROUND | {"html", "program", "bddl", "pddl", "domain", "space", "dataset", "similarity", "analysis"},
     "report": GROUND
-    | {"html", "program", "domain", "space", "similarity", "physics", "dataset", "evaluation", "analysis"},
+    | {"html", "program", "domain", "logic", "space", "similarity", "physics", "dataset", "evaluation", "analysis"}
+    | {"versions"},
     "cli": GROUND
     | {"program", "scene", "grammar", "pddl", "bddl", "reduction", "domain", "logic", "space", "models", "planners"}
     | {"physics", "dataset", "evaluation", "analysis", "similarity", "audit", "report", "versions"},

@@ -39,7 +39,7 @@ COMMANDS = {
     "new": "domains",
     "power": "power",
     "render": "render",
-    "report": "report",
+    "report": "reporting",
     "sample": "sample",
     "scenario": "scenario",
     "similarity": "similarity",

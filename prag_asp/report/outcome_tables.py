@@ -6,9 +6,9 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
+from prag_asp.dataset.pass_rates import Rate
 from prag_asp.report.report_table import ReportTable, Value
 from prag_asp.report.source import PhysicsOutcome, ReportSource
-from prag_asp.success_rate import Rate
 
 if TYPE_CHECKING:
     from prag_asp.evaluation.results import Results

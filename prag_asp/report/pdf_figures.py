@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
-from prag_asp.analysis.curve import saved
+from prag_asp.analysis.plots.picture import saved
 from prag_asp.errors import PicturesMissingError
 from prag_asp.report.plots import PlotSeries, ReportPlot
 

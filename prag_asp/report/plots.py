@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from math import log10
 from typing import Literal
 
-from prag_asp.analysis.curve import logarithms
+from prag_asp.analysis.plots.curve import logarithms
 from prag_asp.report.report_table import ReportTable, Value, natural_order
 
 Kind = Literal["lines", "columns", "bars", "intervals", "map"]

@@ -10,7 +10,7 @@ import numpy as np
 
 from prag_asp.analysis.complexity import ComplexityMeasure
 from prag_asp.analysis.distance_matrix import SimilarityMatrix, similarity_matrix
-from prag_asp.analysis.task_scaling import task_map
+from prag_asp.analysis.plots.task_scaling import task_map
 from prag_asp.errors import MissingError, PragError, QueryError
 from prag_asp.processes.progress_events import counted, stage
 from prag_asp.report.report_table import ReportTable, Value

@@ -19,6 +19,7 @@ from prag_asp.lazy import names_from
 from prag_asp.rl.registration import register_environments
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.pass_rates import Rate
     from prag_asp.rl.curriculum.bandit import BanditCurriculum
     from prag_asp.rl.curriculum.growing_length import LengthCurriculum
     from prag_asp.rl.curriculum.learning_progress import AdaptiveCurriculum
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from prag_asp.rl.observations import Layout
     from prag_asp.rl.scripted_agent import OraclePolicy, oracle
     from prag_asp.rl.skill_chains import Rollout, Rollouts, run
-    from prag_asp.success_rate import Rate
 
 __all__ = [
     "AdaptiveCurriculum",
@@ -61,7 +61,7 @@ _HOMES = {
     "prag_asp.rl.observations": ("Layout",),
     "prag_asp.rl.episode_replay": ("Replay", "replay"),
     "prag_asp.rl.skill_chains": ("Rollout", "Rollouts", "run"),
-    "prag_asp.success_rate": ("Rate",),
+    "prag_asp.dataset.pass_rates": ("Rate",),
     "prag_asp.rl.scripted_agent": ("OraclePolicy", "oracle"),
 }
 

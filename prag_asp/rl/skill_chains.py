@@ -18,12 +18,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.atom import Atom
+from prag_asp.dataset.pass_rates import Rate
 from prag_asp.errors import QueryError
 from prag_asp.physics import Witness
 from prag_asp.rl.environment import STEPS, TaskEnv
 from prag_asp.rl.observations import skill
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.success_rate import Rate
 from prag_asp.task import Task
 from prag_asp.wording import unknown
 
