@@ -86,9 +86,10 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "report": GROUND
     | {"html", "program", "domain", "logic", "space", "similarity", "physics", "dataset", "evaluation", "analysis"}
     | {"versions"},
+    "explore": GROUND | {"program", "domain", "logic", "space", "models", "dataset", "physics"},
     "cli": GROUND
     | {"program", "scene", "grammar", "pddl", "bddl", "reduction", "domain", "logic", "space", "models", "planners"}
-    | {"physics", "dataset", "evaluation", "analysis", "similarity", "audit", "report", "versions"},
+    | {"physics", "dataset", "evaluation", "analysis", "similarity", "audit", "report", "explore", "versions"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""
@@ -102,9 +103,9 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     ),
     "logic": ("ground", "step", "diagram", "symmetry", "domain_logic", "formula"),
     "space": (
-        "limits", "automaton", "weights", "plans", "parts", "conditions", "engines", "shortest_tasks", "reduced_count",
-        "explanation", "sampling", "domain_engines", "word_set", "task_sampling", "distinct_sampling", "lengths",
-        "task_space", "strata", "without_replacement", "emptiness",
+        "limits", "automaton", "weights", "plans", "parts", "conditions", "engines", "shortest_tasks", "final_states",
+        "reduced_count", "explanation", "sampling", "domain_engines", "word_set", "task_sampling", "distinct_sampling",
+        "lengths", "task_space", "strata", "without_replacement", "emptiness",
     ),
     "physics": (
         "bullet", "required", "temporary_files", "robot", "grasps", "witness", "extent", "situation", "predicates",

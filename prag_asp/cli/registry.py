@@ -30,6 +30,7 @@ COMMANDS = {
     "enumerate": "enumerate",
     "evaluate": "evaluate",
     "explain": "explain",
+    "explore": "explore",
     "export": "export",
     "generate": "generate",
     "import": "importing",
@@ -54,7 +55,7 @@ COMMANDS = {
 
 GROUPS = {
     "Define": ("domains", "new", "check", "import", "explain"),
-    "Count and sample": ("count", "task", "sample", "enumerate", "scenario", "split", "stats", "diversity"),
+    "Count and sample": ("count", "explore", "task", "sample", "enumerate", "scenario", "split", "stats", "diversity"),
     "Check by physics": ("validate", "learn", "render"),
     "Data": ("generate", "merge", "verify", "report", "suite", "export"),
     "Learn and evaluate": ("evaluate", "compare", "power"),

@@ -145,6 +145,10 @@ class ShortestEngine:
         """
         return self._engine(length).count(length, prefix)
 
+    def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
+        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
+        return self._engine(length).following(length, prefix)
+
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a given length in order, lazily."""
         return self._engine(length).words(length, prefix)
