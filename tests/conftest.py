@@ -18,6 +18,7 @@ import pytest
 from hypothesis import is_hypothesis_test
 
 from tests import chance as chances
+from tests.checks import checks_shared
 from tests.patience import patience
 from tests.processes import children
 
@@ -168,6 +169,13 @@ def _has_examples(item: pytest.Item) -> bool:
 def chance() -> chances.Chance:
     """Seeds, generators and numbers of examples that are the same in every run, or fresh."""
     return chances.now()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def shipped_domains_are_checked_once() -> Iterator[None]:
+    """Check each shipped domain once in a process."""
+    with checks_shared():
+        yield
 
 
 @pytest.fixture

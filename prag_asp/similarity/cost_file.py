@@ -68,7 +68,7 @@ def read_costs(path: str | Path, tasks: Iterable[Trace], background: Background)
 
     Raises:
         QueryError: the file cannot be read, has other keys or values than costs, names what the tasks do not have, or
-        distinguishes interchangeable entities.
+            distinguishes interchangeable entities.
     """
     path, given = Path(path), tuple(tasks)
     try:
