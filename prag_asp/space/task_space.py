@@ -210,9 +210,7 @@ class TaskSpace:
         ((length, first),) = self._prefixes(by, prefix)
         return self.engines.engine(by, length).following(length, first)
 
-    def ending(
-        self, facts: Sequence[Collection[str]], prefix: Prefix = (), by: Level = "task"
-    ) -> list[Ending | None]:
+    def ending(self, facts: Sequence[Collection[str]], prefix: Prefix = (), by: Level = "task") -> list[Ending | None]:
         """Return for each set of `facts` how many plans or tasks begin with `prefix` and end with one of its facts.
 
         Facts of tasks have canonical names of entities. A set is None if one of its facts takes too many states to
