@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 
+SHOWN_TASKS = 5
+"""Number of tasks that a notebook shows of a dataset."""
+
+
 @dataclass(frozen=True)
 class Dataset:
     """The tasks in a folder that `generate` has written; tables are read lazily.
@@ -73,6 +77,25 @@ class Dataset:
             DomainError: the files differ from their record in dataset.json.
         """
         return load_snapshot(self.folder, self.manifest.domain, trust=self.trust)
+
+    def _repr_html_(self) -> str:
+        """Return the dataset for a notebook: its parts and its first tasks, from dataset.json and one row group."""
+        from prag_asp.html import element, fragment, scroll_table
+
+        about = self.manifest
+        rows = [(note.name, f"{note.rows('tasks'):,}", f"{number_of(note.size):,}", f"{note.draws:,}")
+                for note in self._notes]  # fmt: skip
+        tasks: list[tuple[str, str, str]] = []
+        if not self.conditions:
+            numbers = range(min(SHOWN_TASKS, self.count()))
+            entries = [self.entry(number) for number in numbers]
+            tasks = [(each.part, str(each.task), each.instruction["default"]) for each in entries]
+        where = "".join(f", where {clause}" for clause in self.conditions)
+        return fragment(
+            element("p", element("strong", f"{self.folder}"), f": tasks of {about.domain.name}{where}"),
+            scroll_table(("part", "tasks", "of", "sampled"), rows, label="Parts"),
+            *([scroll_table(("part", "plan", "instruction"), tasks, label="First tasks")] if tasks else []),
+        )
 
     def part(self, name: str) -> Dataset:
         """Return the tasks of one part.
