@@ -83,10 +83,13 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
     "analysis": GROUND | {"html", "program", "domain", "logic", "space", "similarity"},
     "audit": GROUND | {"html", "program", "bddl", "pddl", "domain", "space", "dataset", "similarity", "analysis"},
+    "report": GROUND
+    | {"html", "program", "domain", "logic", "space", "similarity", "physics", "dataset", "evaluation", "analysis"}
+    | {"versions"},
     "explore": GROUND | {"program", "domain", "logic", "space", "models", "dataset", "physics"},
     "cli": GROUND
     | {"program", "scene", "grammar", "pddl", "bddl", "reduction", "domain", "logic", "space", "models", "planners"}
-    | {"physics", "dataset", "evaluation", "analysis", "similarity", "audit", "explore", "versions"},
+    | {"physics", "dataset", "evaluation", "analysis", "similarity", "audit", "report", "explore", "versions"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""
