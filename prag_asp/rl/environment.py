@@ -25,7 +25,7 @@ from prag_asp.rl.arena import Arena
 from prag_asp.rl.camera_views import Image, Viewer, Window, has_display
 from prag_asp.rl.environment_options import Until, check_arguments, conditions_of, moves_of, options_of
 from prag_asp.rl.goal_env import GoalEnv, Observation, observation_space
-from prag_asp.rl.goals import PLACES, subgoals_of
+from prag_asp.rl.goals import PLACES, Subgoal, subgoals_of
 from prag_asp.rl.observations import Layout, ObservationKind, observe
 from prag_asp.rl.reward_annealing import RewardAnnealing
 from prag_asp.rl.rewards import Reward
@@ -47,7 +47,10 @@ STEPS = 100
 EPISODE = ("stage", "task", "witness", "_over", "_last", "_left", "_before", "_episode_info", "_curriculum", "_latest")
 """The attributes of an episode besides its start and its actions."""
 
-REBUILT = ("domain", "scene", "layout", "situation", "_resources", "_viewer", "_window", "_sampler", "_arena", "_start")
+REBUILT = (
+    "domain", "scene", "layout", "situation", "_resources", "_viewer", "_window", "_sampler", "_arena", "_start",
+    "_measured",
+)  # fmt: skip
 """The attributes that a copy of an environment rebuilds from the arguments and the episode."""
 
 
@@ -157,6 +160,7 @@ class TaskEnv(GoalEnv):
             origin, witness, stage, finder, domain=self.domain, layout=self.layout, language=language
         )
         self._arena: Arena | None = None
+        self._measured: tuple[Subgoal, Situation, list[float]] | None = None
         self._over = True
         self.share, self.discount, self.has_goals = float(reward != "sparse"), float(discount), bool(goals)
         # Gymnasium's checker tries all modes that an environment lists.
@@ -382,8 +386,9 @@ class TaskEnv(GoalEnv):
 
     def _goal(self, situation: Situation) -> tuple[list[float], NDArray[np.float32]]:
         """Return the signed distances of a moment and its goal vector."""
-        subgoal = self._start.subgoals[self.stage]
-        measured = subgoal.measured(situation)
+        subgoal, last = self._start.subgoals[self.stage], self._measured
+        measured = subgoal.measured(situation, last[1:] if last is not None and last[0] is subgoal else None)
+        self._measured = subgoal, situation, measured
         return measured, np.array([self.stage, *subgoal.placed(measured)], dtype=np.float32)
 
     def _goals(self, here: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

@@ -42,6 +42,9 @@ if TYPE_CHECKING:
     from prag_asp.space.task_sampling import TaskSampling
     from prag_asp.space.weights.temperature import Temperature
 
+SHOWN_LENGTHS, LONG_COUNT = 50, 10**60
+"""Maximum number of lengths, and the first number that is too long, in a table of a notebook."""
+
 GivenWeights = Mapping[str, Number] | Weights | None
 """Weights by action names, pairs (``grasp>move``), entities and classes; None means the weights of the domain."""
 
@@ -130,6 +133,22 @@ class TaskSpace:
         where = "".join(f".where({str(clause)!r})" for clause in self.condition.clauses)
         return f"TaskSpace({self.domain.label!r}, length={length!r}){where}"
 
+    def _repr_html_(self) -> str:
+        """Return the space for a notebook: its domain, lengths and conditions, and the counts that are known."""
+        from prag_asp.html import element, fragment, scroll_table
+
+        known = [(length, self.engines.known_count("task", length)) for length in self.lengths]
+        rows = [(str(length), f"{number:,}") for length, number in known if number is not None and number < LONG_COUNT]
+        clauses = (element("li", element("code", str(clause))) for clause in self.condition.clauses)
+        lengths = f", length {spelled_lengths(self.lengths)}, engine {self.engines.name}"
+        return fragment(
+            element("p", element("strong", f"The tasks of {self.domain.label}"), lengths),
+            *([element("ul", *clauses)] if self.condition else []),
+            scroll_table(("length", "tasks"), rows, label="Counts", most=SHOWN_LENGTHS)
+            if rows
+            else element("p", "count() counts them.", class_="note"),
+        )
+
     def at(self, length: int) -> TaskSpace:
         """Return the space of a single length, which this space need not have, with the same conditions and engines."""
         space = copy(self)
@@ -210,9 +229,7 @@ class TaskSpace:
         ((length, first),) = self._prefixes(by, prefix)
         return self.engines.engine(by, length).following(length, first)
 
-    def ending(
-        self, facts: Sequence[Collection[str]], prefix: Prefix = (), by: Level = "task"
-    ) -> list[Ending | None]:
+    def ending(self, facts: Sequence[Collection[str]], prefix: Prefix = (), by: Level = "task") -> list[Ending | None]:
         """Return for each set of `facts` how many plans or tasks begin with `prefix` and end with one of its facts.
 
         Facts of tasks have canonical names of entities. A set is None if one of its facts takes too many states to
