@@ -174,14 +174,14 @@ def _wrong_tasks(
         try:
             rank = space.index(plan)
         except PragError as error:
-            yield Finding(file, row, f"is no task: {error}")
+            yield Finding(file, row, f"is not a task: {error}")
             continue
         if rank in seen:
             yield Finding(file, row, "is a task that was there before")
         seen.add(rank)
         if later is None and plan not in first:
-            yield Finding(file, row, f"is no task of {part.name}")
+            yield Finding(file, row, f"is not a task of {part.name}")
         elif later is not None and (near := nearest_task(first, plan).distance) < distance:
             yield Finding(file, row, f"is {plural(near, 'edit')} from the first part, not {distance}")
         elif isinstance(later, RankedTasks) and next(space.tasks_of_plans([plan])) not in later:
-            yield Finding(file, row, f"is no task of {part.name}")
+            yield Finding(file, row, f"is not a task of {part.name}")
