@@ -99,7 +99,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     ),
     "logic": ("ground", "step", "diagram", "symmetry", "domain_logic", "formula"),
     "space": (
-        "limits", "automaton", "weights", "plans", "parts", "conditions", "engines", "reduced_count",
+        "limits", "automaton", "weights", "plans", "parts", "conditions", "engines", "shortest_tasks", "reduced_count",
         "explanation", "sampling", "domain_engines", "word_set", "task_sampling", "distinct_sampling", "lengths",
         "task_space", "without_replacement", "emptiness",
     ),

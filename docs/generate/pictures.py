@@ -21,7 +21,7 @@ from pyarrow.parquet import read_table
 
 from prag_asp import TaskSpace, load_domain, load_scene
 from prag_asp.dataset import feasible, instruction_writer_of
-from prag_asp.physics import CameraImage, Demonstration, Staging, film_strip, validate_task
+from prag_asp.physics import CameraImage, Demonstration, Staging, animate, demonstrate, film_strip, validate_task
 from prag_asp.scene.colours import more_colours
 
 ROOT = Path(__file__).parent.parent.parent
@@ -109,6 +109,22 @@ def draw_films() -> Image.Image:
     return reduced(page)
 
 
+SHOWN, SHOWN_SEED = ("has wipe(panda,sponge_1,mug_1)", "has put(panda,mug_1,rack_1)"), 4
+"""The conditions on the task of the animation, and the seed with which its witness can be executed."""
+
+
+def write_demonstration(path: Path) -> None:
+    """Write the animation of the README: 640 pixels wide, 5 s long."""
+    domain = load_domain("household")
+    scene = load_scene(domain)
+    (task,) = TaskSpace(domain, 5).where(*SHOWN).sample(1, seed=1)
+    witness = validate_task(task, scene, seed=SHOWN_SEED).witness
+    assert witness is not None
+    headings = [heading.partition(". ")[2] for heading, _ in instruction_writer_of(domain).captions(task)[1:]]
+    options = {"size": (612, 400), "speed": 3.0, "rate": 15, "fine": True, "headings": headings}
+    animate(task, demonstrate(task, witness, scene), scene, path, **options)
+
+
 FIRST = "tabletop --length 2 --tasks 4 --seed 0 --split train=0.75,test=0.25 --demonstrate --cameras front,wrist"
 """The arguments of the page on the first dataset."""
 
@@ -168,7 +184,7 @@ def reduced(picture: Image.Image) -> Image.Image:
 
 def main(names: list[str]) -> None:
     """Generate the named pictures, by default all."""
-    for name in names or [*STRIPS, "curve", "cameras", "first_dataset"]:
+    for name in names or [*STRIPS, "curve", "cameras", "first_dataset", "demonstration"]:
         target = PICTURES / f"{name}.png"
         if name == "curve":
             curve = ["stats", "prag", "--length", "15", "--by", "skeleton", "--plot", str(target)]
@@ -176,6 +192,8 @@ def main(names: list[str]) -> None:
             with Image.open(target) as drawn:
                 few = reduced(drawn)
             few.save(target, optimize=True)
+        elif name == "demonstration":
+            write_demonstration(target.with_suffix(".webp"))
         elif name == "cameras":
             draw_films().save(target, optimize=True)
         elif name == "first_dataset":

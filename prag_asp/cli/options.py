@@ -186,6 +186,12 @@ weight_options = grouped(
 """Give a command the options of weights, as one value `weighting`."""
 
 
+over = click.option(
+    "--over", type=click.Choice(["skeletons", "goals"]),
+    help="Sample a skeleton (or a goal) uniformly first, then a task that has it.",
+)  # fmt: skip
+
+
 def parse_weight_options(options: Sequence[str]) -> dict[str, str]:
     """Return the weights set by options of the form KEY=WEIGHT.
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from fractions import Fraction
 from math import ceil
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import msgspec
 
@@ -46,7 +46,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     `split` holds the exact share of each part. `weights` and `temperature` are exact numbers as text. Without a
     `budget`, physics is not run. Unless `trivial`, tasks whose final state is the initial state are left out. `part`,
     such as ``3/64``, selects every 64th draw from the third on; other machines generate the rest. `excluded` identifies
-    tasks to leave out by their length and rank.
+    tasks to leave out by their length and rank. With `over`, a skeleton or a goal is sampled uniformly before a task.
 
     Raises:
         QueryError: a number is out of range.
@@ -70,6 +70,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     staging: Staging | None = None
     part: Annotated[str, msgspec.Meta(pattern="^[1-9][0-9]{0,6}/[1-9][0-9]{0,6}$")] | None = None
     excluded: list[ExcludedTask] | msgspec.UnsetType = msgspec.UNSET
+    over: Literal["skeletons", "goals"] | msgspec.UnsetType = msgspec.UNSET
 
     def __post_init__(self) -> None:
         if self.tasks < 1:
@@ -94,12 +95,14 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         phrasings: str = "",
         part: str | None = None,
         excluded: Iterable[tuple[int, int]] = (),
+        over: Literal["skeletons", "goals"] | None = None,
         **fields: Any,
     ) -> DatasetSpec:
         """Return the request for a dataset of `tasks` different feasible tasks of a domain, given its `fields`.
 
         Tasks are sampled without replacement, with `weights` or the weights of the domain; lengths occur in exact
-        proportion, or in turn with `evenly`. With `split`, each part gets its share of the tasks, and no two parts have
+        proportion, or in turn with `evenly`. With ``over="skeletons"`` (or ``"goals"``, at one length), a skeleton (or
+        a goal) is sampled uniformly first. With `split`, each part gets its share of the tasks, and no two parts have
         a task (with `skeletons`: a skeleton) in common; with `hold_out`, only ``test`` has the held-out tasks. For each
         task, witnesses from `starts` initial states are searched for. Unless `trivial`, tasks whose final state is the
         initial state are left out. With `demonstrate`, the robot performs each task; `staging` specifies the cameras
@@ -128,6 +131,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
             phrasings=str(Phrasings.parse(phrasings)),
             part=None if part is None or Deal.parse(part) == ALL else str(Deal.parse(part)),
             excluded=[f"{length}:{digits_of(rank)}" for length, rank in sorted(set(excluded))] or msgspec.UNSET,
+            over=over or msgspec.UNSET,
             **fields,
         )
         budget = spec._budget_in(domain, bool(domain.settings.scene) if physics is None else physics)

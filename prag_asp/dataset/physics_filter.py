@@ -6,7 +6,7 @@ from collections.abc import Callable, Generator, Iterator
 from contextlib import closing
 from itertools import islice, tee
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from prag_asp.dataset.dataset_spec import budget_of, require_demonstrated
 from prag_asp.dataset.episode_files import write_episode
@@ -17,13 +17,25 @@ from prag_asp.output import make_folder
 from prag_asp.physics import Budget, Staging, Verdict, validate_numbered
 
 if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
     from prag_asp.scene.scene import Scene
-    from prag_asp.space.task_space import TaskSpace
     from prag_asp.task import Task
 
 
+class TaskSource(Protocol):
+    """A domain and a stream of its tasks: a `TaskSpace`, or given tasks."""
+
+    @property
+    def domain(self) -> Domain:
+        """The domain of the tasks."""
+
+    @property
+    def stream(self) -> Callable[..., Iterator[Task]]:
+        """The function that yields tasks for a seed and options of sampling."""
+
+
 def feasible(
-    space: TaskSpace,
+    space: TaskSource,
     scene: Scene | None = None,
     *,
     seed: int = 0,
@@ -40,7 +52,7 @@ def feasible(
     """Yield feasible tasks sampled from a space, each with its verdict and its witness, endlessly.
 
     `scene` is by default the scene of the domain, and `drawing` holds options of `TaskSpace.stream`; with
-    ``distinct=True`` (without `over`), no task is sampled twice, and the iterator ends with the last task. It also ends
+    ``distinct=True``, no task is sampled twice, and the iterator ends with the last task. It also ends
     after a number of `draws`, feasible or not; `tally` counts all of them, and `progress` is called after each. Tasks
     that do not satisfy `keep`, a function such as `exclude` returns, do not count as draws. With `demonstrate`, the
     robot performs each task, and recordings are written into that folder, which is created if it is missing; `staging`

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from prag_asp.physics.filming.episode_options import Staging
     from prag_asp.physics.filming.footage_check import check_footage
     from prag_asp.physics.motion.transit import plan_transit
-    from prag_asp.physics.pictures.rendering import animate, film_strip, still
+    from prag_asp.physics.pictures.animation import animate
+    from prag_asp.physics.pictures.rendering import film_strip, still
     from prag_asp.physics.predicates import PREDICATES, Predicate, Side, Volume, states
     from prag_asp.physics.search.attempt import CAUSES
     from prag_asp.physics.situation import Situation
@@ -107,7 +108,8 @@ _HOMES = {
     "prag_asp.physics.filming.camera_rendering": ("render_cameras",),
     "prag_asp.physics.filming.episode_options": ("Staging",),
     "prag_asp.physics.motion.transit": ("plan_transit",),
-    "prag_asp.physics.pictures.rendering": ("animate", "film_strip", "still"),
+    "prag_asp.physics.pictures.animation": ("animate",),
+    "prag_asp.physics.pictures.rendering": ("film_strip", "still"),
     "prag_asp.physics.validation": ("validate_numbered", "validate_tasks"),
     "prag_asp.physics.predicates": ("PREDICATES", "Predicate", "Side", "Volume", "states"),
     "prag_asp.physics.situation": ("Situation",),

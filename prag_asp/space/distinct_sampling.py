@@ -1,8 +1,8 @@
 """Sampling without replacement: distinct tasks in an order whose prefixes are the samples of each size.
 
 The order depends only on the request and the seed. Uniform sampling shuffles ranks, so that the k-th task can be
-computed without the tasks before it. Sampling by weight chooses each task by its weight among the remaining tasks
-(successive sampling).
+computed without the tasks before it. Sampling by weight, or over skeletons or goals, chooses each task by its
+probability among the remaining tasks (successive sampling).
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
-from itertools import accumulate
+from itertools import accumulate, count
 from math import lcm
 from typing import NamedTuple, Protocol
 
@@ -23,7 +23,8 @@ from prag_asp.space.parts.ranked_tasks import RankRange, ShuffledRanks
 from prag_asp.space.parts.shuffle import Shuffle
 from prag_asp.space.sampling.choice_table import exact_choice
 from prag_asp.space.sampling.rank_order import RankOrder, ShareOrder
-from prag_asp.space.sampling.remaining_words import RemainingWords
+from prag_asp.space.sampling.remaining_words import RemainingWords, walks_of
+from prag_asp.space.sampling.samplers import GoalSampler, SkeletonSampler
 from prag_asp.space.task_sampling import TaskSampling
 from prag_asp.space.word_set import WordSet
 
@@ -32,6 +33,9 @@ BATCH = 512
 
 MISSES = 50_000
 """Consecutive draws without a new task after which rejection sampling ends."""
+
+MOST_GROUPS = 20_000
+"""Maximum number of skeletons or goals whose remaining tasks are sampled; the sums of each take up to about 50 kB."""
 
 
 class RankedDraw(NamedTuple):
@@ -87,9 +91,18 @@ class UniformOrder:
             yield RankedDraw(word, rank, self.probabilities[place])
 
 
+class _Source(NamedTuple):
+    """Remaining words of one length: the place of the length, their set, and the factor of their weights."""
+
+    place: int
+    own: WordSet
+    words: RemainingWords
+    unit: Fraction
+
+
 @dataclass(frozen=True)
 class WeightedOrder:
-    """Tasks of some lengths, each sampled by its weight among the remaining ones.
+    """Tasks of some lengths, each sampled by its probability among the remaining ones.
 
     Repeated draws are rejected; after `MISSES` misses in a row, tasks are sampled exactly from the remaining words.
     Both give the same distribution. Tasks of weight 0 are never sampled.
@@ -98,7 +111,8 @@ class WeightedOrder:
     whether a word belongs to the order, given the index of its set and the word; None accepts all words.
 
     Raises:
-        QueryError: no task weighs more than 0, or weights distinguish interchangeable entities.
+        QueryError: no task weighs more than 0, or weights distinguish interchangeable entities; from `pick`: over more
+            than `MOST_GROUPS` skeletons or goals, `MISSES` draws in a row had no new task.
     """
 
     sampling: TaskSampling
@@ -152,37 +166,67 @@ class WeightedOrder:
 
         Words that were seen or are not accepted are removed when they are sampled, at most once.
         """
-        total = self.sampling.total_weight()
-        weighed = [words.engine.weighed(words.length, self.sampling.weights) for words in self.sets]
-        left = [RemainingWords(weights, words.length) for weights, words in zip(weighed, self.sets, strict=True)]
-        scale = lcm(*(weights.unit.denominator for weights in weighed))
-        factors = [int(weights.unit * scale) for weights in weighed]
+        sources = self._grouped_sources() if self.sampling.over else self._sources()
+        total = sum((each.unit * each.words.weight for each in sources), start=Fraction(0))
+        if not self.sampling.over:
+            total = self.sampling.total_weight()
+        scale = lcm(*(each.unit.denominator for each in sources))
+        factors = [int(each.unit * scale) for each in sources]
         lengths, choices = SeededBits(self.seed, " remaining lengths"), SeededBits(self.seed, " remaining words")
-        while any(words.weight for words in left):
-            number = sum(words.taken for words in left)
-            running = list(accumulate(factor * words.weight for factor, words in zip(factors, left, strict=True)))
+        for number in count():
+            running = list(
+                accumulate(factor * each.words.weight for factor, each in zip(factors, sources, strict=True))
+            )
+            if not running[-1]:
+                return
             bits = int(lengths.words(number, 1, 1)[0, 0])
-            place = exact_choice(running, bits, partial(lengths.further, number, 0))
-            letters, weight = left[place].take(choices, number)
-            names, whole = self.sets[place].engine.letters, self.whole[place]
-            word = tuple([names[letter] for letter in letters])
-            if self.sets[place] is not whole:
+            source = sources[exact_choice(running, bits, partial(lengths.further, number, 0))]
+            letters, weight = source.words.take(choices, number)
+            own, whole = source.own, self.whole[source.place]
+            word = tuple([own.engine.letters[letter] for letter in letters])
+            if own is not whole:
                 word = whole.word(whole.require_rank(word))
-            if word not in seen and (self.accepts is None or self.accepts(place, word)):
-                yield place, Draw(word, weight * weighed[place].unit / total)
+            if word not in seen and (self.accepts is None or self.accepts(source.place, word)):
+                yield source.place, Draw(word, weight * source.unit / total)
+
+    def _sources(self) -> list[_Source]:
+        """Return the words of each length of the order."""
+        weighed = [words.engine.weighed(words.length, self.sampling.weights) for words in self.sets]
+        return [
+            _Source(place, words, RemainingWords(walks_of(weights, words.length), words.length), weights.unit)
+            for place, (words, weights) in enumerate(zip(self.sets, weighed, strict=True))
+        ]
+
+    def _grouped_sources(self) -> list[_Source]:
+        """Return the words of each skeleton or goal of each length; all of them have the same probability."""
+        sources: list[_Source] = []
+        for place, words in enumerate(self.whole):
+            if not words.engine.weighed(words.length, self.sampling.weights).total(words.length):
+                continue
+            sampler = self.sampling.sampler(words.length)
+            if not isinstance(sampler, GoalSampler | SkeletonSampler):
+                walks = [walks_of(words.engine.weighed(words.length, self.sampling.weights), words.length)]
+            elif sampler.count + len(sources) > MOST_GROUPS:
+                raise QueryError(
+                    f"over {self.sampling.over}, {MISSES} draws in a row had no new task, and there are more than "
+                    f"{MOST_GROUPS} {self.sampling.over}; ask for fewer tasks, or sample without over"
+                )
+            else:
+                walks = list(sampler.groups())
+            for each in walks:
+                sources.append(_Source(place, words, RemainingWords(each, words.length), Fraction(1, each.total)))
+        return sources
 
 
 def distinct_order(sampling: TaskSampling, seed: int) -> UniformOrder | WeightedOrder:
     """Return the distinct plans or tasks of a distribution, in the order of sampling without replacement.
 
     Raises:
-        QueryError: there is nothing to sample, or skeletons or goals are to be sampled first.
+        QueryError: there is nothing to sample.
     """
-    if sampling.over:
-        raise QueryError(f"distinct tasks are sampled among those that are left; leave over={sampling.over!r} out")
     sets = nonempty_sets(sampling)
     sizes = [words.count() for words in sets]
-    if sampling.weights:
+    if sampling.weights or sampling.over:
         return WeightedOrder(sampling, sets, sets, seed, sum(sizes))
     ranks = ShareOrder(tuple(sizes), ShuffledRanks(Shuffle(sum(sizes), seed), RankRange(range(sum(sizes)))))
     return UniformOrder(sets, sets, ranks, [Fraction(1, sum(sizes))] * len(sizes))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import clingo
 
+from prag_asp.errors import QueryError
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.processes.progress_events import Note
 from prag_asp.space.engines import AUTO, Engine, Level, select
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
     from prag_asp.space.plans.task_builder import TaskBuilder
     from prag_asp.space.reduced_count import ReducedCounter
 
-ONE_STEP, CLINGO = (AUTO, "automaton", "symbolic"), "clingo"
-"""The engines that ground one step for all steps, and the engine that grounds each step."""
+ONE_STEP, CLINGO, SHORTEST = (AUTO, "automaton", "symbolic"), "clingo", "shortest"
+"""The engines that ground one step for all steps, the engine that grounds each step, and that of a condition."""
 
 Value = TypeVar("Value")
 
@@ -33,7 +34,8 @@ Value = TypeVar("Value")
 class DomainEngines:
     """The engines of a domain under some conditions, one for each level and length.
 
-    No plan has fewer than `fewest_actions` actions; shorter lengths need no engine.
+    No plan has fewer than `fewest_actions` actions; shorter lengths need no engine. With `shortest`, only plans to
+    whose goal no shorter plan leads are words: the program has more plans.
     """
 
     model: DomainLogic
@@ -41,6 +43,7 @@ class DomainEngines:
     progress: Progress | None
     limits: Limits
     fewest_actions: int = 0
+    shortest: bool = False
     _engines: dict[tuple[Level, str], Engine] = field(default_factory=dict)
     _counts: dict[tuple[Level, int, Letters], int] = field(default_factory=dict)
     _latest: dict[str, tuple[Any, Any]] = field(default_factory=dict)
@@ -52,6 +55,12 @@ class DomainEngines:
         model, name = self.model, self.name
         if length == 0 and name in ONE_STEP and not model.obstacles and model.ground.after_steps_alone:
             name = CLINGO  # other engines would check rules after a step on the plan without actions
+        if self.shortest and length:
+            from prag_asp.space.shortest_tasks import ShortestEngine
+
+            if (by, SHORTEST) not in self._engines:
+                self._engines[by, SHORTEST] = ShortestEngine(name, model, by, self.progress, self.limits)
+            return self._engines[by, SHORTEST]
         if (by, name) not in self._engines:
             if model.domain.irreducible and self.progress:
                 from prag_asp.reduction.reduction import is_large
@@ -70,22 +79,37 @@ class DomainEngines:
             self._counts[key] = self.engine(by, length).count(length, prefix) if reduced is None else reduced
         return self._counts[key]
 
+    def require_program(self, what: str) -> None:
+        """Check that the answer sets of the program are the plans.
+
+        Raises:
+            QueryError: a condition is not part of the program; `what` names the request.
+        """
+        if self.shortest:
+            raise QueryError(
+                f"{what} reads the logic program, which does not state the condition shortest; leave it out"
+            )
+
     def estimate(self, by: Level, length: int, prefix: Letters, tolerance: Tolerance, seed: int) -> Estimate:
         """Return an estimate of the number of words, computed by ApproxMC."""
         from prag_asp.logic.formula.approximate import Estimate
         from prag_asp.space.engines.sharp_engine import estimate_words
 
+        self.require_program("an estimate")
         if length < self.fewest_actions:
             return Estimate(0, tolerance)
         return estimate_words(self.model, by, length, prefix, tolerance, seed, self.limits)
 
     def under(self, condition: Condition, whole: DomainLogic | None) -> DomainEngines:
         """Return engines of the same domain under another condition; `whole` holds the renamings that define tasks."""
+        from prag_asp.space.conditions.clause_kinds import SHORTEST as NO_DETOUR
         from prag_asp.space.conditions.conditioned_domain import conditioned
 
         bare = self.model.bare or self.model
         model = DomainLogic(conditioned(bare.domain, condition), bare, whole)
-        return DomainEngines(model, self.name, self.progress, self.limits, condition.fewest_actions)
+        return DomainEngines(
+            model, self.name, self.progress, self.limits, condition.fewest_actions, NO_DETOUR in condition.clauses
+        )
 
     @cached_property
     def _reduced(self) -> ReducedCounter | None:

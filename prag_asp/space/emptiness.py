@@ -48,6 +48,7 @@ def why_empty(
         QueryError: there is no such action or step.
         EngineError: the program cannot be translated to clauses.
     """
+    space.engines.require_program("an explanation")
     occurring = _occurring(space, action, step)
     clauses: Sequence[Clause] = space.condition.clauses
     if has_plan(_program(space, clauses), space.length, occurring):

@@ -322,7 +322,7 @@ class TaskSpace:
             raise QueryError(f"cannot sample {count} tasks; give a number of at least 0")
         if distinct and not (count or self.count(by)):
             return []
-        if distinct and not over and count > self.count(by):
+        if distinct and count > self.count(by):
             raise QueryError(f"cannot sample {count} distinct {by}s: there are {self.count(by)}")
         tasks = self.stream(seed=seed, weights=weights, by=by, temperature=temperature, over=over, distinct=distinct)
         sampled = list(islice(tasks, count))
@@ -450,5 +450,6 @@ class TaskSpace:
         from prag_asp.logic.formula.cnf import dimacs
         from prag_asp.space.engines.word_formula import word_formula
 
+        self.engines.require_program("a formula")
         formula = word_formula(self.engines.model, checked_level(by), self.length)
         return dimacs(formula.cnf, [f"the {by}s of {self.title}, by prag_asp"])

@@ -21,6 +21,7 @@ from prag_asp.space.parts.ranked_tasks import RankRange, ShuffledRanks
 from prag_asp.space.parts.shares import divided, parse_shares
 from prag_asp.space.parts.shuffle import Shuffle
 from prag_asp.space.sampling.rank_order import EvenOrder, RankOrder, RemainingOrder, ShareOrder
+from prag_asp.space.sampling.samplers import Over
 from prag_asp.space.sampling.sharding import ALL, Deal
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.weights.weights import Weights
@@ -127,23 +128,30 @@ def ordered_parts(
     *,
     seed: int,
     weights: Weights,
+    over: Over | None = None,
     evenly: bool = False,
     deal: Deal = ALL,
     excluded: Collection[tuple[int, int]] = (),
 ) -> dict[str, TaskOrder]:
     """Return the tasks of each part of a space, in the order of sampling without replacement.
 
-    Without weights, lengths have their exact shares, or alternate with `evenly`. A `deal` selects the tasks of one of
-    several workers. The `excluded` tasks, pairs of a length and a rank, are left out; parts keep their other tasks.
+    Without weights, lengths have their exact shares, or alternate with `evenly`. With `over`, a skeleton or a goal of
+    the space is sampled uniformly first; draws that are in other parts, or not new, are repeated. A `deal` selects the
+    tasks of one of several workers. The `excluded` tasks, pairs of a length and a rank, are left out; parts keep their
+    other tasks.
 
     Raises:
-        QueryError: a part is empty, there is nothing to sample, an excluded rank has no task, or weights are
+        QueryError: a part is empty, there is nothing to sample, an excluded rank has no task, or weights or `over` are
             combined with `evenly`.
     """
-    sampling = space.sampling(weights=weights)
+    sampling = space.sampling(weights=weights, over=over)
     whole = nonempty_sets(sampling)
     if weights and evenly:
         raise QueryError("lengths come evenly only with uniform sampling; add --uniform (weights={})")
+    if over and evenly:
+        raise QueryError(
+            f"lengths come evenly only with uniform sampling of tasks; leave --over {over} or --evenly out"
+        )
     sets = _sets(space, whole, division, seed)
     orders = {
         name: order_of([words.count() for words in sets[name]], division, name, seed, evenly=evenly)
@@ -157,7 +165,7 @@ def ordered_parts(
             raise QueryError(f"there are no tasks to sample for the part {name}")
     parts: dict[str, TaskOrder] = {}
     for name, order in orders.items():
-        if weights:
+        if weights or over:
             accepts = _acceptance(division, sets[name], order, with_exclusions=bool(excluded))
             parts[name] = WeightedOrder(sampling, whole, sets[name], seed, order.size, accepts)
         else:

@@ -58,8 +58,8 @@ def test_what_a_gripper_cannot_close_around_is_told_with_its_width_and_the_limit
         (
             '{ kind = "box", size = [0.06, 0.06, 0.06] }',
             "crate = { density = 7870, friction = 0.3 }",
-            "are too heavy (1.7 kg): with a friction of 0.3, the gripper holds 1.03 kg at rest "
-            "and lifts about 0.873 kg; make it lighter or rougher [too-heavy]",
+            "are too heavy (1.7 kg): with a friction of 0.3, the gripper holds 1.03 kg at rest and lifts about "
+            "0.873 kg; make it lighter or rougher [too-heavy]",
         ),
         (
             '{ kind = "box", size = [0.07, 0.07, 0.07] }',

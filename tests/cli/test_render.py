@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import av
 import numpy as np
 import pytest
 from PIL import Image
@@ -35,7 +36,7 @@ def frames(path: Path) -> int:
 
 
 def test_every_task_of_a_file_gets_a_strip_of_all_its_states(tasks: Path, tmp_path: Path) -> None:
-    assert ok("render", str(tasks), "--size", "90x80", cwd=tmp_path).splitlines() == [
+    assert ok("render", str(tasks), "--size", "90x80", "--columns", "4", cwd=tmp_path).splitlines() == [
         "pictures/000001.png",
         "pictures/000002.png",
     ]
@@ -70,6 +71,11 @@ def test_an_animation_plays_the_demonstration_at_a_speed(tasks: Path, tmp_path: 
     fast = frames(tmp_path / "fast.webp")
     assert fast >= 8
     assert frames(tmp_path / "faster.gif") == pytest.approx(fast / 2, abs=2)
+    ok("render", str(tasks), "1", "--as", "mp4", "--size", "32x32", "--speed", "8", "-o", "fast.mp4", cwd=tmp_path)
+    with av.open(str(tmp_path / "fast.mp4")) as video:
+        (stream,) = video.streams.video
+        assert (stream.codec_context.name, stream.average_rate) == ("h264", 10)
+        assert len(list(video.decode(stream))) == pytest.approx(fast + 14, abs=2), "the last frame stays for 1.5 s"
 
 
 def test_recordings_are_drawn_as_they_were_performed(tmp_path: Path) -> None:

@@ -51,6 +51,7 @@ def test_an_order_without_some_numbers_is_the_rest_in_the_same_order(chance: Cha
         {},
         {"split": HALVES},
         {"evenly": True},
+        {"over": "skeletons"},
         {"split": HALVES, "skeletons": True, "physics": False},
         {"temperature": "2", "weights": {"move": 3}},
     ],

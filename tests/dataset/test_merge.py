@@ -47,6 +47,7 @@ def plain(kitchen: TaskSpace) -> Make:
         {},
         {"evenly": True, "shard": 3},
         {"weights": None},
+        {"over": "skeletons", "weights": {}},
         {"split": None, "tasks": 14},
     ],
     ids=str,

@@ -246,8 +246,8 @@ def test_memory_does_not_grow_with_steps(chance: Chance, given: Mapping[str, lis
 
     tracemalloc.start()
     try:
-        first = run(300)
-        assert run(600) - first < 100_000, "bytes: an observation has more than 200"
+        first = run(100)
+        assert run(200) - first < 33_000, "bytes: an observation has more than 200"
     finally:
         tracemalloc.stop()
         env.close()

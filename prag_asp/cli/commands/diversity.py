@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.task import Task
 
+SHOWN = 20
+"""The number of missing combinations that the text lists."""
+
 FEATURES = ("actions", "classes", "names", "pairs")
 
 
@@ -42,6 +45,10 @@ FEATURES = ("actions", "classes", "names", "pairs")
     help="Print the Hamming distances between all pairs of tasks.  [default: distances]",
 )  # fmt: skip
 @click.option(
+    "--coverage", "strength", type=whole(1, 8), metavar="T",
+    help="With --tasks: only print which reachable combinations of T factors of an action the tasks cover.",
+)  # fmt: skip
+@click.option(
     "--near", "plan", metavar="'A B ...'", shell_complete=shell_completion.plan,
     help="Only count the tasks near the task with these actions.",
 )  # fmt: skip
@@ -54,23 +61,28 @@ FEATURES = ("actions", "classes", "names", "pairs")
 )  # fmt: skip
 @options.output
 def diversity(
-    *, request: DomainOptions, file: str | None, features: tuple[str, ...], distances: bool, plan: str | None,
-    radius: int, form: str, output: str | None,
+    *, request: DomainOptions, file: str | None, features: tuple[str, ...], distances: bool,
+    strength: int | None, plan: str | None, radius: int, form: str, output: str | None,
 ) -> None:  # fmt: skip
     """Measure how much the tasks of length N differ.
 
-    Prints the exact distribution of the Hamming distance between two random tasks, and Vendi scores (effective numbers
-    of different tasks). With --tasks, also the scores of the given tasks, and a chi-square test of their frequencies
-    against the exact expected frequencies. With --near, prints the numbers of tasks within 0, 1, ... edits of a task,
-    which need not be in the space, and a nearest task. Nothing is sampled or listed.
+    Prints the exact distribution of the Hamming distance of two random tasks, and Vendi scores (effective numbers of
+    different tasks). With --tasks, also the scores of the given tasks, and a chi-square test of their frequencies
+    against the exact expected frequencies; with --coverage, the combinations that they lack. With --near, prints the
+    numbers of tasks within 0, 1, ... edits of a task, which need not be in the space, and a nearest task. Nothing is
+    sampled or listed.
     """
     require_writable(output)
     with progress() as tell:
         space = request.space(tell)
         if plan is not None:
-            if file is not None:
-                raise QueryError("give --near or --tasks")
+            if file is not None or strength is not None:
+                raise QueryError(f"give --near or {'--tasks' if strength is None else '--coverage'}")
             found = _near(space, split_actions(plan), radius)
+        elif strength is not None:
+            if file is None:
+                raise QueryError("--coverage is that of given tasks; give --tasks FILE")
+            found = _covered(list(_given(file, space)), space, strength)
         else:
             tasks = None if file is None else list(_given(file, space))
             found = _measured(space, tasks, features, distances)
@@ -80,7 +92,8 @@ def diversity(
 
             out.write(json.dumps(found, indent=2, default=_exact))
         else:
-            for line in _near_text(found) if plan is not None else _text(found):
+            text = _near_text if plan is not None else _covered_text if strength is not None else _text
+            for line in text(found):
                 out.write(line)
 
 
@@ -99,6 +112,26 @@ def _near(space: TaskSpace, plan: list[str], radius: int) -> dict[str, Any]:
     near = nearest_task(space, plan)
     numbers = count_neighbours(space, plan, radius)
     return {"neighbours": numbers, "nearest": {"distance": near.distance, "plan": near.plan}}
+
+
+def _covered(tasks: list[Task], space: TaskSpace, strength: int) -> dict[str, Any]:
+    from prag_asp.analysis.covering.combinations import combination_text, coverage
+
+    found = coverage(tasks, space, strength)
+    missing = [combination_text(each) for each in sorted(found.missing)]
+    return {"factors": strength, "given": len(tasks), "reachable": len(found.reachable), "missing": missing}
+
+
+def _covered_text(found: dict[str, Any]) -> Iterator[str]:
+    reachable, missing = found["reachable"], found["missing"]
+    share = f" ({100 * (reachable - len(missing)) / reachable:.1f} %)" if reachable else ""
+    yield (
+        f"{plural(found['given'], 'task')} cover {reachable - len(missing)} of {reachable} reachable combinations of "
+        f"{plural(found['factors'], 'factor')}{share}"
+    )
+    yield from (f"  missing  {each}" for each in missing[:SHOWN])
+    if len(missing) > SHOWN:
+        yield f"  and {len(missing) - SHOWN} more; --format json lists all"
 
 
 def _given(file: str, space: TaskSpace) -> Iterator[Task]:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @options.seed
 @options.weight_options
+@options.over
 @click.option(
     "--evenly", is_flag=True, help="Sample all lengths equally often, not in proportion to their numbers of tasks."
 )
@@ -104,6 +105,7 @@ def generate(
     tasks: int,
     seed: int,
     weighting: WeightOptions,
+    over: Any,
     evenly: bool,
     trivial: bool,
     split: str | None,
@@ -149,7 +151,8 @@ def generate(
         try:
             dataset = make(
                 space, output, tasks=tasks, seed=seed, split=shares, skeletons=skeletons, hold_out=held, starts=starts,
-                demonstrate=with_demonstrations, evenly=evenly, trivial=trivial, **weighting.arguments(space.domain),
+                demonstrate=with_demonstrations, over=over, evenly=evenly, trivial=trivial,
+                **weighting.arguments(space.domain),
                 physics=with_physics, budget=validation.parse_budget() if with_physics else None,
                 workers=validation.workers,
                 shard=shard or SHARD, language=language, phrasings=phrasings, staging=staging, max_draws=max_draws,

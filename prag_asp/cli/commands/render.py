@@ -28,10 +28,10 @@ if TYPE_CHECKING:
     from prag_asp.physics import Demonstration, Witness
     from prag_asp.scene.scene import Scene
 
-SIZES = {"strip": (360, 320), "state": (960, 800), "gif": (400, 350), "webp": (400, 350)}
+SIZES = {"strip": (360, 320), "state": (960, 800), "gif": (400, 350), "webp": (400, 350), "mp4": (400, 350)}
 """Pixels of a frame for each form of picture."""
 
-ANIMATED = ("gif", "webp")
+ANIMATED = ("gif", "webp", "mp4")
 FASTEST = 1000
 """The largest factor by which an animation is sped up or slowed down."""
 
@@ -65,7 +65,7 @@ SMALLEST, LARGEST = 16, 4096
     help="Size of a frame in pixels.  [default: 360x320; state 960x800; animation 400x350]",
 )  # fmt: skip
 @click.option("--speed", type=float, default=2.0, show_default=True, help="Playback speed of an animation.")
-@click.option("--columns", type=whole(1), default=6, show_default=True, help="Frames per row of a strip.")
+@click.option("--columns", type=whole(1), default=3, show_default=True, help="Frames per row of a strip.")
 @click.option(
     "--recordings", metavar="DIR", shell_complete=shell_completion.files,
     help="Draw the episodes that --demonstrate DIR has written.",

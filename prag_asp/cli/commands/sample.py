@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
+from functools import partial
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from prag_asp.cli import options, shell_completion
+from prag_asp.cli.comparison.chosen_tasks import CoveringTasks, covering_tasks, far_apart
 from prag_asp.cli.domain_options import SPACES, DomainOptions, domain_options
 from prag_asp.cli.line_output import recordings_folder, require_writable, writer
 from prag_asp.cli.options import WeightOptions, whole
@@ -33,11 +35,7 @@ DRAWS_PER_TASK = 1000
 @click.option("--count", "requested_count", type=whole(0), default=10, show_default=True, help="Number of tasks.")
 @options.seed
 @options.weight_options
-@click.option(
-    "--over",
-    type=click.Choice(["skeletons", "goals"]),
-    help="Sample a skeleton (or a goal) uniformly first, then a task that has it.",
-)
+@options.over
 @click.option(
     "--by", type=click.Choice(["plan", "task"]), default="task", show_default=True, help="Sample plans, or tasks."
 )
@@ -46,6 +44,11 @@ DRAWS_PER_TASK = 1000
     "--except", "excluded", metavar="FILE|DIR", shell_complete=shell_completion.files,
     help="With --distinct: leave out the tasks of a file of scenario ids (--format scenario), or of a dataset.",
 )  # fmt: skip
+@click.option(
+    "--cover", type=whole(1, 8), metavar="T",
+    help="Instead, choose few tasks that cover every reachable combination of T factors of an action.",
+)  # fmt: skip
+@click.option("--diverse", type=whole(1), metavar="K", help="Keep only K of the sampled tasks, which are far apart.")
 @click.option(
     "--physics/--no-physics", default=None, help="Keep only feasible tasks.  [default: if the domain has a scene]"
 )
@@ -66,6 +69,8 @@ def sample(
     by: Any,
     distinct: bool,
     excluded: str | None,
+    cover: int | None,
+    diverse: int | None,
     physics: bool | None,
     validation: PhysicsOptions,
     filming: CameraOptions,
@@ -84,6 +89,7 @@ def sample(
     from prag_asp.dataset.stored_scenarios import read_earlier
 
     task_format.check(by)
+    _check_choice(cover, diverse, requested_count, by, over, excluded)
     require_writable(output)
     validation.parse_budget()
     filming.check(validation.demonstrate)
@@ -97,35 +103,56 @@ def sample(
             require_physics(f"the scene of {space.domain.name} needs physics (--no-physics samples without it)")
         staging = filming.staging(scene_of(space.domain)) if filming.any else None
         line = task_format.line(space, seed, staging)
-        if distinct and (over is not None or by != "task"):
-            given = f"--over {over}" if over is not None else f"--by {by}"
-            raise QueryError(f"--distinct samples tasks without replacement; leave {given} out")
+        if distinct and by != "task":
+            raise QueryError(f"--distinct samples tasks without replacement; leave --by {by} out")
         if excluded is not None and not distinct:
             raise QueryError(f"--except {excluded} leaves tasks out of a sample without replacement; add --distinct")
         keep = None if excluded is None else exclude(space, read_earlier(excluded))
-        drawing: dict[str, Any] = {"distinct": True} if distinct else {"by": by, "over": over}
+        drawing: dict[str, Any] = {"distinct": distinct, "by": by, "over": over}
         drawing.update(weighting.arguments(space.domain))
+        source: TaskSpace | CoveringTasks = space
+        choose: Callable[[Iterator[Record]], Iterator[Record]] = iter
+        if cover is not None:
+            source = covering = covering_tasks(space, cover)
+            requested_count, choose = len(covering.found.tasks), covering.report
+        elif diverse is not None:
+            choose = partial(far_apart, count=diverse, space=space)
         if not physics:
             validation.refuse_without_physics({"--max-draws": max_draws is not None})
-            drawn = space.stream(seed=seed, **drawing) if requested_count else iter(())
-            drawn = drawn if keep is None else filter(keep, drawn)
-            found = 0
+            drawn = source.stream(seed=seed, **drawing) if requested_count else iter(())
+            records = map(Record, islice(drawn if keep is None else filter(keep, drawn), requested_count))
+            found, at_least = 0, requested_count if diverse is None else diverse
             with writer(output) as out:
-                for task in islice(drawn, requested_count):
-                    out.write(line(Record(task)))
+                for record in choose(records):
+                    out.write(line(record))
                     found += 1
-            if found < requested_count:
+            if found < at_least:
                 others = "others of positive weight" if keep is None and space.count() > found else "others"
-                raise NotFound(f"only {found} of {plural(requested_count, 'task')}: there are no {others}")
+                raise NotFound(f"only {found} of {plural(at_least, 'task')}: there are no {others}")
             return
         drawing |= {"seed": seed, "staging": staging, "keep": keep}
         drawing["draws"] = max_draws or DRAWS_PER_TASK * requested_count
-        _write_feasible(space, drawing, requested_count, validation, output, line, tell)
+        _write_feasible(source, drawing, requested_count, validation, output, line, choose, tell)
+
+
+def _check_choice(cover: int | None, diverse: int | None, count: int, by: str, over: Any, excluded: str | None) -> None:
+    """Check that the options that choose tasks are consistent.
+
+    Raises:
+        QueryError: two options exclude each other.
+    """
+    given = {"--diverse": diverse is not None, "--by plan": by != "task", "--over": over is not None,
+             "--except": excluded is not None}  # fmt: skip
+    for option in (option for option, is_given in given.items() if is_given and cover is not None):
+        raise QueryError(f"--cover chooses from all tasks of the space; leave {option} out")
+    if diverse is not None and diverse > count:
+        raise QueryError(f"--diverse {diverse}: chooses from {plural(count, 'sampled task')}; raise --count")
 
 
 def _write_feasible(
-    space: TaskSpace, drawing: Mapping[str, Any], requested_count: int, validation: PhysicsOptions, output: str | None,
-    line: Callable[[Record], str], tell: Tell,
+    space: TaskSpace | CoveringTasks, drawing: Mapping[str, Any], requested_count: int, validation: PhysicsOptions,
+    output: str | None, line: Callable[[Record], str], choose: Callable[[Iterator[Record]], Iterator[Record]],
+    tell: Tell,
 ) -> None:  # fmt: skip
     """Write the feasible tasks among the sampled ones; `drawing` holds arguments of `feasible`.
 
@@ -148,7 +175,7 @@ def _write_feasible(
             progress=lambda: tell(summary(), tally.passed, requested_count),
         )  # fmt: skip
         with closing(records):
-            for record in islice(records, requested_count):
+            for record in choose(islice(records, requested_count)):
                 out.write(line(record), flush=True)
     if tally.passed < requested_count:
         found = f"only {tally.passed} of {plural(requested_count, 'task')} found in {plural(tally.seen, 'draw')}"

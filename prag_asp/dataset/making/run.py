@@ -104,7 +104,7 @@ class DatasetRun:
         DATASET.require_folder(self._folder, JOURNAL)
         parts = ordered_parts(
             self._space, spec.division, seed=spec.seed, weights=self._space.weights(spec.weights, spec.temperature),
-            evenly=spec.evenly, deal=spec.deal, excluded=spec.excluded_ranks,
+            over=spec.over or None, evenly=spec.evenly, deal=spec.deal, excluded=spec.excluded_ranks,
         )  # fmt: skip
         make_folder(self._folder)
         values, spaces = request_of(self._space, spec), {each: self._space.at(each) for each in self._space.lengths}

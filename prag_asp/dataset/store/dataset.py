@@ -255,7 +255,7 @@ class Dataset:
         from prag_asp.space.without_replacement import order_of
 
         spec, lengths = self.manifest.spec, [space.length for space in self.manifest.spaces if space.tasks != "0"]
-        uniform = not spec.weights and not spec.skeletons and spec.hold_out is None
+        uniform = not (spec.weights or spec.over or spec.skeletons) and spec.hold_out is None
         if uniform and (length not in lengths or not 0 <= rank < int(self._sizes[length])):
             return
         for note in self._notes:

@@ -61,7 +61,7 @@ def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progre
         space = TaskSpace(domain, lengths).where(*manifest.where)
         parts = ordered_parts(
             space, spec.division, seed=spec.seed, weights=space.weights(spec.weights, spec.temperature),
-            evenly=spec.evenly, deal=spec.deal, excluded=spec.excluded_ranks,
+            over=spec.over or None, evenly=spec.evenly, deal=spec.deal, excluded=spec.excluded_ranks,
         )  # fmt: skip
     except PragError as error:
         yield Finding(NAME, None, f"what was requested cannot be drawn: {error}")

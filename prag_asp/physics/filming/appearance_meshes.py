@@ -2,7 +2,7 @@
 
 The Panda's meshes have 102,000 triangles; an image of 128 x 128 pixels takes 21 ms. Vertex clustering (Rossignac and
 Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993) leaves 3,000 triangles with the same
-appearance.
+appearance. Pictures for people use smaller cells.
 """
 
 from __future__ import annotations
@@ -21,11 +21,25 @@ from prag_asp.errors import SceneError
 from prag_asp.physics.robot.robot_files import robot_file
 from prag_asp.scene.robots import ROBOTS
 
-CELL, FINEST = 0.026, 0.006
-"""The side of a cluster of vertices in metres, and the smallest one for small parts."""
 
-CELLS = 6
-"""The number of clusters along the longest side of a small part."""
+class Fineness(NamedTuple):
+    """How finely robots and shadows are rendered.
+
+    `cell` and `finest` are the largest and the smallest side of a cluster of vertices in metres, `cells` is the least
+    number of clusters along a part, and `shadow_texels` is the side of the light's image in pixels.
+    """
+
+    name: str
+    cell: float
+    finest: float
+    cells: int
+    shadow_texels: int
+
+
+COARSE = Fineness("coarse", 0.026, 0.006, 6, 192)
+MIDDLE = Fineness("middle", 0.016, 0.005, 10, 256)
+FINE = Fineness("fine", 0.011, 0.004, 16, 512)
+"""For camera images of episodes, animations, and still pictures."""
 
 SMALLEST = 0.012
 """The size in metres below which parts of a mesh are omitted: screws and lamps."""
@@ -45,7 +59,7 @@ class Mesh(NamedTuple):
 
 
 @cache
-def low_files(kind: str) -> Mapping[str, bytes]:
+def low_files(kind: str, fineness: Fineness = COARSE) -> Mapping[str, bytes]:
     """Return the files of a robot with simplified meshes and without collisions: its URDF, then its meshes.
 
     They are made once per process, which takes half a second.
@@ -66,17 +80,21 @@ def low_files(kind: str) -> Mapping[str, bytes]:
             link.remove(collision)
         for visual in link.findall("visual"):
             if visual.find("geometry/mesh") is not None:
-                meshes |= _simplified(link, visual, f"{kind}_{number}", named)
+                meshes |= _simplified(link, visual, f"{kind}_{fineness.name}_{number}", named, fineness)
     return {f"{kind}.urdf": ElementTree.tostring(root), **meshes}
 
 
 def _simplified(
-    link: ElementTree.Element, visual: ElementTree.Element, stem: str, named: Mapping[str, Colour]
+    link: ElementTree.Element,
+    visual: ElementTree.Element,
+    stem: str,
+    named: Mapping[str, Colour],
+    fineness: Fineness,
 ) -> dict[str, bytes]:
     """Replace the visual mesh of a link by simplified meshes, one for each colour, and return their files.
 
-    File names begin with a stem that is unique to the robot, because PyBullet caches meshes by path. `named` are the
-    colours of the robot's materials.
+    File names begin with a stem that is unique to the robot and the fineness, because PyBullet caches meshes by path.
+    `named` are the colours of the robot's materials.
     """
     mesh, origin = visual.find("geometry/mesh"), visual.find("origin")
     assert mesh is not None
@@ -85,7 +103,7 @@ def _simplified(
     material = visual.find("material")
     default = WHITE if material is None else named.get(material.get("name", ""), WHITE)
     files = {}
-    for number, (colour, parts) in enumerate(_by_colour(source, default).items()):
+    for number, (colour, parts) in enumerate(_by_colour(source, default, fineness).items()):
         name = f"{stem}_{number}.obj"
         files[name] = ("\n".join(_lines(parts)) + "\n").encode("ascii")
         part = ElementTree.SubElement(link, "visual")
@@ -97,7 +115,7 @@ def _simplified(
     return files
 
 
-def _by_colour(source: Path, default: Colour) -> dict[Colour, list[Mesh]]:
+def _by_colour(source: Path, default: Colour, fineness: Fineness) -> dict[Colour, list[Mesh]]:
     """Return the simplified parts of a mesh by colour.
 
     `default` is the colour in the URDF; if it is white, the materials of the mesh determine the colours.
@@ -114,7 +132,7 @@ def _by_colour(source: Path, default: Colour) -> dict[Colour, list[Mesh]]:
         if longest >= SMALLEST:
             painted = DARK if max(colours.get(name, WHITE)) < DARK_BELOW else WHITE
             colour = painted if min(default) > WHITE_ABOVE else default
-            cell = min(CELL, max(longest / CELLS, FINEST))
+            cell = min(fineness.cell, max(longest / fineness.cells, fineness.finest))
             meshes.setdefault(colour, []).append(cluster_corners(mesh, cell))
     return meshes
 

@@ -1,4 +1,4 @@
-"""Render the table, its zones and the background by one ray per pixel.
+"""Render the table, its zones and the room by one ray per pixel.
 
 They are large, and TinyRenderer's time grows with the number of pixels in a triangle.
 """
@@ -13,33 +13,32 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.physics.filming.room import LEVEL, room_colours
+from prag_asp.physics.filming.textures import Floats, wood
 from prag_asp.physics.situation import TABLE_THICKNESS
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.cameras import Camera
 from prag_asp.scene.colours import rgb
 from prag_asp.scene.scene import Scene
 
-SKY, GROUND = (247, 249, 252), (214, 221, 230)
 AMBIENT, DIFFUSE, SPECULAR = 0.62, 0.42, 0.12
 UPWARDS = 2
 AROUND = 0
 """The number that marks the background."""
 
-LEVEL = np.float32(1e-7)
-"""The minimum component of a ray, which avoids division by zero."""
-
-Floats = NDArray[np.float32]
-
 
 class Backdrop(NamedTuple):
     """The image behind the robots and the objects: colours (H, W, 3), depths in metres and entity numbers (H, W).
 
-    The depth of the background is infinite.
+    The depth of the background is infinite. `level` (H, W) marks the horizontal surfaces on which shadows fall, and
+    `shade` is their brightness in the light.
     """
 
     rgb: NDArray[np.uint8]
     depth: Floats
     numbers: NDArray[np.int32]
+    level: NDArray[np.bool_]
+    shade: float
 
 
 class LevelPatch(NamedTuple):
@@ -58,7 +57,7 @@ class LevelPatch(NamedTuple):
 
 
 @lru_cache(maxsize=16)
-def _rays(camera: Camera) -> tuple[Floats, Floats]:
+def rays(camera: Camera) -> tuple[Floats, Floats]:
     """Return the x and y coordinates of each pixel at depth 1, shapes (1, W) and (H, 1)."""
     (width, height), matrix = camera.size, camera.intrinsics
     x = (np.arange(width) + 0.5 - matrix[0, 2]) / matrix[0, 0]
@@ -103,9 +102,11 @@ def backdrop(
 
     `table` is the number of the table; `light` is the direction to the light.
     """
-    (x, y), turn = _rays(camera), pose[:3, :3].astype(np.float32)
+    (x, y), turn = rays(camera), pose[:3, :3].astype(np.float32)
     ahead = [turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] for axis in range(3)]
-    colors, numbers = sky(camera.size).copy(), np.full(ahead[0].shape, AROUND, dtype=np.int32)
+    colors = np.zeros((*ahead[0].shape, 3), dtype=np.uint8)
+    numbers, level = np.full(ahead[0].shape, AROUND, dtype=np.int32), np.zeros(ahead[0].shape, dtype=np.bool_)
+    focal = float(camera.intrinsics[0, 0])
     depth = np.full(ahead[0].shape, np.inf, dtype=np.float32)
     eye, half = pose[:3, 3].astype(np.float32), np.array([*scene.table.size, TABLE_THICKNESS], dtype=np.float32) / 2
     centre = np.array([*scene.table.centre, -TABLE_THICKNESS / 2], dtype=np.float32)
@@ -122,19 +123,31 @@ def backdrop(
         seen &= (np.abs(points[0]) <= half[one]) & (np.abs(points[1]) <= half[two])
         shade = _shade(axis, away, light)
         depth[seen], numbers[seen], colors[seen] = far[seen], table, _shaded(scene.table.color, shade)
-        for zone in zones if axis == UPWARDS and away > 0.0 else ():
-            within = seen & _within(points[0] + centre[0], points[1] + centre[1], zone)
-            numbers[within], colors[within] = zone.number, _shaded(zone.color, shade)
+        if axis == UPWARDS and away > 0.0 and seen.any():
+            level = seen
+            x, y = points[0] + centre[0], points[1] + centre[1]
+            colored = np.broadcast_to(np.array(rgb(scene.table.color), np.float32) * shade, colors.shape).copy()
+            for zone in zones:
+                within = seen & _within(x, y, zone)
+                numbers[within], colored[within] = zone.number, np.array(rgb(zone.color), np.float32) * shade
+            grain = wood().at(x[seen], y[seen], float(np.median(far[seen])) / focal)
+            colors[seen] = np.minimum(colored[seen] * grain[:, None], 255.0).astype(np.uint8)
     falling = np.minimum(ahead[UPWARDS], -LEVEL)
     # TinyRenderer adds the same specular brightness to a horizontal surface for any camera.
     gloss = SPECULAR * (max(0.0, light[UPWARDS]) / math.hypot(*light)) ** 2
-    shade = _shade(UPWARDS, 1.0, light) + gloss
+    above = _shade(UPWARDS, 1.0, light)
+    shade = above + gloss
     for patch in raised:
         far = np.float32(patch.z - eye[UPWARDS]) / falling
         seen = (far >= camera.near) & (far <= camera.far) & (far < depth)
         seen &= _within(eye[0] + far * ahead[0], eye[1] + far * ahead[1], patch)
         depth[seen], numbers[seen], colors[seen] = far[seen], patch.number, _shaded(patch.color, shade)
-    return Backdrop(colors, depth, numbers)
+        level = level | seen
+    around = numbers == AROUND
+    if around.any():
+        seen_rays = (ahead[0][around], ahead[1][around], ahead[2][around])
+        colors[around] = room_colours(scene.table, eye, seen_rays, focal, light)
+    return Backdrop(colors, depth, numbers, level, above)
 
 
 def _within(x: Floats, y: Floats, zone: LevelPatch) -> NDArray[np.bool_]:
@@ -143,15 +156,6 @@ def _within(x: Floats, y: Floats, zone: LevelPatch) -> NDArray[np.bool_]:
     along, across = cosine * (x - zone.x) + sine * (y - zone.y), cosine * (y - zone.y) - sine * (x - zone.x)
     inside: NDArray[np.bool_] = (np.abs(along) <= zone.half[0]) & (np.abs(across) <= zone.half[1])
     return inside
-
-
-@lru_cache(maxsize=8)
-def sky(size: tuple[int, int]) -> NDArray[np.uint8]:
-    """Return a background of the given size, a gradient."""
-    width, height = size
-    share = np.linspace(0.0, 1.0, height)[:, None]
-    rows = np.asarray(SKY) * (1 - share) + np.asarray(GROUND) * share
-    return np.broadcast_to(rows[:, None, :], (height, width, 3)).astype(np.uint8)
 
 
 def _shade(axis: int, side: float, light: Vector) -> float:

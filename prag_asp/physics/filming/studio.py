@@ -1,7 +1,7 @@
 """A world for rendering: robots with simplified meshes, the objects of an episode, and cameras.
 
-TinyRenderer draws robots and objects; the table, zones, floors of fixed containers and the background come from
-`backdrop` and are merged by depth.
+TinyRenderer draws robots and objects; the table, zones, floors of fixed containers and the room come from `backdrop`
+and are merged by depth. Shadows come from a depth image that TinyRenderer takes from the light.
 """
 
 from __future__ import annotations
@@ -16,28 +16,30 @@ from numpy.typing import NDArray
 from prag_asp.errors import SceneError
 from prag_asp.physics.bullet import STDOUT, mute_output, pybullet
 from prag_asp.physics.demonstration.footage import NOTHING, CameraImage, segmentation_type
-from prag_asp.physics.filming.appearance_meshes import low_files
+from prag_asp.physics.filming.appearance_meshes import COARSE, Fineness, low_files
 from prag_asp.physics.filming.backdrop import (
     AMBIENT,
     DIFFUSE,
     SPECULAR,
     Backdrop,
-    Floats,
     backdrop,
     floors,
     has_still_floor,
     patches,
+    rays,
 )
+from prag_asp.physics.filming.shadows import LightPlaces, ShadowMap, light_camera
+from prag_asp.physics.filming.textures import Floats
 from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.witness import Moment
-from prag_asp.physics.world.bodies import make_body, put_body
+from prag_asp.physics.world.bodies import make_body, parking_place, put_body
 from prag_asp.physics.world.collisions import BASE_LINK
 from prag_asp.physics.world.furniture_bodies import JOINT, set_opening
 from prag_asp.physics.world.simulated_arm import load_robot_files, set_joints
-from prag_asp.physics.world.simulator import open_client, start_world
+from prag_asp.physics.world.simulator import move, open_client, read_pose, start_world
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.cameras import Camera
-from prag_asp.scene.geometry import matrix
+from prag_asp.scene.geometry import Pose, matrix
 from prag_asp.scene.robots import Joints, robot_of
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.variation import USUAL_LIGHT, table_of
@@ -49,6 +51,9 @@ FLIPPED = np.diag((1.0, -1.0, -1.0, 1.0))
 BODY, LINK = (1 << 24) - 1, 24
 """The mask of the body number in a pixel, and the lowest bit of the link number, which is stored plus one."""
 
+BODY_SHADOW = 0.72
+"""The brightness of a surface of a body in the shadow of another one, as a share of that in the light."""
+
 RESTING = 0.002
 """The depth tolerance in metres within which an object hides the table below it."""
 
@@ -56,7 +61,14 @@ RESTING = 0.002
 class Studio:
     """A world for rendering some objects of a scene; use `open_studio`, which closes it."""
 
-    def __init__(self, scene: Scene, objects: Sequence[str], client: int, light: Vector = USUAL_LIGHT):
+    def __init__(
+        self,
+        scene: Scene,
+        objects: Sequence[str],
+        client: int,
+        light: Vector = USUAL_LIGHT,
+        fineness: Fineness = COARSE,
+    ):
         self._scene, self._client, self._light = scene, client, light
         for entity in objects:
             if entity not in scene.shapes or not scene.shapes[entity].traits.body:
@@ -66,7 +78,7 @@ class Studio:
         start_world(client)
         self._robots = {name: robot_of(scene, name) for name in scene.robots}
         self._arms = {
-            name: load_robot_files(client, low_files(mount.kind), self._robots[name].base, visual=True)
+            name: load_robot_files(client, low_files(mount.kind, fineness), self._robots[name].base, visual=True)
             for name, mount in scene.robots.items()
         }
         self._bodies = {
@@ -75,7 +87,7 @@ class Studio:
             )
             for entity in objects
         }
-        table = table_of(scene)
+        self.table = table = table_of(scene)
         zones = [entity for entity, shape in scene.shapes.items() if shape.kind == "zone"]
         self.legend = (NOTHING, table, *scene.robots, *objects, *zones)
         self._dtype = np.dtype(segmentation_type(self.legend))
@@ -97,7 +109,9 @@ class Studio:
         }
         self._joints: dict[str, Joints] = {}
         self._poses: dict[Camera, NDArray[np.float64]] = {}
-        self._fixed: dict[Camera, Backdrop] = {}
+        self._fixed: dict[Camera, tuple[Backdrop, LightPlaces]] = {}
+        self._shadows = ShadowMap(light_camera(scene, light, fineness.shadow_texels))
+        self._shadows_are_old = True
 
     def show(self, moment: Moment) -> None:
         """Show a moment: move all objects and arms."""
@@ -108,6 +122,7 @@ class Studio:
             put_body(self._client, self._scene, entity, self._bodies[entity], pose)
         for entity, opening in moment.openings.items():
             set_opening(self._client, self._bodies[entity], opening)
+        self._shadows_are_old = True
 
     def pose(self, camera: Camera) -> NDArray[np.float64]:
         """Return the current pose of a camera as a homogeneous matrix, with x to the right, y down and z ahead."""
@@ -120,29 +135,72 @@ class Studio:
     def take(self, camera: Camera) -> CameraImage:
         """Take an image with a camera, and return it."""
         pose = self.pose(camera)
-        behind = None if camera.mount else self._fixed.get(camera)
-        if behind is None:
-            behind = backdrop(self._scene, camera, pose, self._zones, self._table, self._light, self._floors)
-            self._fixed[camera] = behind
-        colors, buffer, bodies = self._drawn(camera, pose)
-        near, far = camera.near, camera.far
-        depth = far * near / (far - (far - near) * buffer)
+        behind, places = self._behind(camera, pose)
+        colors, depth, bodies = self._drawn(camera, pose)
         in_front = (bodies >= 0) & (depth < behind.depth + RESTING)
+        self._cast_shadows()
+        shown = behind.rgb.copy()
+        pixels = shown.reshape(-1, 3)
+        light = 1.0 - (1.0 - AMBIENT / behind.shade) * self._shadows.on_table(places)
+        pixels[places.pixels] = pixels[places.pixels] * light[:, None]
+        bodies_at = self._places(camera, pose, depth, in_front)
+        light = 1.0 - (1.0 - BODY_SHADOW) * self._shadows.on_bodies(bodies_at, bodies.ravel()[bodies_at.pixels])
+        pixels[bodies_at.pixels] = colors.reshape(-1, 3)[bodies_at.pixels] * light[:, None]
         depths = np.where(in_front, depth, behind.depth)
         depths[~np.isfinite(depths)] = 0.0
         return CameraImage(
-            np.where(in_front[..., None], colors, behind.rgb),
+            shown,
             depths.astype(np.float16),
             np.where(in_front, self._numbers[bodies + 1], behind.numbers).astype(self._dtype),
         )
 
-    def counts(self, camera: Camera) -> Counter[str]:
+    def _behind(self, camera: Camera, pose: NDArray[np.float64]) -> tuple[Backdrop, LightPlaces]:
+        """Return the image of table and room from a camera pose, and where its level surfaces lie in the light."""
+        if not camera.mount and camera in self._fixed:
+            return self._fixed[camera]
+        behind = backdrop(self._scene, camera, pose, self._zones, self._table, self._light, self._floors)
+        places = self._places(camera, pose, behind.depth, behind.level)
+        if not camera.mount:
+            self._fixed[camera] = (behind, places)
+        return behind, places
+
+    def _places(
+        self, camera: Camera, pose: NDArray[np.float64], depth: Floats, chosen: NDArray[np.bool_]
+    ) -> LightPlaces:
+        """Return where the points that the chosen pixels show lie in the light's image."""
+        (x, y), turn = rays(camera), pose.astype(np.float32)
+        pixels = np.flatnonzero(chosen)
+        rows, columns = np.divmod(pixels, camera.size[0])
+        across, down, far = x[0, columns], y[rows, 0], depth.ravel()[pixels]
+        first, second, third = (
+            (turn[i, 0] * across + turn[i, 1] * down + turn[i, 2]) * far + turn[i, 3] for i in range(3)
+        )
+        return self._shadows.places(pixels, (first, second, third))
+
+    def _cast_shadows(self) -> None:
+        """Take the depth image of the light, if anything has moved."""
+        if self._shadows_are_old:
+            camera = self._shadows.camera
+            _, depth, bodies = self._drawn(camera, camera.pose)
+            self._shadows.update(np.where(bodies >= 0, depth, np.float32(np.inf)), bodies)
+            self._shadows_are_old = False
+
+    def counts(self, camera: Camera, *, robots: bool = True) -> Counter[str]:
         """Return the number of pixels of each object (for furniture, of its moving part) and of each robot's hand.
 
-        Hands are listed under the names of their robots.
+        Hands are listed under the names of their robots; `robots=False` removes the robots for this image.
         """
         flags = pybullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX
-        _, _, numbers = self._drawn(camera, self.pose(camera), flags)
+        pose = self.pose(camera)
+        if robots:
+            _, _, numbers = self._drawn(camera, pose, flags)
+        else:
+            arms = {arm: read_pose(self._client, arm) for arm in self._arms.values()}
+            for i, arm in enumerate(arms):
+                move(self._client, arm, Pose(parking_place(i)))
+            _, _, numbers = self._drawn(camera, pose, flags)
+            for arm, place in arms.items():
+                move(self._client, arm, place)
         seen: Counter[str] = Counter()
         for value, count in zip(*np.unique(numbers[numbers >= 0], return_counts=True), strict=True):
             body, link = int(value) & BODY, (int(value) >> LINK) - 1
@@ -153,7 +211,7 @@ class Studio:
     def _drawn(
         self, camera: Camera, pose: NDArray[np.float64], flags: int = 0
     ) -> tuple[NDArray[np.uint8], Floats, NDArray[np.int32]]:
-        """Return TinyRenderer's colours, depth buffer from 0 to 1, and body numbers (-1 for none)."""
+        """Return TinyRenderer's colours, depths in metres, and body numbers (-1 for none)."""
         width, height = camera.size
         result = pybullet.getCameraImage(
             width,
@@ -172,7 +230,9 @@ class Studio:
         # A PyBullet that was built without NumPy returns flat tuples.
         colors = np.asarray(result[2], dtype=np.uint8).reshape(height, width, 4)[:, :, :3]
         buffer = np.asarray(result[3], dtype=np.float32).reshape(height, width)
-        return colors, buffer, np.asarray(result[4], dtype=np.int32).reshape(height, width)
+        near, far = camera.near, camera.far
+        depth: Floats = far * near / (far - (far - near) * buffer)
+        return colors, depth, np.asarray(result[4], dtype=np.int32).reshape(height, width)
 
 
 def matrices(camera: Camera, pose: NDArray[np.float64]) -> tuple[list[float], list[float]]:
@@ -189,13 +249,17 @@ def matrices(camera: Camera, pose: NDArray[np.float64]) -> tuple[list[float], li
 
 
 @contextmanager
-def open_studio(scene: Scene, objects: Sequence[str], light: Vector = USUAL_LIGHT) -> Iterator[Studio]:
+def open_studio(
+    scene: Scene, objects: Sequence[str], light: Vector = USUAL_LIGHT, fineness: Fineness = COARSE
+) -> Iterator[Studio]:
     """Open a world for rendering some objects of a scene, and close it afterwards.
+
+    `light` is the direction to the light, `fineness` that of robots and shadows.
 
     Raises:
         SceneError: a robot cannot be loaded, PyBullet refuses a body, or an object has no body.
     """
     with open_client() as client:
         with mute_output(STDOUT):
-            studio = Studio(scene, objects, client, light)
+            studio = Studio(scene, objects, client, light, fineness)
         yield studio

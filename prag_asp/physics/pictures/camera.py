@@ -1,20 +1,14 @@
-"""Render a moment with PyBullet's software renderer, in front of a gradient."""
+"""Take pictures of moments: rendered larger than needed, then reduced, so that edges are smooth."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from prag_asp.errors import PicturesMissingError
-from prag_asp.physics.bullet import pybullet
-from prag_asp.physics.filming.backdrop import AMBIENT, DIFFUSE, SPECULAR, sky
-from prag_asp.physics.filming.studio import LIGHT_DISTANCE
+from prag_asp.physics.demonstration.footage import CameraImage
+from prag_asp.physics.filming.studio import Studio
 from prag_asp.physics.pictures.views import View
-from prag_asp.physics.witness import Moment
-from prag_asp.physics.world.simulator import Simulator
-from prag_asp.scene.cameras import FIELD_OF_VIEW
-from prag_asp.scene.variation import USUAL_LIGHT
+from prag_asp.scene.cameras import FIELD_OF_VIEW, Camera
 
 if TYPE_CHECKING:
     from PIL import Image
@@ -22,31 +16,24 @@ if TYPE_CHECKING:
 OVERSAMPLING = 2
 """The factor by which a picture is rendered larger than needed; scaling it down smooths its edges."""
 
+NEAR, FAR = 0.1, 10.0
+"""The clipping planes of pictures, in metres."""
 
-def picture(simulator: Simulator, moment: Moment, size: tuple[int, int], view: View) -> Image.Image:
-    """Return a picture of a moment, `size` in pixels; the simulator must have been opened with `visual`."""
+
+def view_camera(view: View, size: tuple[int, int], oversampling: int = OVERSAMPLING) -> Camera:
+    """Return the camera of a view for pictures of a size in pixels."""
+    return Camera(*view, FIELD_OF_VIEW, size=(size[0] * oversampling, size[1] * oversampling), near=NEAR, far=FAR)
+
+
+def picture(studio: Studio, size: tuple[int, int], view: View) -> Image.Image:
+    """Return a picture, `size` in pixels, of the moment that the studio shows."""
+    return reduced(studio.take(view_camera(view, size)), size)
+
+
+def reduced(taken: CameraImage, size: tuple[int, int]) -> Image.Image:
+    """Return the colours of an image, reduced to a size in pixels."""
     image_type = pillow()
-    simulator.show(moment)
-    width, height = size[0] * OVERSAMPLING, size[1] * OVERSAMPLING
-    result = pybullet.getCameraImage(
-        width,
-        height,
-        pybullet.computeViewMatrix(*view, (0.0, 0.0, 1.0)),
-        pybullet.computeProjectionMatrixFOV(FIELD_OF_VIEW, width / height, 0.1, 5.0),
-        lightDirection=USUAL_LIGHT,
-        lightAmbientCoeff=AMBIENT,
-        lightDiffuseCoeff=DIFFUSE,
-        lightSpecularCoeff=SPECULAR,
-        lightDistance=LIGHT_DISTANCE,
-        shadow=True,
-        renderer=pybullet.ER_TINY_RENDERER,
-        physicsClientId=simulator.client,
-    )
-    # A PyBullet that was built without NumPy returns flat tuples.
-    colors = np.asarray(result[2], dtype=np.uint8).reshape(height, width, 4)[:, :, :3].copy()
-    nothing = np.asarray(result[4], dtype=np.int64).reshape(height, width) < 0
-    colors[nothing] = sky((width, height))[nothing]
-    image: Image.Image = image_type.fromarray(colors).resize(size, image_type.Resampling.LANCZOS)
+    image: Image.Image = image_type.fromarray(taken.rgb).resize(size, image_type.Resampling.BOX)
     return image
 
 

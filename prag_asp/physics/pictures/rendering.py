@@ -1,41 +1,33 @@
-"""Pictures of witnesses and demonstrations: film strips with captions, single states, and animations."""
+"""Pictures of witnesses and demonstrations: film strips with captions, and single states."""
 
 from __future__ import annotations
 
 import math
 import re
-from bisect import bisect_left
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
-from pathlib import Path
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from prag_asp.errors import QueryError, SceneError
 from prag_asp.physics.checks.numbers import LIMIT_TOLERANCE, broken_numbers, count_mismatch
-from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration
+from prag_asp.physics.demonstration.demonstration import Demonstration
+from prag_asp.physics.filming.appearance_meshes import FINE, Fineness
 from prag_asp.physics.filming.camera_rendering import moment_of
+from prag_asp.physics.filming.studio import Studio, open_studio
 from prag_asp.physics.pictures.camera import picture, pillow
-from prag_asp.physics.pictures.saving import save_picture
-from prag_asp.physics.pictures.sheet import Panel, line_count, sheet
+from prag_asp.physics.pictures.highlights import changed_entities, highlighted
+from prag_asp.physics.pictures.sheet import Panel, sheet
 from prag_asp.physics.pictures.views import best_view
 from prag_asp.physics.predicates.predicate import words
 from prag_asp.physics.symbolic_facts import Fact, facts, physical_task
 from prag_asp.physics.witness import Moment, Witness
-from prag_asp.physics.world.simulator import Simulator, open_simulator
+from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from PIL import Image
-
-RATE = 10
-"""The frame rate of animations, in frames per second."""
-
-LAST_PAUSE = 1500
-"""The pause at the end of an animation, in milliseconds."""
 
 GIVE = 0.005
 """The tolerance by which measured joint angles and openings may exceed their limits, in radians and metres."""
@@ -52,16 +44,17 @@ def film_strip(
     scene: Scene,
     *,
     frames: int | None = None,
-    columns: int = 6,
+    columns: int = 3,
     size: tuple[int, int] = (360, 320),
     headings: Sequence[str | None] | None = None,
     captions: Sequence[tuple[str, str]] | None = None,
 ) -> Image.Image:
     """Return a picture of the states of a witness or a demonstration, or of `frames` of them, including first and last.
 
-    They are arranged in rows of at most `columns`; `size` is the size of one picture in pixels. Below each picture are
-    the action and its positive effects in plain words. `headings` that are not None replace the words for the actions;
-    `captions` replace all words by a heading and a text for each state.
+    They are arranged in rows of at most `columns`; `size` is the size of one picture in pixels. What an action has
+    changed is outlined, and shown in a close-up if the robot hides it. Below each picture are the action and its
+    positive effects in plain words, large enough to be read at the width of a page. `headings` that are not None
+    replace the words for the actions; `captions` replace all words by a heading and a text for each state.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
@@ -69,14 +62,18 @@ def film_strip(
     """
     if (frames is not None and frames < 2) or columns < 1:
         raise QueryError(f"a film strip needs at least 2 frames and 1 column; got {frames} and {columns}")
-    moments = _moments(task, shown)
-    _check_headings(task, headings)
+    moments = moments_of(task, shown)
+    check_headings(task, headings)
     pillow()
     last = len(task.actions)
     chosen = range(last + 1) if frames is None else sorted({round(i * last / (frames - 1)) for i in range(frames)})
-    with _simulator(task, shown, moments, scene) as simulator:
-        view = best_view(task, moments, simulator.scene, size, chosen)
-        pictures = [picture(simulator, moments[k], size, view) for k in chosen]
+    pictures = []
+    with open_stage(task, shown, moments, scene) as (studio, sized):
+        view = best_view(task, moments, sized, studio, size, chosen)
+        for k in chosen:
+            studio.show(moments[k])
+            changed = changed_entities(task, moments, sized, k)
+            pictures.append(highlighted(studio, moments[k], sized, changed, size, view))
     if captions is not None and len(captions) != last + 1:
         raise QueryError(f"{plural(len(captions), 'caption')} for {plural(last + 1, 'state')}; give one for each")
     texts = make_captions(task, scene, chosen, headings, captions)
@@ -92,61 +89,17 @@ def still(
         PicturesMissingError: Pillow is not installed.
         QueryError: the task has no such state, or `shown` does not belong to the task.
     """
-    moments = _moments(task, shown)
+    moments = moments_of(task, shown)
     if not 0 <= state < len(moments):
         raise QueryError(f"state {state}: the states of the task are 0 to {len(moments) - 1}")
     pillow()
-    with _simulator(task, shown, moments, scene) as simulator:
-        view = best_view(task, moments, simulator.scene, size, (state,))
-        return picture(simulator, moments[state], size, view)
+    with open_stage(task, shown, moments, scene) as (studio, sized):
+        view = best_view(task, moments, sized, studio, size, (state,))
+        studio.show(moments[state])
+        return picture(studio, size, view)
 
 
-def animate(
-    task: Task,
-    demonstration: Demonstration,
-    scene: Scene,
-    path: Path,
-    *,
-    size: tuple[int, int] = (400, 350),
-    speed: float = 2.0,
-    headings: Sequence[str | None] | None = None,
-    progress: Callable[[int, int], None] = lambda done, total: None,
-) -> None:
-    """Write an animation of a demonstration, `speed` times as fast, as a .gif or .webp according to the suffix.
-
-    It shows `RATE` frames per second with the current action below; `size` is the size of a frame in pixels. `progress`
-    is called with the number of rendered frames and the total number of frames.
-
-    Raises:
-        PicturesMissingError: Pillow is not installed.
-        QueryError: the file is neither .gif nor .webp, the speed is not positive, or the demonstration does not
-            belong to the task.
-        OutputError: the file cannot be written.
-    """
-    if path.suffix.lower() not in (".gif", ".webp"):
-        raise QueryError(f"{path}: an animation is a .gif or a .webp")
-    if not 0.0 < speed < math.inf:
-        raise QueryError(f"the speed of an animation is a positive number; got {speed}")
-    moments = _moments(task, demonstration)
-    _check_headings(task, headings)
-    pillow()
-    every = max(1, round(speed * FRAMES_A_SECOND / RATE))
-    frames = [*range(0, len(demonstration.times) - 1, every), len(demonstration.times) - 1]
-    panels = []
-    with _simulator(task, demonstration, moments, scene) as simulator:
-        view = best_view(task, moments, simulator.scene, size)
-        for frame in frames:
-            k = min(bisect_left(demonstration.ends.tolist(), frame), len(task.actions))
-            shown = picture(simulator, moment_of(demonstration, frame), size, view)
-            panels.append(Panel(shown, _caption(task, scene, k, headings)[0]))
-            progress(len(panels), len(frames))
-    pictures = [sheet([panel], 1, lines=line_count(panels)) for panel in panels]
-    times = demonstration.times[frames] * 1000 / speed
-    pauses = [*(int(pause) for pause in np.round(np.diff(times))), LAST_PAUSE]
-    save_picture(pictures[0], path, save_all=True, append_images=pictures[1:], duration=pauses, loop=0)
-
-
-def _moments(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
+def moments_of(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
     """Return the moments in a witness or a demonstration that belong to the states of a task."""
     if isinstance(shown, Witness):
         unfit = count_mismatch(shown, len(task.actions))
@@ -165,30 +118,39 @@ def _actions(task: Task) -> str:
 
 
 @contextmanager
-def _simulator(
-    task: Task, shown: Witness | Demonstration, moments: Sequence[Moment], scene: Scene
-) -> Iterator[Simulator]:
-    """Open a simulator that can show all moments."""
+def open_stage(
+    task: Task,
+    shown: Witness | Demonstration,
+    moments: Sequence[Moment],
+    scene: Scene,
+    fineness: Fineness = FINE,
+) -> Iterator[tuple[Studio, Scene]]:
+    """Open a studio that can show all moments, and the scene with the sizes of the task.
+
+    Raises:
+        QueryError: a number in the moments is wrong.
+    """
     try:
         sized = scene.with_sizes(shown.sizes) if isinstance(shown, Witness) else shown.sized_scene(scene)
     except SceneError as error:
         raise QueryError(str(error)) from None
-    with open_simulator(sized, visual=True) as simulator:
+    with open_simulator(sized) as simulator:
         physical = physical_task(task, sized)
         tolerance = LIMIT_TOLERANCE if isinstance(shown, Witness) else GIVE
         for k, moment in enumerate(moments):
             for fault in broken_numbers(moment, physical, simulator, tolerance):
                 raise QueryError(f"state {k}: {fault}")
-        yield simulator
+    with open_studio(sized, tuple(moments[0].poses), fineness=fineness) as studio:
+        yield studio, sized
 
 
-def _check_headings(task: Task, headings: Sequence[str | None] | None) -> None:
+def check_headings(task: Task, headings: Sequence[str | None] | None) -> None:
     """Check that there is a heading for each action."""
     if headings is not None and len(headings) != len(task.actions):
         raise QueryError(f"{plural(len(headings), 'heading')} for {_actions(task)}; give one for each")
 
 
-def _caption(task: Task, scene: Scene, k: int, headings: Sequence[str | None] | None) -> tuple[str, str]:
+def caption(task: Task, scene: Scene, k: int, headings: Sequence[str | None] | None) -> tuple[str, str]:
     """Return the heading and the text of a state in plain words."""
     if k == 0:
         named = {argument for action in task.actions for argument in action.arguments}
@@ -214,7 +176,7 @@ def make_captions(
     captions: Sequence[tuple[str, str]] | None = None,
 ) -> list[tuple[str, str]]:
     """Return the heading and text of each state; the first text explains left and right if the robot defines them."""
-    texts = [captions[k] if captions is not None else _caption(task, scene, k, headings) for k in chosen]
+    texts = [captions[k] if captions is not None else caption(task, scene, k, headings) for k in chosen]
     if scene.frame == "viewer" or not any(SIDES.search(text) for pair in texts for text in pair):
         return texts
     heading, text = texts[0]

@@ -6,11 +6,13 @@ import math
 from collections.abc import Iterable, Sequence
 from itertools import product
 
-from prag_asp.physics.filming.studio import open_studio
+from prag_asp.physics.filming.studio import Studio
+from prag_asp.physics.robot.kinematics import tool_pose
 from prag_asp.physics.symbolic_facts import facts
 from prag_asp.physics.witness import Moment
 from prag_asp.scene.boxes import Vector
 from prag_asp.scene.cameras import FIELD_OF_VIEW, TOWARDS_EYE, Camera, fitted
+from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
@@ -27,43 +29,54 @@ DIRECTIONS = (
 FAVOUR = 1.1
 """The factor by which another view has to score higher than the default one."""
 
+MOST = 6
+"""The number of states that are enough to choose a view."""
+
 SMALL, FAR = 96, 10.0
 """The longer side in pixels of the images by which views are compared, and their far plane in metres."""
 
-ABOVE_TABLE, ABOVE_BASE, BEHIND_BASE = 0.06, 0.78, 0.12
-"""The height of objects above the table, and the position of a robot's elbow above and behind its base, in metres."""
+SHOULDER, WRIST, HAND = 0.40, 0.22, 0.2
+"""The heights of a shoulder above the table and of a wrist above the fingertips, and the width of a hand, in metres."""
 
 View = tuple[Vector, Vector]
 """The position of the camera, and the point that it looks at, in metres."""
 
 
 def best_view(
-    task: Task, moments: Sequence[Moment], scene: Scene, size: tuple[int, int], states: Iterable[int] | None = None
+    task: Task,
+    moments: Sequence[Moment],
+    scene: Scene,
+    studio: Studio,
+    size: tuple[int, int],
+    states: Sequence[int] | None = None,
 ) -> View:
     """Return the view that shows the actions of a task best; `size` is the size of a picture in pixels.
 
     For each state, the acting hand and the entities of the action and the subgoal are rated by the ratio of their
     visible pixels to their maximum over all views. The score of a view combines the mean and the minimum of these
-    ratios. `moments` are the moments of all states; `states` are the states to draw, by default all.
+    ratios. `moments` are the moments of all states, with the objects of the studio; `states` are the states to draw, by
+    default all, of which at most `MOST` are rated.
     """
     aspect = size[0] / size[1]
-    views = [view_from(scene, aspect, towards) for towards in DIRECTIONS]
-    shown = [(k, acting(task, scene, k)) for k in (range(len(moments)) if states is None else states)]
+    states = range(len(moments)) if states is None else states
+    points = tuple(dict.fromkeys(points_of_interest(task, (moments[k] for k in states), scene)))
+    views = [view_from(scene, points, aspect, towards) for towards in DIRECTIONS]
+    shown = [(k, acting(task, scene, k)) for k in states]
     shown = [(k, things) for k, things in shown if things]
+    shown = shown[:: math.ceil(len(shown) / MOST) or 1]
     if not shown:
         return views[0]
     scale = SMALL / max(size)
     small = (max(16, round(size[0] * scale)), max(16, round(size[1] * scale)))
     cameras = [Camera(*view, FIELD_OF_VIEW, size=small, near=0.1, far=FAR) for view in views]
     scores = [0.0] * len(views)
-    with open_studio(scene, tuple(moments[0].poses)) as studio:
-        for k, things in shown:
-            studio.show(moments[k])
-            seen = [studio.counts(camera) for camera in cameras]
-            most = {thing: max(counts[thing] for counts in seen) or 1 for thing in things}
-            for i, counts in enumerate(seen):
-                shares = [counts[thing] / most[thing] for thing in sorted(things)]
-                scores[i] += sum(shares) / len(shares) + min(shares)
+    for k, things in shown:
+        studio.show(moments[k])
+        seen = [studio.counts(camera) for camera in cameras]
+        most = {thing: max(counts[thing] for counts in seen) or 1 for thing in things}
+        for i, counts in enumerate(seen):
+            shares = [counts[thing] / most[thing] for thing in sorted(things)]
+            scores[i] += sum(shares) / len(shares) + min(shares)
     scores[0] *= FAVOUR
     return views[scores.index(max(scores))]
 
@@ -82,16 +95,26 @@ def acting(task: Task, scene: Scene, state: int) -> set[str]:
     return things | hands
 
 
-def view_from(scene: Scene, aspect: float, towards: Vector = TOWARDS_EYE) -> View:
-    """Return the closest view in a direction that shows the workspace, the robots and the fixed objects.
+def view_from(scene: Scene, points: Sequence[Vector], aspect: float, towards: Vector = TOWARDS_EYE) -> View:
+    """Return the closest view in a direction that shows some points and the lower parts of the robots.
 
     `aspect` is the ratio of the picture's width to its height.
     """
-    low_x, high_x, low_y, high_y = scene.workspace
-    corners = [(x, y, z) for x in (low_x, high_x) for y in (low_y, high_y) for z in (0.0, ABOVE_TABLE)]
-    bases = [(mount.x, mount.y) for mount in scene.robots.values()]
-    robots = [(x, y, z) for x, y in bases for z in (0.0, ABOVE_BASE)]
-    robots += [(x - BEHIND_BASE, y, ABOVE_BASE) for x, y in bases]
-    if len(bases) > 1:  # the elbows of several arms swing out to the sides
-        robots += [(x, y + side, ABOVE_BASE / 2) for x, y in bases for side in (-ABOVE_BASE / 2, ABOVE_BASE / 2)]
-    return fitted((*corners, *robots, *scene.fixed_corners()), aspect, towards)
+    robots = [(mount.x, mount.y, z) for mount in scene.robots.values() for z in (0.0, SHOULDER)]
+    return fitted((*points, *robots), aspect, towards)
+
+
+def points_of_interest(task: Task, moments: Iterable[Moment], scene: Scene) -> list[Vector]:
+    """Return points around the hands, the movable objects, and the fixed ones that the task names, in metres."""
+    named = {argument for action in task.actions for argument in action.arguments}
+    points = []
+    for moment in moments:
+        for entity, pose in moment.poses.items():
+            if entity in named or entity not in scene.fixed:
+                x, y, z = pose.position
+                wide, high = math.hypot(*scene.shapes[entity].size[:2]) / 2, scene.shapes[entity].half[2]
+                points += [(x + a * wide, y + b * wide, z + c * high) for a, b, c in product((-1, 1), repeat=3)]
+        for name, arm in moment.arms.items():
+            x, y, z = tool_pose(robot_of(scene, name), arm.joints).position
+            points += [(x, y + side, z + WRIST) for side in (-HAND / 2, HAND / 2)]
+    return points

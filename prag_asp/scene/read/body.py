@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +16,7 @@ from prag_asp.scene.mass import MassProperties, combined, polyhedron_mass, primi
 from prag_asp.scene.read.cavities import find_cavity
 from prag_asp.scene.read.convex import convex_hull, is_closed, is_convex
 from prag_asp.scene.read.decomposition import can_decompose
-from prag_asp.scene.read.mesh import file_parts, mesh_points, thickness
+from prag_asp.scene.read.mesh import file_parts, mesh_points, state_of, thickness
 from prag_asp.scene.read.scene_values import SMALLEST
 from prag_asp.scene.read.stability import base_of, crown_of, falls, own_points, rotation, settle, surface_points
 from prag_asp.scene.scene import BodyModel, Cavity, Look, Shape, Size, Solid
@@ -59,7 +60,18 @@ def _cavity(solids: Sequence[Solid]) -> Cavity | None:
     """Return the largest cavity of a body made of solids; a body without a mesh counts as convex."""
     if len(solids) == 1 and not solids[0].mesh:
         return None
-    return find_cavity(np.concatenate([part for solid in solids for part in _triangles(solid)]))
+    states = tuple(state_of(solid.mesh) for solid in solids if solid.mesh)
+    return _cavity_of(tuple(solids), can_decompose(), states)
+
+
+@lru_cache(maxsize=128)
+def _cavity_of(solids: tuple[Solid, ...], decomposes: bool, states: tuple[tuple[int, int], ...]) -> Cavity | None:
+    """Return the largest cavity of solids; `decomposes` and the states of the meshes are for the cache key.
+
+    A command reads a scene several times, and measures each cavity once. One convex part has no cavity.
+    """
+    parts = [part for solid in solids for part in _triangles(solid)]
+    return None if len(parts) == 1 and is_convex(parts[0]) else find_cavity(np.concatenate(parts))
 
 
 def resting(shape: Shape) -> Shape | None:

@@ -69,14 +69,14 @@ def find_cavity(triangles: Floats) -> Cavity | None:
         _raise(heights, solid, cuts, triangle, xs, ys)
     # Thin walls are added only if there is no cavity without them: they take whole cells.
     for thin in (False, True):
-        walls = _Walls.of(triangles, cell / 2) if thin else None
+        walls = _Walls.of(triangles, cell / 2, (xs, ys)) if thin else None
         found: list[tuple[float, Cavity]] = []
         for cut, seen, within in zip(cuts, heights, solid, strict=True):
             # Without an overhang over a surface, the view of the whole body shows the same.
             if cut == np.inf or ((heights[-1] > cut) & (within <= 0) & (seen > -np.inf)).any():
                 surface = np.where((within > 0) & (cut < np.inf), cut, seen)
                 if walls is not None:
-                    raised = walls.added(surface, cut, (xs, ys))
+                    raised = walls.added(surface, cut)
                     if raised is surface:
                         continue
                     surface = raised
@@ -132,52 +132,54 @@ def _raise(heights: Floats, solid: NDArray[np.int_], cuts: Floats, triangle: Flo
 
 
 class _Walls(NamedTuple):
-    """Points (n, 3) on steep triangles, and the horizontal unit normals (n, 2) of these triangles."""
+    """Points on steep triangles, over a grid: their heights in metres, shape (n,), and their places, shape (3, n).
 
-    points: Floats
-    normals: Floats
+    The places are indices into the flat grid: of the point a cell before the wall, on the wall, and a cell behind it.
+    """
+
+    heights: Floats
+    places: NDArray[np.intp]
 
     @classmethod
-    def of(cls, triangles: Floats, spacing: float) -> _Walls:
+    def of(cls, triangles: Floats, spacing: float, grid: tuple[Floats, Floats]) -> _Walls:
         """Return points on those triangles (n, 3, 3) that are steep, at most about `spacing` metres apart."""
         one, two = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
         normals = np.cross(one, two)
         lengths = np.linalg.norm(normals, axis=1)
         steep = (np.abs(normals[:, 2]) <= STEEP * lengths) & (lengths > 0.0)
-        points, across = [np.empty((0, 3))], [np.empty((0, 2))]
+        inside, across = [np.empty((0, 3))], [np.empty((0, 2))]
         for corner, u, v, normal in zip(triangles[steep, 0], one[steep], two[steep], normals[steep, :2], strict=True):
             longest = max(np.linalg.norm(u), np.linalg.norm(v), np.linalg.norm(u - v))
             shares = np.linspace(0.0, 1.0, math.ceil(float(longest) / spacing) + 1)
             first, second = np.nonzero(np.add.outer(shares, shares) <= 1.0 + 1e-9)
-            points.append(corner + shares[first, None] * u + shares[second, None] * v)
+            inside.append(corner + shares[first, None] * u + shares[second, None] * v)
             across.append(np.broadcast_to(normal / np.linalg.norm(normal), (len(first), 2)))
-        return cls(np.concatenate(points), np.concatenate(across))
+        points, horizontal = np.concatenate(inside), np.concatenate(across)
+        cell = float(grid[0][1] - grid[0][0])
+        places = []
+        for side in (-cell, 0.0, cell):
+            beside = points[:, :2] + side * horizontal
+            i, j = (
+                np.clip(np.round((beside[:, axis] - line[0]) / cell).astype(np.intp), 0, len(line) - 1)
+                for axis, line in enumerate(grid)
+            )
+            places.append(i * len(grid[1]) + j)
+        return cls(points[:, 2], np.stack(places))
 
-    def added(self, heights: Floats, cut: float, grid: tuple[Floats, Floats]) -> Floats:
-        """Return the heights of a surface on a grid with the parts of walls below a cut that fall between its points.
+    def added(self, surface: Floats, cut: float) -> Floats:
+        """Return a surface, given by its heights on the grid, with the parts of walls below a cut between its points.
 
-        The heights are the same array as before if no part is missing.
+        The surface is the same array as before if no part is missing.
 
         A wall is missing at a point if the surface is lower there, and a cell away on either side of the wall.
         """
-        cell = float(grid[0][1] - grid[0][0])
-        below = self.points[:, 2] <= cut
-        points, normals = self.points[below], self.normals[below]
-        beside = np.full(len(points), -np.inf)
-        for side in (-cell, 0.0, cell):
-            places = points[:, :2] + side * normals
-            i, j = (
-                np.clip(np.round((places[:, axis] - line[0]) / cell).astype(int), 0, len(line) - 1)
-                for axis, line in enumerate(grid)
-            )
-            beside = np.maximum(beside, heights[i, j])
-            if side == 0.0:
-                own = (i, j)
-        missing = points[:, 2] > beside + LEVEL
+        below = self.heights <= cut
+        heights, places = self.heights[below], self.places[:, below]
+        missing = heights > surface.ravel()[places].max(axis=0) + LEVEL
         if not missing.any():
-            return heights
-        raised: Floats = heights.copy()
-        np.maximum.at(raised, (own[0][missing], own[1][missing]), points[missing, 2])
+            return surface
+        raised: Floats = surface.copy()
+        np.maximum.at(raised.ravel(), places[1, missing], heights[missing])
         return raised
 
 

@@ -283,6 +283,10 @@ LOOP_FREE = KeywordClause("loop-free")
 """No two states of a task have the same known part."""
 
 
+SHORTEST = KeywordClause("shortest")
+"""No shorter plan leads from the known initial state of a task to its goal."""
+
+
 def end_requests(number: int, conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
     """Yield the requests of ``ends.lp`` for a final state that satisfies one of some conjunctions."""
     yield f"ends({number})"

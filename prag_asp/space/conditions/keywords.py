@@ -11,6 +11,7 @@ from prag_asp.integers import TOLD, shortened, too_large
 from prag_asp.space.conditions.clause_kinds import (
     LOOP_FREE,
     NONTRIVIAL,
+    SHORTEST,
     Achieves,
     After,
     Begins,
@@ -111,8 +112,9 @@ KEYWORDS: dict[str, Callable[[str], Clause]] = {
     "part": _part,
     "nontrivial": lambda _: NONTRIVIAL,
     "loop-free": lambda _: LOOP_FREE,
+    "shortest": lambda _: SHORTEST,
 }
-WHOLE = {"nontrivial", "loop-free"}
+WHOLE = {"nontrivial", "loop-free", "shortest"}
 EXAMPLES = {
     "begins": "begins approach, grasp(panda,apple_1)",
     "has": "has at least 2 grasp",
@@ -128,4 +130,5 @@ EXAMPLES = {
     "part": "part 0-79 of 100 by seed 7",
     "nontrivial": "nontrivial",
     "loop-free": "loop-free",
+    "shortest": "shortest",
 }

@@ -65,7 +65,8 @@ class AutomatonEngine:
         self._limits = limits
         self._tell = progress or (lambda words: None)
         self._explorer: Explorer = explorer or Explorer(model, level, progress, merge, hopeless)
-        self._plain = Explorer(model, level, progress, merge=False)
+        lists = self._explorer.merge is False
+        self._plain = self._explorer if lists else Explorer(model, level, progress, merge=False)
         folder = cache_folder() if limits.cached and explorer is None else None
         self._slot = None
         if folder is not None:

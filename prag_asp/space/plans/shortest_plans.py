@@ -16,7 +16,6 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.atom import Atom
 from prag_asp.errors import LimitReached
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.packed import Rows, pack
@@ -83,13 +82,13 @@ class Start:
     known: Literals
 
     @classmethod
-    def of(cls, program: Program, initial: State) -> Start:
-        """Return the initial state of plans of a program with these facts.
+    def of(cls, program: Program, initial: Iterable[tuple[object, bool]]) -> Start:
+        """Return the initial state of plans of a program in which fluents have these values.
 
         Raises:
             DomainError: clingo cannot ground the program.
         """
-        facts = " ".join(HOLDS.fact(fluent, TRUTH[value], 0) for fluent, value in initial.items())
+        facts = " ".join(HOLDS.fact(fluent, TRUTH[value], 0) for fluent, value in initial)
         grounder = Grounder(Program((*program.sources, Source(ADDED, facts))))
         grounder.ground([("base", [])])
         values = (
@@ -115,7 +114,7 @@ class Start:
             if symbol.arguments[-1] == START
         )
 
-    def closed(self, values: Iterable[tuple[Atom, bool]]) -> Literals:
+    def closed(self, values: Iterable[tuple[object, bool]]) -> Literals:
         """Return values of fluents with all values that follow from them by the invariants."""
         follows: dict[tuple[str, bool], list[tuple[str, bool]]] = {}
         for one, value, other, then in (each.arguments for each in _true(self.grounder, *PROPAGATES)):
@@ -168,16 +167,46 @@ class PlanSearch:
             EngineError: the step is not a function of the state and the action.
             LimitReached: a limit was reached, or there are more than `MOST_STATES` states.
         """
-        start = Start.of(self._model.program, initial)
-        wanted = self.row(start.closed(goal.items()))
-        for layer in self.layers(start, at_most, clock):
+        wanted = self.goal_row(goal.items())
+        for layer in self.layers(Start.of(self._model.program, initial.items()), at_most, clock):
             solving = layer.solving(wanted)
             if solving.any():
                 return ShortestPlans(layer.depth, int(sum(layer.numbers[solving].tolist())))
         return None
 
-    def row(self, literals: Literals) -> Bits:
-        """Return values of fluents as a packed row, shape (bytes,)."""
+    def solvable(
+        self, initial: Iterable[tuple[object, bool]], goals: Bits, at_most: int, clock: LimitClock
+    ) -> NDArray[np.bool_]:
+        """Return which goals some plan of `at_most` actions or fewer reaches from an initial state, shape (goals,).
+
+        Goals have the form of `goal_row`, one in each row; they are closed under the invariants.
+
+        Raises:
+            EngineError: the step is not a function of the state and the action.
+            LimitReached: a limit was reached, or there are more than `MOST_STATES` states.
+        """
+        reached: set[bytes] = set()
+        ends = [np.zeros((0, goals.shape[1]), dtype=np.uint8)]
+        for layer in self.layers(Start.of(self._model.program, initial), at_most, clock):
+            ends.append(layer.meets[layer.ends])
+            reached.update(map(bytes, ends[-1]))
+        solved = np.array([bytes(goal) in reached for goal in goals], dtype=np.bool_)
+        meets, sizes = _by_size(np.concatenate(ends))
+        for place in np.flatnonzero(~solved):  # a state may meet more than the goal
+            larger = meets[: np.searchsorted(-sizes, -int(np.unpackbits(goals[place]).sum()))]
+            solved[place] = ((larger & goals[place]) == goals[place]).all(axis=1).any()
+        return solved
+
+    def goal_row(self, values: Iterable[tuple[object, bool]]) -> Bits:
+        """Return values of fluents, and all values that follow from them by the invariants, as a packed row."""
+        return self._row(self._bare_start.closed(values))
+
+    @cached_property
+    def _bare_start(self) -> Start:
+        return Start.of(self._model.program, ())
+
+    def _row(self, literals: Literals) -> Bits:
+        """Return values of fluents as a packed row, shape (bytes,): for each fluent, whether it is true, then false."""
         row = np.zeros(len(self._places), dtype=np.bool_)
         row[[self._places[each] for each in literals]] = True
         return np.packbits(row)
@@ -199,12 +228,20 @@ class PlanSearch:
         seen = Numbering(rows.shape[1])
         seen.add(rows)
         numbers: NDArray[Any] = np.ones(len(rows), dtype=np.int64)
-        yield PlanLayer(0, numbers, np.array([start.may_end()] * len(rows)), self.row(start.known)[None, :])
+        yield PlanLayer(0, numbers, np.array([start.may_end()] * len(rows)), self._row(start.known)[None, :])
         for depth in range(1, at_most + 1):
             rows, numbers, meets = _advance(transition, rows, numbers, seen, clock)
             if not len(rows):
                 return
             yield PlanLayer(depth, numbers, transition.accepts(rows), meets)
+
+
+def _by_size(rows: Bits) -> tuple[Bits, NDArray[np.int64]]:
+    """Return the distinct rows in descending order of their numbers of true bits, and these numbers."""
+    distinct = np.unique(rows, axis=0)
+    sizes = np.unpackbits(distinct, axis=1).sum(axis=1, dtype=np.int64)
+    order = np.argsort(-sizes, kind="stable")
+    return distinct[order], sizes[order]
 
 
 def _advance(

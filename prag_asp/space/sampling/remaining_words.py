@@ -1,4 +1,4 @@
-"""Exact sampling without replacement: each word is sampled by its weight among the remaining words.
+"""Exact sampling without replacement: each word is sampled by its weight among the remaining words of a set.
 
 The weights of the words already taken are summed for each prefix of choices and subtracted during a walk. No draw is
 therefore rejected, and sampling ends only when no weight remains.
@@ -18,7 +18,7 @@ from prag_asp.random_bits import Bits
 from prag_asp.space.automaton.automaton import Completions, Word
 from prag_asp.space.automaton.walks import Choice
 from prag_asp.space.sampling.choice_table import exact_choice, weights_behind
-from prag_asp.space.weights.weights import Weighed
+from prag_asp.space.weights.weights import Walks, Weighed
 
 
 @dataclass
@@ -30,10 +30,10 @@ class _Prefix:
 
 
 class RemainingWords:
-    """The remaining words of one length: their total weight, and the number of words `taken`."""
+    """The remaining words of one length in a set: their total weight, and the number of words `taken`."""
 
-    def __init__(self, weighed: Weighed, length: int) -> None:
-        self._walks = weighed.ranking or _PathWalks(weighed.completions, length)
+    def __init__(self, walks: Walks, length: int) -> None:
+        self._walks = walks
         self._length = length
         self._root = _Prefix()
         self.weight, self.taken = self._walks.total, 0
@@ -69,20 +69,26 @@ class RemainingWords:
         return word, weight
 
 
-class _PathWalks:
-    """Walks along the paths of an automaton in which each path is one word."""
+def walks_of(weighed: Weighed, length: int) -> Walks:
+    """Return walks that choose the words of a given length one letter after the other."""
+    return weighed.ranking or PathWalks(weighed.completions, length)
 
-    def __init__(self, completions: Completions, length: int) -> None:
+
+class PathWalks:
+    """Walks along the paths of an automaton, from a state `start`, in which each path is one word."""
+
+    def __init__(self, completions: Completions, length: int, start: int = 0) -> None:
         self._completions = completions
         self._length = length
-        self.total = int(completions.row(length)[0]) if completions.automaton.states else 0
+        self._start = start
+        self.total = int(completions.row(length)[start]) if completions.automaton.states else 0
 
     def walk(self, choose: Choice) -> tuple[Word, int]:
         """Return a word and its weight.
 
         At each step, `choose` selects an edge, given the running totals of the weights.
         """
-        automaton, state = self._completions.automaton, 0
+        automaton, state = self._completions.automaton, self._start
         edges = []
         for step in range(self._length):
             first, last = automaton.offsets[state : state + 2].tolist()

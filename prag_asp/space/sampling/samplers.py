@@ -14,10 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.random_bits import Bits
-from prag_asp.space.automaton.automaton import Automaton, Completions, Ranking, positive
+from prag_asp.space.automaton.automaton import Automaton, Completions, Ranking, Word, positive
 from prag_asp.space.automaton.skeletons import skeleton_automaton
+from prag_asp.space.automaton.walks import Choice
 from prag_asp.space.sampling.choice_table import exact_choice
 from prag_asp.space.sampling.paths import PathSampler, chunks
+from prag_asp.space.sampling.remaining_words import PathWalks
 from prag_asp.space.weights.weights import Walks, Weighed
 
 Over = Literal["skeletons", "goals"]
@@ -36,6 +38,14 @@ class DrawArray:
 
     letters: NDArray[np.int32]
     probabilities: Sequence[Fraction] = ()
+
+
+@dataclass
+class WordGroup:
+    """The words of one skeleton or goal: their total weight, and a function that walks to one of them."""
+
+    total: int
+    walk: Callable[[Choice], tuple[Word, int]]
 
 
 class Sampler(Protocol):
@@ -102,7 +112,7 @@ class GoalSampler:
         automaton = weighed.automaton
         self._length = length
         self._reversed, self._letters = _reversed(automaton, weighed.goals)
-        completions = Completions(self._reversed)
+        self._completions = completions = Completions(self._reversed)
         row = completions.row(length)
         self._starts = np.flatnonzero(row[automaton.states :] != 0) + automaton.states
         self._totals = [int(row[state]) for state in self._starts.tolist()]
@@ -126,6 +136,17 @@ class GoalSampler:
             return DrawArray(letters)
         totals = [len(running) * self._totals[goal] for goal in goals.tolist()]
         return DrawArray(letters, _shares(self._reversed, edges, totals))
+
+    @property
+    def count(self) -> int:
+        """The number of goals of words with positive weight."""
+        return len(self._starts)
+
+    def groups(self) -> Iterator[Walks]:
+        """Yield walks to the words of each goal, which choose the last letter of a word first."""
+        for start in self._starts.tolist():
+            backward = PathWalks(self._completions, self._length, start)
+            yield WordGroup(backward.total, partial(_walk_backward, backward))
 
 
 def _reversed(automaton: Automaton, goals: NDArray[np.int64]) -> tuple[Automaton, NDArray[np.int64]]:
@@ -210,6 +231,24 @@ class SkeletonSampler:
         edges = np.array(path, dtype=np.int64)[:, None]
         return _letters(self._automaton, edges)[0].tolist(), _shares(self._automaton, edges, [total])[0]
 
+    def groups(self) -> Iterator[Walks]:
+        """Yield walks to the words of each skeleton, in the order of the names."""
+        ranking = Ranking(self._completions, self._length)
+        for rank in range(self.count):
+            skeleton = tuple(ranking.unrank(rank))
+            _, total = self._sums(skeleton)
+            yield WordGroup(total, partial(self._walk, skeleton))
+
+    def _walk(self, skeleton: tuple[int, ...], choose: Choice) -> tuple[Word, int]:
+        """Return a word with a skeleton, chosen letter by letter, and its weight."""
+        sums, _ = self._sums(skeleton)
+        state, weight, word = 0, 1, list[int]()
+        for step, name in enumerate(skeleton):
+            edge, state, factor = self._moves[state][name][choose(step, sums[step][state])]
+            word.append(int(self._automaton.letters[edge]))
+            weight *= factor
+        return tuple(word), weight
+
     def _with_skeleton(
         self, skeleton: tuple[int, ...], words: Sequence[int], further: Callable[[int], Iterator[int]]
     ) -> tuple[list[int], int]:
@@ -253,6 +292,12 @@ class SkeletonSampler:
             behind = {state: here[state][-1] if state in here else 0 for state in layer}
             sums.append(here)
         return sums[::-1], behind[0]
+
+
+def _walk_backward(walks: Walks, choose: Choice) -> tuple[Word, int]:
+    """Return a word and its weight, given walks to reversed words."""
+    letters, weight = walks.walk(choose)
+    return letters[::-1], weight
 
 
 def _letters(automaton: Automaton, edges: NDArray[np.int64]) -> NDArray[np.int32]:

@@ -13,7 +13,6 @@ from PIL import Image
 from prag_asp.physics.filming.studio import open_studio
 from prag_asp.physics.pictures.camera import picture
 from prag_asp.physics.witness import Moment
-from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.cameras import Camera
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.read.looks.surfaces import is_painted, look_surfaces, mesh_surfaces
@@ -127,10 +126,9 @@ def test_pictures_and_camera_images_show_a_texture_times_the_colour_of_the_entit
     scene = replace(usual, shapes={**usual.shapes, "cube_1": shape}, colors={**usual.colors, "cube_1": "#ff8000"})
     moment = Moment({"cube_1": Pose((0.5, 0.0, SIDE / 2))}, {}, {})
     white, green = (255, 128, 0), (0, 128, 0)
-    with open_simulator(scene, visual=True) as simulator:
-        shown = np.asarray(picture(simulator, moment, (96, 96), ((0.51, 0.0, 0.6), (0.5, 0.0, 0.1))), dtype=float)
     with open_studio(scene, ["cube_1"]) as studio:
         studio.show(moment)
+        shown = np.asarray(picture(studio, (96, 96), ((0.51, 0.0, 0.6), (0.5, 0.0, 0.1))), dtype=float)
         taken = studio.take(Camera((0.51, 0.0, 0.6), (0.5, 0.0, 0.1), size=(96, 96))).rgb.astype(float)
     for image in (shown, taken):
         directions = image / np.maximum(np.linalg.norm(image, axis=2, keepdims=True), 1.0)

@@ -62,6 +62,7 @@ def test_shortest_plans_are_those_of_a_search_through_complete_states(chance: Ch
         if space.engines.model.obstacles or not 0 < space.count("plan") <= MOST:
             continue
         search, oracle = PlanSearch(space.engines.model), Oracle(case, 3)
+        shortest = []
         for task in space:
             initial, goal = oracle.told(tuple(map(str, task.actions)))
             numbers = [oracle.solving(initial, goal, length) for length in range(4)]
@@ -69,6 +70,8 @@ def test_shortest_plans_are_those_of_a_search_through_complete_states(chance: Ch
             assert solved(search, task) == ShortestPlans(length, numbers[length]), (str(task), case.text())
             compared += 1
             detours += 0 < length < 3
+            shortest += [task] if length == 3 else []
+        assert list(space.where("shortest")) == shortest, case.text()
     assert compared > 60 and detours > 10
 
 

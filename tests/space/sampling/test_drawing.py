@@ -315,5 +315,3 @@ def test_what_cannot_be_drawn_is_refused() -> None:
         space.sampling(weights={}, by="skeleton", over="goals").array(1, seed=0)
     with pytest.raises(QueryError, match="skeletons have no weights"):
         space.sampling(weights={"grasp": 2}, by="skeleton").array(1, seed=0)
-    with pytest.raises(QueryError, match="leave over='goals' out"):
-        space.sample(1, seed=0, weights={}, over="goals", distinct=True)

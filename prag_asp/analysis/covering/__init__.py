@@ -1,0 +1,31 @@
+"""Combinations of factors of actions: which ones are reachable at all, and few tasks that cover them.
+
+>>> from prag_asp import TaskSpace, load_domain
+>>> from prag_asp.analysis.covering import covering_set
+>>> found = covering_set(TaskSpace(load_domain("blocks"), length=4), strength=2)
+>>> len(found.reachable), len(found.tasks), found.at_least
+(7, 1, 1)
+"""
+
+from __future__ import annotations
+
+from prag_asp.analysis.covering.combinations import (
+    Combination,
+    Coverage,
+    combination_text,
+    combinations_of,
+    coverage,
+    reachable_combinations,
+)
+from prag_asp.analysis.covering.covering_set import CoveringSet, covering_set
+
+__all__ = [
+    "Combination",
+    "Coverage",
+    "CoveringSet",
+    "combination_text",
+    "combinations_of",
+    "coverage",
+    "covering_set",
+    "reachable_combinations",
+]

@@ -1,0 +1,79 @@
+"""Tasks that ``prag-asp sample`` chooses: few that cover all combinations of factors, or some that are far apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from prag_asp.cli.terminal import tell_line
+from prag_asp.wording import plural
+
+if TYPE_CHECKING:
+    from prag_asp.analysis.covering.covering_set import CoveringSet
+    from prag_asp.dataset.jsonl import Record
+    from prag_asp.domain.load import Domain
+    from prag_asp.space.task_space import TaskSpace
+    from prag_asp.task import Task
+
+METRIC = "levenshtein-classes"
+"""The metric of tasks that are far apart: edits of actions, which cost less between similar objects."""
+
+
+@dataclass(frozen=True)
+class CoveringTasks:
+    """The tasks of a covering set, in place of those that a space samples."""
+
+    space: TaskSpace
+    found: CoveringSet
+
+    @property
+    def domain(self) -> Domain:
+        """The domain of the tasks."""
+        return self.space.domain
+
+    def stream(self, **drawing: Any) -> Iterator[Task]:
+        """Yield the tasks; no option of sampling applies."""
+        return iter(self.found.tasks)
+
+    def report(self, records: Iterable[Record]) -> Iterator[Record]:
+        """Yield the feasible tasks, and print which combinations they cover."""
+        from prag_asp.analysis.covering.combinations import coverage
+
+        passed = list(records)
+        yield from passed
+        covered = coverage((record.task for record in passed), self.space, self.found.strength)
+        if covered.missing:
+            tell_line(
+                f"the feasible tasks cover {len(covered.covered)} of {len(covered.reachable)} reachable combinations; "
+                "prag-asp diversity --tasks FILE --coverage lists the others"
+            )
+
+
+def covering_tasks(space: TaskSpace, strength: int) -> CoveringTasks:
+    """Return few tasks that cover all reachable combinations, and print their numbers."""
+    from prag_asp.analysis.covering.covering_set import covering_set
+
+    found = covering_set(space, strength)
+    tell_line(
+        f"{plural(len(found.tasks), 'task')} for all {plural(len(found.reachable), 'reachable combination')} of "
+        f"{plural(strength, 'factor')}; no set has fewer than {found.at_least}"
+    )
+    return CoveringTasks(space, found)
+
+
+def far_apart(records: Iterable[Record], count: int, space: TaskSpace) -> Iterator[Record]:
+    """Yield some of the tasks that are far apart, all if there are not more, and print how far they are apart."""
+    from prag_asp.analysis.all_pairs import pair_distances
+    from prag_asp.analysis.farthest_first import diverse_choice
+
+    given = list(records)
+    if len(given) <= count:
+        yield from given
+        return
+    choice = diverse_choice(pair_distances([record.task for record in given], METRIC, space), count)
+    tell_line(
+        f"{plural(count, 'task')} at least {choice.separation:.4g} apart ({METRIC}); the other {len(given) - count} "
+        f"are within {choice.radius:.4g} of them"
+    )
+    yield from (given[number] for number in choice.tasks)

@@ -1,0 +1,154 @@
+"""Soft shadows from a depth image that a camera at the light takes.
+
+Williams, "Casting curved shadows on curved surfaces", 1978. The edges of a shadow are blurred more the farther the
+body is from the surface (Fernando, "Percentage-closer soft shadows", 2005).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.physics.filming.textures import Floats
+from prag_asp.scene.boxes import Vector
+from prag_asp.scene.cameras import Camera
+from prag_asp.scene.scene import Scene
+
+AWAY = 6.0
+"""The distance of the light in metres: its rays are nearly parallel."""
+
+ABOVE, AROUND = 0.3, 0.9
+"""The height in metres of the centre of the ball that the light's camera sees, and how far the ball extends beyond the
+bases of the robots, which is their reach."""
+
+NARROW, WIDE, FAR_BODY = 0.006, 0.045, 0.35
+"""The blur of the shadows of near bodies and of bodies at the distance `FAR_BODY`, in metres."""
+
+BIAS = 0.003
+"""The distance in metres by which a body has to be nearer to the light to shade a surface."""
+
+SLIGHT = np.float32(1e-4)
+"""Avoids division by zero."""
+
+TAPS = tuple((row, column) for row in (-1, 0, 1) for column in (-1, 0, 1))
+"""The neighbours that decide, in equal parts, whether a point on a body lies in shadow, in texels."""
+
+
+def light_camera(scene: Scene, light: Vector, side: int) -> Camera:
+    """Return the camera at the light, with `side` x `side` pixels; `light` is the direction to the light."""
+    low_x, high_x, low_y, high_y = scene.workspace
+    xs = (low_x, high_x, *(mount.x for mount in scene.robots.values()))
+    ys = (low_y, high_y, *(mount.y for mount in scene.robots.values()))
+    centre = ((min(xs) + max(xs)) / 2, (min(ys) + max(ys)) / 2, ABOVE)
+    radius = max(AROUND, math.hypot(max(xs) - min(xs), max(ys) - min(ys)) / 2 + ABOVE)
+    length = math.hypot(*light)
+    eye = (
+        centre[0] + AWAY * light[0] / length,
+        centre[1] + AWAY * light[1] / length,
+        centre[2] + AWAY * light[2] / length,
+    )
+    angle = 2 * math.degrees(math.asin(radius / AWAY))
+    return Camera(eye, centre, angle, size=(side, side), near=AWAY - 2.5, far=AWAY + 2.5)
+
+
+class LightPlaces(NamedTuple):
+    """Where the points of some pixels lie in the light's image.
+
+    `pixels` (N,) are the numbers of the pixels, `texels` (N,) those of the light's image, and `depths` (N,) are the
+    distances in metres from the light along its axis.
+    """
+
+    pixels: NDArray[np.int64]
+    texels: NDArray[np.int32]
+    depths: Floats
+
+
+class ShadowMap:
+    """The depth image from the light, and the shadows that it casts on the table."""
+
+    def __init__(self, camera: Camera):
+        self.camera = camera
+        self._outside = np.linalg.inv(camera.pose).astype(np.float32)
+        self._focal = np.float32(camera.intrinsics[0, 0])
+        side = camera.size[0]
+        x = (np.arange(side, dtype=np.float32) + np.float32(0.5 - side / 2)) / self._focal
+        turn, eye = camera.pose[:3, :3].astype(np.float32), camera.pose[:3, 3].astype(np.float32)
+        down = turn[2, 0] * x[None, :] + turn[2, 1] * x[:, None] + turn[2, 2]
+        self._table: Floats = np.where(down < 0, -eye[2] / np.minimum(down, -SLIGHT), np.float32(camera.far))
+        self._texel = 2 * AWAY * math.tan(math.radians(camera.field_of_view) / 2) / side
+        self.update(np.full_like(self._table, np.inf), np.zeros(self._table.shape, dtype=np.int32))
+
+    def update(self, depths: Floats, bodies: NDArray[np.int32]) -> None:
+        """Use a new image from the light: depths in metres, infinite where there are no bodies, and their numbers."""
+        self._depths, self._bodies = depths, bodies
+        gaps = self._table - depths
+        shades = (gaps > BIAS).astype(np.float32)
+        narrow = blurred(shades, max(1, round(NARROW / self._texel)))
+        # The wide blur is taken from an image of half the size, which takes a quarter of the time.
+        radius = max(1, round(WIDE / self._texel / 2))
+        wide = blurred(_halved(shades), radius)
+        gap = blurred(_halved(np.where(shades > 0, gaps, np.float32(0.0))), radius) / np.maximum(wide, SLIGHT)
+        share = np.minimum(gap / np.float32(FAR_BODY), np.float32(1.0))
+        far, share = _doubled(wide), _doubled(share)
+        self._table_shadow = narrow + (far - narrow) * share
+
+    def places(self, pixels: NDArray[np.int64], points: tuple[Floats, Floats, Floats]) -> LightPlaces:
+        """Return where the points of some pixels lie in the light's image; coordinates are in metres."""
+        x, y, z = points
+        across, down, depths = (row[0] * x + row[1] * y + row[2] * z + row[3] for row in self._outside[:3])
+        side = self.camera.size[0]
+        columns = np.clip(across / depths * self._focal + np.float32(side / 2), 0, side - 1).astype(np.int32)
+        rows = np.clip(down / depths * self._focal + np.float32(side / 2), 0, side - 1).astype(np.int32)
+        return LightPlaces(pixels, rows * np.int32(side) + columns, depths)
+
+    def on_table(self, places: LightPlaces) -> Floats:
+        """Return how much of the light is hidden from points of the table, from 0 to 1."""
+        hidden: Floats = self._table_shadow.ravel()[places.texels]
+        return hidden
+
+    def on_bodies(self, places: LightPlaces, bodies: NDArray[np.int32]) -> Floats:
+        """Return how much of the light other bodies hide from points of bodies (N,), from 0 to 1.
+
+        A body casts no shadow on itself: the renderer's shading already darkens what faces away from the light.
+        """
+        side, depths, owners = self.camera.size[0], self._depths.ravel(), self._bodies.ravel()
+        limit = places.depths - np.float32(BIAS)
+        hidden: Floats = np.zeros(len(limit), dtype=np.float32)
+        for row, column in TAPS:
+            texels = np.clip(places.texels + np.int32(row * side + column), 0, side * side - 1)
+            hidden += (depths[texels] < limit) & (owners[texels] != bodies)
+        hidden /= np.float32(len(TAPS))
+        return hidden
+
+
+def _halved(image: Floats) -> Floats:
+    """Return an image with half as many rows and columns."""
+    halved: Floats = (image[::2, ::2] + image[1::2, ::2] + image[::2, 1::2] + image[1::2, 1::2]) / np.float32(4.0)
+    return halved
+
+
+def _doubled(image: Floats) -> Floats:
+    """Return an image with twice as many rows and columns, interpolated linearly."""
+    for axis in range(2):
+        padded = np.concatenate([image.take([0], axis), image, image.take([-1], axis)], axis)
+        count = image.shape[axis]
+        here, before, after = (padded.take(range(k, k + count), axis) for k in (1, 0, 2))
+        pair = np.stack([here * 0.75 + before * 0.25, here * 0.75 + after * 0.25], axis + 1)
+        shape = [2 * length if each == axis else length for each, length in enumerate(image.shape)]
+        image = pair.reshape(shape).astype(np.float32)
+    return image
+
+
+def blurred(image: Floats, radius: int) -> Floats:
+    """Return an image (H, W) after two box filters of a radius in pixels; it is repeated beyond its edges."""
+    for _ in range(2):
+        for axis in range(2):
+            width = [(radius + 1, radius) if axis == each else (0, 0) for each in range(2)]
+            sums = np.cumsum(np.pad(image, width, mode="edge"), axis=axis, dtype=np.float32)
+            length = image.shape[axis]
+            upper, lower = np.arange(2 * radius + 1, 2 * radius + 1 + length), np.arange(length)
+            image = (sums.take(upper, axis) - sums.take(lower, axis)) / np.float32(2 * radius + 1)
+    return image

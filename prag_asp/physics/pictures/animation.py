@@ -1,0 +1,185 @@
+"""Animations of demonstrations: GIF, WebP and MP4."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from prag_asp.errors import OutputError, PicturesMissingError, QueryError
+from prag_asp.output import whole_file
+from prag_asp.physics.demonstration.demonstration import FRAMES_A_SECOND, Demonstration
+from prag_asp.physics.filming.appearance_meshes import FINE, MIDDLE
+from prag_asp.physics.filming.camera_rendering import moment_of
+from prag_asp.physics.filming.studio import Studio
+from prag_asp.physics.pictures.camera import picture, pillow, view_camera
+from prag_asp.physics.pictures.rendering import caption, check_headings, moments_of, open_stage
+from prag_asp.physics.pictures.saving import save_picture
+from prag_asp.physics.pictures.sheet import MARGIN, PAPER, Panel, line_count, sheet
+from prag_asp.physics.pictures.views import View, best_view
+from prag_asp.scene.scene import Scene
+from prag_asp.task import Task
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+RATE = 10
+"""The usual frame rate of animations, in frames per second."""
+
+LAST_PAUSE = 1500
+"""The pause at the end of an animation, in milliseconds."""
+
+ANIMATIONS = (".gif", ".webp", ".mp4")
+"""The suffixes of animations."""
+
+WEBP = {"quality": 80, "method": 2}
+"""Pillow's options: with method 4, its default, the encoder takes twice as long for files that are 3 % smaller."""
+
+MP4 = {"crf": "20", "preset": "veryfast"}
+"""The options of the encoder x264: a quality at which no block is seen."""
+
+PALETTE, SAMPLES = 256, 6
+"""The number of colours of a GIF, and the number of frames from which they are chosen."""
+
+CONTRAST = 24
+"""The difference of brightness from a neighbour, from 0 to 255, at which a pixel is smoothed."""
+
+
+def animate(
+    task: Task,
+    demonstration: Demonstration,
+    scene: Scene,
+    path: Path,
+    *,
+    size: tuple[int, int] = (400, 350),
+    speed: float = 2.0,
+    rate: int = RATE,
+    fine: bool = False,
+    headings: Sequence[str | None] | None = None,
+    progress: Callable[[int, int], None] = lambda done, total: None,
+) -> None:
+    """Write an animation of a demonstration, `speed` times as fast, as a .gif, .webp or .mp4 according to the suffix.
+
+    It shows `rate` frames per second with the current action below; `size` is the size of a frame in pixels. `fine`
+    renders frames like still pictures, which takes four times as long. `progress` is called with the number of rendered
+    frames and the total number of frames.
+
+    Raises:
+        PicturesMissingError: Pillow is not installed, or PyAV for an .mp4.
+        QueryError: the file has another suffix, the speed is not positive, or the demonstration does not belong to the
+            task.
+        OutputError: the file cannot be written.
+    """
+    if path.suffix.lower() not in ANIMATIONS:
+        raise QueryError(f"{path}: an animation is a .gif, a .webp or an .mp4")
+    if not 0.0 < speed < math.inf:
+        raise QueryError(f"the speed of an animation is a positive number; got {speed}")
+    moments = moments_of(task, demonstration)
+    check_headings(task, headings)
+    pillow()
+    every = max(1, round(speed * FRAMES_A_SECOND / rate))
+    frames = [*range(0, len(demonstration.times) - 1, every), len(demonstration.times) - 1]
+    captions = [caption(task, scene, k, headings)[0] for k in range(len(moments))]
+    pictures = []
+    with open_stage(task, demonstration, moments, scene, FINE if fine else MIDDLE) as (studio, sized):
+        view = best_view(task, moments, sized, studio, size)
+        blank = pillow().new("RGB", size)
+        lines = line_count(captions, size[0])
+        pages = [sheet([Panel(blank, each)], 1, lines=lines) for each in captions]
+        for frame in frames:
+            studio.show(moment_of(demonstration, frame))
+            k = min(bisect_left(demonstration.ends.tolist(), frame), len(task.actions))
+            page = pages[k].copy()
+            page.paste(picture(studio, size, view) if fine else _quick_picture(studio, size, view), (MARGIN, MARGIN))
+            pictures.append(page)
+            progress(len(pictures), len(frames))
+    times = demonstration.times[frames] * 1000 / speed
+    pauses = [*(int(pause) for pause in np.round(np.diff(times))), LAST_PAUSE]
+    if path.suffix.lower() == ".mp4":
+        _write_mp4(path, pictures, pauses, rate)
+        return
+    options: dict[str, Any] = WEBP
+    if path.suffix.lower() == ".gif":
+        pictures, options = _in_one_palette(pictures), {"disposal": 1}
+    save_picture(pictures[0], path, save_all=True, append_images=pictures[1:], duration=pauses, loop=0, **options)
+
+
+def _quick_picture(studio: Studio, size: tuple[int, int], view: View) -> Image.Image:
+    """Return a picture that is not rendered larger than needed, with smoothed edges."""
+    image: Image.Image = pillow().fromarray(smoothed(studio.take(view_camera(view, size, 1)).rgb))
+    return image
+
+
+def smoothed(rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Return an image (H, W, 3) in which each pixel at an edge is mixed with its four neighbours.
+
+    That takes a fraction of the time of rendering four times as many pixels.
+    """
+    brightness = rgb[..., 1].astype(np.int16)
+    edges = np.zeros(brightness.shape, dtype=np.bool_)
+    across, down = (np.abs(np.diff(brightness, axis=axis)) > CONTRAST for axis in (1, 0))
+    edges[:, 1:] |= across
+    edges[:, :-1] |= across
+    edges[1:] |= down
+    edges[:-1] |= down
+    edges[0] = edges[-1] = edges[:, 0] = edges[:, -1] = False
+    rows, columns = np.nonzero(edges)
+    sums = 4 * rgb[rows, columns].astype(np.uint16)
+    for row, column in ((-1, 0), (1, 0), (0, -1), (0, 1)):
+        sums += rgb[rows + row, columns + column]
+    mixed: NDArray[np.uint8] = rgb.copy()
+    mixed[rows, columns] = sums // 8
+    return mixed
+
+
+def _in_one_palette(pictures: Sequence[Image.Image]) -> list[Image.Image]:
+    """Return pictures with one palette, so that what does not move keeps its colours.
+
+    A colour counts as often as the square root of its frequency, because objects are small and the table is large.
+    """
+    some = np.stack([np.asarray(each) for each in pictures[:: max(1, len(pictures) // SAMPLES)]])
+    colours, counts = np.unique((some >> 2).reshape(-1, 3) << 2, axis=0, return_counts=True)
+    board = np.repeat(colours, np.ceil(np.sqrt(counts)).astype(int), axis=0)[None]
+    palette = pillow().fromarray(board).quantize(PALETTE)
+    return [each.quantize(palette=palette, dither=pillow().Dither.NONE) for each in pictures]
+
+
+def _write_mp4(path: Path, pictures: Sequence[Image.Image], pauses: Sequence[int], rate: int) -> None:
+    """Write a video that every browser plays: H.264.
+
+    Raises:
+        PicturesMissingError: PyAV is not installed.
+        OutputError: the file cannot be written.
+    """
+    try:
+        import av  # noqa: PLC0415 - heavy
+    except ImportError as error:
+        raise PicturesMissingError('videos need PyAV: pip install "prag_asp[pictures]"') from error
+    width, height = (side + side % 2 for side in pictures[0].size)  # the encoder takes even sides only
+    try:
+        options = {"movflags": "faststart"}  # the index stands at the beginning, so browsers play at once
+        with whole_file(path) as unfinished, av.open(str(unfinished), "w", format="mp4", options=options) as file:
+            stream: Any = file.add_stream("libx264", rate=rate, options=MP4)
+            stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
+            for image in _at_constant_rate(pictures, pauses, rate):
+                even = pillow().new("RGB", (width, height), PAPER)
+                even.paste(image)
+                file.mux(stream.encode(av.VideoFrame.from_ndarray(np.asarray(even), format="rgb24")))
+            file.mux(stream.encode())
+    except (OSError, ValueError) as error:
+        raise OutputError(f"{path}: the video cannot be written: {error}") from None
+
+
+def _at_constant_rate(pictures: Iterable[Image.Image], pauses: Iterable[int], rate: int) -> Iterator[Image.Image]:
+    """Yield pictures at a rate per second; a picture is repeated as often as its pause in milliseconds demands."""
+    shown, due = 0, 0.0
+    for frame, pause in zip(pictures, pauses, strict=True):
+        due += pause * rate / 1000
+        while shown < round(due):
+            yield frame
+            shown += 1
