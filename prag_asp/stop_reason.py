@@ -8,11 +8,12 @@ from enum import Enum
 
 
 class StopKind(Enum):
-    """The kinds of reasons: the first three end a request; after the others, an engine tries another method."""
+    """The kinds of reasons: the first four end a request; after the others, an engine tries another method."""
 
     TIME = "the time limit"
     MEMORY = "the memory limit"
     CRASH = "the end of a child process"
+    CANCEL = "a newer request"
     SIZE = "more edges than are explored without merging states"
     HALT = "a criterion of the caller"
     FORECAST = "a forecast that exceeds the memory"

@@ -170,6 +170,18 @@ def chance() -> chances.Chance:
     return chances.now()
 
 
+@pytest.fixture(scope="session", autouse=True)
+def shipped_domains_are_checked_once() -> Iterator[None]:
+    """Check each shipped domain once in a process, if its tests load any."""
+    if "prag_asp" not in sys.modules:
+        yield
+        return
+    from tests.checks import checks_shared
+
+    with checks_shared():
+        yield
+
+
 @pytest.fixture
 def started() -> Callable[[], list[int]]:
     """Tell which processes a test has started and not seen end: one of a test before, in this process, may stay."""

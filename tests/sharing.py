@@ -8,26 +8,23 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import lru_cache
 
 import pytest
 
 from prag_asp.dataset.pages import dataset_card
 from prag_asp.domain import load
-from prag_asp.lint import Checked, check
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.program.paths import data_folder
-from prag_asp.program.sources import Program, Source
 from prag_asp.space import task_space
 from prag_asp.space.domain_engines import DomainEngines
 from prag_asp.space.engines.engine import Progress
 from prag_asp.space.limits import UNLIMITED, Limits
+from tests.checks import checks_shared
 
 KEPT = 8
 """How many domains are kept: a data set has one, a file of tests few."""
 
 _shared: deque[DomainEngines] = deque(maxlen=KEPT)
-_checked = lru_cache(maxsize=KEPT)(check)
 
 
 @contextmanager
@@ -37,17 +34,18 @@ def logic_shared() -> Iterator[None]:
     Those that tell of progress or have limits have engines of their own; domains that count with fewer entities are as
     ever.
     """
-    with pytest.MonkeyPatch.context() as patch:
+    with checks_shared(), pytest.MonkeyPatch.context() as patch:
         patch.setattr(task_space, "DomainEngines", _known)
-        patch.setattr(load, "check", _check)
         yield
 
 
 @contextmanager
 def small_pictures() -> Iterator[None]:
-    """Draw the pictures of data sets small: a large one takes as long as a dozen verdicts."""
+    """Draw few pictures of data sets, and small ones: a large one takes as long as a dozen verdicts."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(dataset_card, "STRIP_SIZE", (60, 52))
+        patch.setattr(dataset_card, "STRIPS", 1)
+        patch.setattr(dataset_card, "STATES", 2)
         yield
 
 
@@ -96,8 +94,3 @@ def _equal(one: load.Domain, other: load.Domain) -> bool:
         return True
     ours, theirs = ((each.name, each.constants, each.learned, each.program.text) for each in (one, other))
     return ours == theirs and one.encodings in (other.encodings, data_folder("encodings")) and one.facts == other.facts
-
-
-def _check(program: Program, settings: Source) -> Checked:
-    """Check a domain; other ones than those that are shipped may read files that tests change."""
-    return (_checked if settings.path.is_relative_to(data_folder("domains")) else check)(program, settings)

@@ -62,7 +62,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "integers": frozenset(),
     "exact_numbers": frozenset(["errors", "integers"]),
     "atom": frozenset(["errors", "integers"]),
-    "task": frozenset(["errors", "atom", "integers", "similarity"]),
+    "task": frozenset(["errors", "atom", "integers", "similarity", "html"]),
     "similarity": GROUND - {"task"},
     "program": GROUND - {"task"},
     "scene": GROUND - {"task"},
@@ -74,18 +74,22 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "bddl": (GROUND - {"task"}) | {"program", "pddl"},
     "domain": (GROUND - {"task"}) | {"program", "scene", "lint", "pddl", "reduction"},
     "logic": (GROUND - {"task"}) | {"program", "domain"},
-    "models": (GROUND - {"task"}) | {"program", "logic"},
+    "models": (GROUND - {"task"}) | {"html", "program", "logic"},
     "planners": GROUND | {"program", "domain", "logic"},
-    "space": GROUND | {"program", "reduction", "domain", "logic", "similarity"},
-    "physics": GROUND | {"program", "scene", "domain"},
-    "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
+    "space": GROUND | {"html", "program", "reduction", "domain", "logic", "similarity"},
+    "physics": GROUND | {"html", "program", "scene", "domain"},
+    "dataset": GROUND | {"html", "program", "scene", "grammar", "domain", "space", "physics", "versions"},
     "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
     "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
     "analysis": GROUND | {"html", "program", "domain", "logic", "space", "similarity"},
     "audit": GROUND | {"html", "program", "bddl", "pddl", "domain", "space", "dataset", "similarity", "analysis"},
+    "report": GROUND
+    | {"html", "program", "domain", "logic", "space", "similarity", "physics", "dataset", "evaluation", "analysis"}
+    | {"versions"},
+    "explore": GROUND | {"program", "domain", "logic", "space", "models", "dataset", "physics"},
     "cli": GROUND
     | {"program", "scene", "grammar", "pddl", "bddl", "reduction", "domain", "logic", "space", "models", "planners"}
-    | {"physics", "dataset", "evaluation", "analysis", "similarity", "audit", "versions"},
+    | {"physics", "dataset", "evaluation", "analysis", "similarity", "audit", "report", "explore", "versions"},
     "__main__": frozenset(["cli"]),
 }
 """The rooms of the package, and what each may import. The wings `space` and `physics` know each other by the task."""
@@ -99,9 +103,9 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     ),
     "logic": ("ground", "step", "diagram", "symmetry", "domain_logic", "formula"),
     "space": (
-        "limits", "automaton", "weights", "plans", "parts", "conditions", "engines", "shortest_tasks", "reduced_count",
-        "explanation", "sampling", "domain_engines", "word_set", "task_sampling", "distinct_sampling", "lengths",
-        "task_space", "without_replacement", "emptiness",
+        "limits", "automaton", "weights", "plans", "parts", "conditions", "engines", "shortest_tasks", "final_states",
+        "reduced_count", "explanation", "sampling", "domain_engines", "word_set", "task_sampling", "distinct_sampling",
+        "lengths", "task_space", "strata", "without_replacement", "emptiness",
     ),
     "physics": (
         "bullet", "required", "temporary_files", "robot", "grasps", "witness", "extent", "situation", "predicates",

@@ -32,8 +32,11 @@ RUN = """
 import sys
 from pathlib import Path
 from tests.docs.pages import DOCS, prepare, run_page
-prepare(Path.cwd())
-print(*[each for each in run_page(DOCS / "guides" / sys.argv[1], Path.cwd()) if not each.right], sep="\\n", end="")
+for name in sys.argv[1:]:
+    folder = Path.cwd() / name
+    folder.mkdir()
+    prepare(folder)
+    print(*[each for each in run_page(DOCS / "guides" / name, folder) if not each.right], sep="\\n", end="")
 """
 
 
@@ -133,13 +136,12 @@ def test_the_pages_on_data_sets_need_what_they_say_and_no_more(fresh: Path, tmp_
         (reader / name).symlink_to(ROOT / name)
     link(environment, *said())
     outside = {name: value for name, value in os.environ.items() if name not in HERE}
-    for page in FRESH:
-        work = tmp_path / page.stem
-        work.mkdir()
-        command = (environment / "bin" / "python", "-c", RUN, page.name)
-        own = {"PYTHONPATH": str(reader), "PRAG_ASP_CACHE": str(tmp_path / "cache")}  # which somebody new has too
-        wrong = call(*command, cwd=work, env={**outside, **own})
-        assert not wrong, f"write them anew: python -m tests.docs.pages\n{wrong}"
+    work = tmp_path / "work"
+    work.mkdir()
+    command = (environment / "bin" / "python", "-c", RUN, *(page.name for page in FRESH))
+    own = {"PYTHONPATH": str(reader), "PRAG_ASP_CACHE": str(tmp_path / "cache")}  # which somebody new has too
+    wrong = call(*command, cwd=work, env={**outside, **own})
+    assert not wrong, f"write them anew: python -m tests.docs.pages\n{wrong}"
 
 
 def beside(fresh: Path, folder: Path) -> None:

@@ -16,7 +16,7 @@ from textwrap import wrap
 
 import av
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont, ImageOps
+from PIL import Image, ImageDraw, ImageFont
 from pyarrow.parquet import read_table
 
 from prag_asp import TaskSpace, load_domain, load_scene
@@ -41,25 +41,22 @@ class Strip:
     seed: int
     weights: Mapping[str, int] = field(default_factory=dict)
     where: tuple[str, ...] = ()
-    frame: tuple[int, int] = (260, 250)
-    columns: int = 6
-    start: bool = True
+    frame: tuple[int, int] = (264, 244)
+    columns: int = 3
 
 
 STRIPS = {
-    "five_subgoals": Strip("tabletop", 5, 34526, {"stack": 8, "insert": 8}, start=False),
+    "five_subgoals": Strip("tabletop", 5, 34526, {"stack": 8, "insert": 8}),
     "strip": Strip("tabletop", 3, 7),
-    "prag": Strip("prag", 5, 3, where=("begins approach", "uses can_1"), columns=3),
-    "tabletop": Strip("tabletop", 5, 11, {"stack": 8, "insert": 8}, columns=3),
+    "prag": Strip("prag", 5, 3, where=("begins approach", "uses can_1")),
+    "tabletop": Strip("tabletop", 5, 11, {"stack": 8, "insert": 8}),
     "kitchen": Strip("kitchen", 7, 4, where=("matches open approach grasp move drop withdraw close",), columns=4),
     "two_arms": Strip("two_arms", 7, 1, where=("begins pick", "has give"), columns=4),
-    "household": Strip(
-        "household", 5, 1, where=("has wipe(panda,sponge_1,mug_1)", "has put(panda,mug_1,rack_1)"), columns=3
-    ),
+    "household": Strip("household", 5, 1, where=("has wipe(panda,sponge_1,mug_1)", "has put(panda,mug_1,rack_1)")),
     "dishes": Strip(
         "examples/dishes", 6, 2, where=("matches pick put wash charge pick put", "ends inside(cup_1,rack_1)"), columns=4
     ),
-    "desk": Strip("examples/desk", 4, 4, where=("starts on_top(cup_1,desk_1), on_top(cup_2,desk_1)",), columns=5),
+    "desk": Strip("examples/desk", 4, 4, where=("starts on_top(cup_1,desk_1), on_top(cup_2,desk_1)",)),
     "warehouse": Strip(
         "examples/warehouse", 4, 5, where=("avoids crate", "avoids rod", "uses shelf_1", "avoids shelf_2")
     ),
@@ -77,12 +74,7 @@ def draw(strip: Strip) -> Image.Image:
     checked = ((task, validate_task(task, scene, seed=strip.seed).witness) for task in tasks)
     task, witness = next((task, witness) for task, witness in checked if witness is not None)
     captions = instruction_writer_of(domain).captions(task)
-    picture = film_strip(task, witness, scene, size=strip.frame, columns=strip.columns, captions=captions)
-    if not strip.start:
-        subgoals = picture.crop((picture.width // (strip.length + 1), 0, picture.width, picture.height))
-        bottom = ImageOps.invert(subgoals.convert("L")).getbbox()[3]
-        picture = subgoals.crop((0, 0, subgoals.width, bottom + MARGIN))
-    return reduced(picture)
+    return reduced(film_strip(task, witness, scene, size=strip.frame, columns=strip.columns, captions=captions))
 
 
 FILMED = Staging(("front", "wrist"), (160, 160), rate=5)

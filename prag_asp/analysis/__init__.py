@@ -18,8 +18,6 @@ from prag_asp.lazy import names_from
 if TYPE_CHECKING:
     from prag_asp.analysis.all_pairs import PairDistances, pair_distances
     from prag_asp.analysis.complexity import Complexity, ComplexityMeasure, complexity_of
-    from prag_asp.analysis.curve import Curve, Series, counts_by_length, draw_curve
-    from prag_asp.analysis.dendrogram import Dendrogram, dendrogram_of
     from prag_asp.analysis.distance_matrix import (
         NearDuplicates,
         NearestNeighbours,
@@ -30,11 +28,13 @@ if TYPE_CHECKING:
         without_duplicates,
     )
     from prag_asp.analysis.distant_tasks import tasks_apart
-    from prag_asp.analysis.farthest_first import DiverseChoice, diverse_choice
+    from prag_asp.analysis.farthest_first import DiverseChoice, Novelty, diverse_choice, novelty
     from prag_asp.analysis.frequencies import Frequency, FrequencyTest, compare_frequencies
     from prag_asp.analysis.hamming import DistanceDistribution, hamming_distribution, mean_hamming
     from prag_asp.analysis.neighbours import NearestTask, count_neighbours, nearest_task
-    from prag_asp.analysis.task_scaling import TaskMap, task_map
+    from prag_asp.analysis.plots.curve import Curve, Series, counts_by_length, draw_curve
+    from prag_asp.analysis.plots.dendrogram import Dendrogram, dendrogram_of
+    from prag_asp.analysis.plots.task_scaling import TaskMap, task_map
     from prag_asp.analysis.vendi import VendiScore, vendi_score
 
 __all__ = [
@@ -49,6 +49,7 @@ __all__ = [
     "NearDuplicates",
     "NearestNeighbours",
     "NearestTask",
+    "Novelty",
     "PairDistances",
     "Series",
     "SimilarityMatrix",
@@ -66,6 +67,7 @@ __all__ = [
     "near_duplicates",
     "nearest_neighbours",
     "nearest_task",
+    "novelty",
     "pair_distances",
     "similarity_matrix",
     "task_map",
@@ -76,19 +78,19 @@ __all__ = [
 
 _HOMES = {
     "prag_asp.analysis.complexity": ("Complexity", "ComplexityMeasure", "complexity_of"),
-    "prag_asp.analysis.curve": ("Curve", "Series", "counts_by_length", "draw_curve"),
+    "prag_asp.analysis.plots.curve": ("Curve", "Series", "counts_by_length", "draw_curve"),
     "prag_asp.analysis.frequencies": ("Frequency", "FrequencyTest", "compare_frequencies"),
     "prag_asp.analysis.hamming": ("DistanceDistribution", "hamming_distribution", "mean_hamming"),
     "prag_asp.analysis.neighbours": ("NearestTask", "count_neighbours", "nearest_task"),
     "prag_asp.analysis.distant_tasks": ("tasks_apart",),
-    "prag_asp.analysis.farthest_first": ("DiverseChoice", "diverse_choice"),
-    "prag_asp.analysis.dendrogram": ("Dendrogram", "dendrogram_of"),
+    "prag_asp.analysis.farthest_first": ("DiverseChoice", "Novelty", "diverse_choice", "novelty"),
+    "prag_asp.analysis.plots.dendrogram": ("Dendrogram", "dendrogram_of"),
     "prag_asp.analysis.all_pairs": ("PairDistances", "pair_distances"),
     "prag_asp.analysis.distance_matrix": (
         "NearDuplicates", "NearestNeighbours", "SimilarityMatrix", "near_duplicates", "nearest_neighbours",
         "similarity_matrix", "without_duplicates",
     ),
-    "prag_asp.analysis.task_scaling": ("TaskMap", "task_map"),
+    "prag_asp.analysis.plots.task_scaling": ("TaskMap", "task_map"),
     "prag_asp.analysis.vendi": ("VendiScore", "vendi_score"),
 }  # fmt: skip
 

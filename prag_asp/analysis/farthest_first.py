@@ -1,14 +1,22 @@
-"""Choice of tasks that are far apart."""
+"""Choice of tasks that are far apart, and the distances of new tasks from given ones."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
-from prag_asp.analysis.all_pairs import PairDistances
+from prag_asp.analysis.all_pairs import PairDistances, pair_distances
 from prag_asp.analysis.distance_matrix import SimilarityMatrix
 from prag_asp.errors import QueryError
+from prag_asp.similarity.background import Trace, UpTo
+from prag_asp.similarity.metrics import Metric
+
+if TYPE_CHECKING:
+    from prag_asp.task import KnownDomain
 
 CHOSEN = -1.0
 """Stands for the distance of a chosen task from the chosen ones, so that it is not chosen twice."""
@@ -50,3 +58,39 @@ def diverse_choice(given: SimilarityMatrix | PairDistances, count: int) -> Diver
         nearest = np.minimum(nearest, given.row(farthest) / unit)
         nearest[farthest] = CHOSEN
     return DiverseChoice(tuple(chosen), separation, max(float(nearest.max()), 0.0))
+
+
+@dataclass(frozen=True)
+class Novelty:
+    """The distances of new tasks from their nearest given tasks, shape (new tasks,), and the numbers of the latter."""
+
+    distances: NDArray[np.float64]
+    nearest: NDArray[np.int64]
+
+
+def novelty(
+    tasks: Sequence[Trace],
+    given: Sequence[Trace],
+    metric: str | Metric = "combined",
+    within: KnownDomain | None = None,
+    up_to: UpTo = "names",
+) -> Novelty:
+    """Return how far each task is from the nearest given task; the other arguments are those of `Task.distance`.
+
+    Among equally near tasks, the smallest number is returned. A distance from all tasks of a space, listed or not, is
+    computed by `nearest_task`.
+
+    Raises:
+        QueryError: there is no given task, or as for `pair_distances`.
+        SimilarityMissingError: the metric needs rapidfuzz, which is not installed.
+    """
+    if not given:
+        raise QueryError("no given task, so that nothing can be near to one; give at least one")
+    pairs = pair_distances([*given, *tasks], metric, within, up_to)
+    unit = float(pairs.denominator or 1)
+    distances, nearest = np.zeros(len(tasks)), np.zeros(len(tasks), dtype=np.int64)
+    for place in range(len(tasks)):
+        row = pairs.row(len(given) + place)[: len(given)]
+        nearest[place] = np.argmin(row)
+        distances[place] = row[nearest[place]] / unit
+    return Novelty(distances, nearest)

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from prag_asp.errors import QueryError
 from prag_asp.logic.symmetry.renaming import renamed
 from prag_asp.logic.symmetry.symmetries import Symmetries
+from prag_asp.program.entity_names import mentioned_entities
+from prag_asp.similarity.interchange import Interchange
 from prag_asp.space.engines import Level
 from prag_asp.space.task_space import TaskSpace
 
@@ -58,16 +60,12 @@ def plan_images(space: TaskSpace, plan: Sequence[clingo.Symbol]) -> list[tuple[c
     Raises:
         QueryError: there are more than `MOST` images.
     """
-    renamings = list(swaps(space.symmetries))
-    images = {tuple(plan): None}
-    waiting = list(images)
-    while waiting:
-        one = waiting.pop()
-        for names in renamings:
-            other = tuple(renamed(action, names) for action in one)
-            if other not in images:
-                images[other] = None
-                waiting.append(other)
+    symmetries = space.symmetries
+    moving = Interchange(symmetries.groups, symmetries.joint)
+    mentioned = [entity for action in plan for entity in mentioned_entities(action, moving.entities)]
+    images: dict[tuple[clingo.Symbol, ...], None] = {}
+    for names in moving.renamings(mentioned, fixed=moving.entities):
+        images[tuple(renamed(action, names) for action in plan)] = None
         if len(images) > MOST:
             raise QueryError(f"the plan has more than {MOST:,} renamings in {space.title}; it names too many entities")
     return list(images)

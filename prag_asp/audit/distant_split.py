@@ -1,4 +1,4 @@
-"""Splits whose later parts are at least a given distance from the first part; their manifests and verification."""
+"""Splits with a proof: a distance between the parts, or combinations that only the test part has; their manifests."""
 
 from __future__ import annotations
 
@@ -8,9 +8,11 @@ from pathlib import Path
 
 import msgspec
 
+from prag_asp.analysis.covering import Combination, combination_text, combinations_of, reachable_combinations
+from prag_asp.analysis.covering.held_out import held_out
 from prag_asp.analysis.distant_tasks import tasks_apart
 from prag_asp.analysis.neighbours import nearest_task
-from prag_asp.atom import split_actions
+from prag_asp.atom import parse_atom, split_actions
 from prag_asp.dataset.jsonl import read_tasks
 from prag_asp.dataset.store.domain_snapshot import (
     DomainSnapshot,
@@ -38,12 +40,21 @@ FORMS = {"text": "txt", "jsonl": "jsonl"}
 
 @dataclass(frozen=True)
 class DistantSplit:
-    """A request for parts: what is held out from the first part, or the shares of whole skeletons, and the distance."""
+    """A request for parts: what is held out from the first part, or the shares of whole skeletons, and the distance.
 
-    distance: int
+    With `combinations`, these are held out from the first part, which covers all combinations with one factor less.
+    """
+
+    distance: int = 1
     held: str | None = None
     shares: Mapping[str, str] = field(default_factory=dict)
     seed: int = 0
+    combinations: tuple[Combination, ...] = ()
+
+    @property
+    def strength(self) -> int:
+        """The number of factors of the combinations that the first part covers, or 0."""
+        return max(map(len, self.combinations), default=1) - 1
 
     def parts(self, space: TaskSpace) -> dict[str, TaskSpace | RankedTasks]:
         """Return the first part, and the tasks of each later part that are at least the distance from all of its tasks.
@@ -52,25 +63,36 @@ class DistantSplit:
             QueryError: the space cannot be split like this, or the distance is wrong.
             LimitReached: a limit was reached, or the automaton of the tasks that remain is too large.
         """
-        if self.held is not None:
+        if self.combinations:
+            whole = dict(
+                zip(("train", "test"), held_out(space, self.strength, self.combinations).parts(space), strict=True)
+            )
+        elif self.held is not None:
             whole = dict(zip(("train", "test"), space.hold_out(self.held), strict=True))
         else:
             whole = space.split_skeletons(self.shares, seed=self.seed)
         (name, first), *others = whole.items()
+        if self.distance == 1:  # other tasks are at least one edit apart
+            return dict(whole)
         return {name: first, **{name: tasks_apart(part, first, self.distance) for name, part in others}}
 
 
 class SplitFile(msgspec.Struct):
-    """A part of a split: the exact number of its tasks, and the file with some of them."""
+    """A part of a split: the exact number of its tasks, and the file with some of them and their ranks in the space."""
 
     name: str
     size: Decimal
     tasks: Whole
     file: FileRecord
+    ranks: list[Decimal] = []
 
 
 class SplitManifest(msgspec.Struct):
-    """The contents of split.json."""
+    """The contents of split.json.
+
+    `combinations` maps the numbers of factors to their values; `reachable` is the number of combinations with one
+    factor less, all of which the first part and its file cover.
+    """
 
     domain: DomainSnapshot
     length: Whole
@@ -80,6 +102,8 @@ class SplitManifest(msgspec.Struct):
     shares: dict[str, str]
     seed: Whole
     parts: list[SplitFile]
+    combinations: list[dict[str, str]] = []
+    reachable: Whole = 0
 
 
 NAME = "split.json"
@@ -100,11 +124,14 @@ def record_split(
     parts = []
     for name, path in files.items():
         record = FileRecord(path.name, path.stat().st_size, digest_of(path))
-        tasks = sum(1 for _ in plans_of(path))
-        parts.append(SplitFile(name, digits_of(sizes[name]), tasks, record))
+        ranks = [digits_of(space.index(plan)) for plan in plans_of(path)]
+        parts.append(SplitFile(name, digits_of(sizes[name]), len(ranks), record, ranks))
+    combinations = [{str(place): value for place, value in each} for each in request.combinations]
+    reachable = len(reachable_combinations(space, request.strength)) if combinations else 0
     conditions = list(map(str, space.condition.clauses))
     SPLIT.write(folder, SplitManifest(
         snapshot, space.length, conditions, request.distance, request.held, dict(request.shares), request.seed, parts,
+        combinations, reachable,
     ))  # fmt: skip
 
 
@@ -126,7 +153,8 @@ def wrong_split(folder: Path, *, trust: bool = False) -> Iterator[Finding]:
     """Yield findings about a split: files, exact sizes, and tasks that are not in their part or too near to the first.
 
     The sizes are computed again. The distance of each task from the whole first part is a shortest path, found without
-    the automaton that selected the task.
+    the automaton that selected the task. Combinations that are held out are read off the actions of each task, and
+    those that the first part covers off the automaton of its conditions.
 
     Raises:
         QueryError: the folder is not a split.
@@ -139,8 +167,10 @@ def wrong_split(folder: Path, *, trust: bool = False) -> Iterator[Finding]:
     try:
         domain = load_snapshot(folder, note.domain, trust=trust, note=NAME)
         space = TaskSpace(domain, note.length).where(*note.where)
-        parts = DistantSplit(note.distance, note.held, note.shares, note.seed).parts(space)
-    except PragError as error:
+        combinations = tuple(tuple(sorted((int(place), each[place]) for place in each)) for each in note.combinations)
+        request = DistantSplit(note.distance, note.held, note.shares, note.seed, combinations)
+        parts = request.parts(space)
+    except (PragError, ValueError) as error:
         yield Finding(NAME, None, f"cannot be checked: {error}")
         return
     if [*parts] != [part.name for part in note.parts]:
@@ -148,6 +178,8 @@ def wrong_split(folder: Path, *, trust: bool = False) -> Iterator[Finding]:
         return
     first = next(iter(parts.values()))
     assert isinstance(first, TaskSpace)
+    if combinations:
+        yield from _wrong_coverage(folder, note, request, space, first)
     for part in note.parts:
         size = digits_of(parts[part.name].count())
         if size != part.size:
@@ -167,7 +199,7 @@ def _wrong_tasks(
     except (OSError, PragError) as error:
         yield Finding(file, None, f"cannot be read: {error}")
         return
-    if len(plans) != part.tasks:
+    if len(plans) != part.tasks or len(plans) != len(part.ranks):
         yield Finding(file, None, f"has {plural(len(plans), 'task')}; {NAME} says {part.tasks}")
     seen: set[int] = set()
     for row, plan in enumerate(plans):
@@ -176,12 +208,44 @@ def _wrong_tasks(
         except PragError as error:
             yield Finding(file, row, f"is not a task: {error}")
             continue
+        if row < len(part.ranks) and digits_of(rank) != part.ranks[row]:
+            yield Finding(file, row, f"has rank {digits_of(rank)}; {NAME} says {part.ranks[row]}")
         if rank in seen:
             yield Finding(file, row, "is a task that was there before")
         seen.add(rank)
         if later is None and plan not in first:
             yield Finding(file, row, f"is not a task of {part.name}")
-        elif later is not None and (near := nearest_task(first, plan).distance) < distance:
+        elif later is not None and distance > 1 and (near := nearest_task(first, plan).distance) < distance:
             yield Finding(file, row, f"is {plural(near, 'edit')} from the first part, not {distance}")
-        elif isinstance(later, RankedTasks) and next(space.tasks_of_plans([plan])) not in later:
+        elif later is not None and next(space.tasks_of_plans([plan])) not in later:
             yield Finding(file, row, f"is not a task of {part.name}")
+
+
+def _wrong_coverage(
+    folder: Path, note: SplitManifest, request: DistantSplit, space: TaskSpace, first: TaskSpace
+) -> Iterator[Finding]:
+    """Yield findings about the combinations of the parts and of their files."""
+    classes, strength = space.domain.facts.entity_names, request.strength
+    held, reachable = set(request.combinations), reachable_combinations(space, strength)
+    if len(reachable) != note.reachable:
+        yield Finding(NAME, None, f"reachable: is {note.reachable}, but there are {len(reachable)} combinations")
+    lacking = reachable - reachable_combinations(first, strength)
+    if lacking:
+        yield Finding(NAME, None, f"combinations: no task of the first part has {combination_text(min(lacking))}")
+    for number, part in enumerate(note.parts):
+        path = folder / part.file.path
+        try:
+            plans = [tuple(map(parse_atom, plan)) for plan in plans_of(path)]
+        except (OSError, PragError):
+            continue  # `_wrong_tasks` reports it
+        for row, plan in enumerate(plans):
+            own = frozenset().union(*(combinations_of(action, classes, strength + 1) for action in plan))
+            if own.isdisjoint(held) != (number == 0):
+                what = "has none" if number else "has one"
+                yield Finding(path.name, row, f"{what} of the combinations that are held out")
+        if number == 0:
+            covered = frozenset().union(
+                *(combinations_of(action, classes, strength) for plan in plans for action in plan)
+            )
+            for each in sorted(reachable - covered)[:1]:
+                yield Finding(path.name, None, f"has no task with {combination_text(each)}")

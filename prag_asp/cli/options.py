@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import wraps
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import click
 
@@ -15,6 +15,8 @@ from prag_asp.processes.machine import SHARE
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
+    from prag_asp.space.strata.allocation import Stratification
+    from prag_asp.space.strata.stratum import StratifiedBy
 
 Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]
@@ -185,6 +187,47 @@ weight_options = grouped(
 )  # fmt: skip
 """Give a command the options of weights, as one value `weighting`."""
 
+
+@dataclass(frozen=True)
+class StrataOptions:
+    """Options that divide a sample into strata."""
+
+    strata: str | None = None
+    allocation: str | None = None
+
+    def stratification(self, others: Mapping[str, bool]) -> Stratification | None:
+        """Return the stratification, or None without strata; `others` maps options to whether they are given.
+
+        Raises:
+            QueryError: an allocation is given without strata, it is malformed, or strata are given with other options.
+        """
+        if self.strata is None:
+            if self.allocation is not None:
+                raise QueryError(f"--allocation {self.allocation} is that of strata; add --strata length")
+            return None
+        for option, given in others.items():
+            if given:
+                raise QueryError(f"--strata {self.strata}: strata are sampled uniformly as a whole; leave {option} out")
+        from prag_asp.space.strata.allocation import PROPORTIONAL, Stratification
+
+        return Stratification.parse(cast("StratifiedBy", self.strata), self.allocation or PROPORTIONAL)
+
+
+strata_options = grouped(
+    "stratifying", StrataOptions,
+    (
+        click.option(
+            "--strata", type=click.Choice(["length", "skeleton", "goal"]),
+            help="Stratified sample: tasks of each length, skeleton or goal, with exact weights.",
+        ),
+        click.option(
+            "--allocation", metavar="HOW",
+            help="With --strata: proportional, equal, or standard deviations such as length_2=0.3,length_3=0.5, which "
+            "give the Neyman allocation.  [default: proportional]",
+        ),
+    ),
+)  # fmt: skip
+"""Give a command the options of strata, as one value `stratifying`."""
 
 over = click.option(
     "--over", type=click.Choice(["skeletons", "goals"]),

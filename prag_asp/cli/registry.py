@@ -30,6 +30,7 @@ COMMANDS = {
     "enumerate": "enumerate",
     "evaluate": "evaluate",
     "explain": "explain",
+    "explore": "explore",
     "export": "export",
     "generate": "generate",
     "import": "importing",
@@ -39,6 +40,7 @@ COMMANDS = {
     "new": "domains",
     "power": "power",
     "render": "render",
+    "report": "reporting",
     "sample": "sample",
     "scenario": "scenario",
     "similarity": "similarity",
@@ -53,9 +55,9 @@ COMMANDS = {
 
 GROUPS = {
     "Define": ("domains", "new", "check", "import", "explain"),
-    "Count and sample": ("count", "task", "sample", "enumerate", "scenario", "split", "stats", "diversity"),
+    "Count and sample": ("count", "explore", "task", "sample", "enumerate", "scenario", "split", "stats", "diversity"),
     "Check by physics": ("validate", "learn", "render"),
-    "Data": ("generate", "merge", "verify", "suite", "export"),
+    "Data": ("generate", "merge", "verify", "report", "suite", "export"),
     "Learn and evaluate": ("evaluate", "compare", "power"),
     "Any program": ("models",),
     "Shell": ("completion",),

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import islice
 from typing import TYPE_CHECKING
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from prag_asp.dataset.pass_rates import Tally
+    from prag_asp.dataset.strata.stratum_figures import StratumFigures
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.task import State, Task
 
@@ -54,6 +55,27 @@ def tallied(tally: Tally, line: Callable[[], str]) -> Iterator[None]:
             console.print(one_line(line()), soft_wrap=True, markup=False)
             if tally.reasons or tally.causes:
                 console.print(_table(tally))
+
+
+MOST_STRATA = 20
+"""The maximum number of strata that are printed."""
+
+
+def strata_lines(strata: Sequence[StratumFigures]) -> list[str]:
+    """Return a line for each stratum of a sample: its tasks, its size and the weight of each task."""
+    from prag_asp.dataset.strata.stratum_figures import stratum_weights
+
+    weights = stratum_weights(strata)
+    rows = [
+        (each.name, str(each.tasks), each.size, str(weights[each.name] / each.tasks) if each.tasks else "none")
+        for each in strata[:MOST_STRATA]
+    ]
+    wide = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    lines = [
+        f"{name:<{wide[0]}}  {tasks:>{wide[1]}} of {size:>{wide[2]}} tasks, each of weight {weight}"
+        for name, tasks, size, weight in rows
+    ]
+    return lines + ([f"and {len(strata) - MOST_STRATA} more strata"] if len(strata) > MOST_STRATA else [])
 
 
 def _table(tally: Tally) -> Table:

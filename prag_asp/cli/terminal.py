@@ -159,6 +159,12 @@ def progress() -> Iterator[Tell]:
         yield tell
 
 
+def end_progress() -> None:
+    """Show no more progress, because the command now waits for requests."""
+    if _display is not None:
+        _display.end()
+
+
 def hide_progress() -> None:
     """Remove the progress line, before output that may go to the same terminal; it appears again after two seconds."""
     if _display is not None:

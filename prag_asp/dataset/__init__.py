@@ -29,12 +29,15 @@ if TYPE_CHECKING:
     from prag_asp.dataset.scenario import Scenario, SearchStart
     from prag_asp.dataset.scenarios import Scenarios, exclude, read_scenarios
     from prag_asp.dataset.store.entry import DatasetEntry
+    from prag_asp.dataset.strata.stratified_sampling import StratifiedSample, stratified_sample
+    from prag_asp.dataset.strata.stratum_figures import StratumFigures
     from prag_asp.dataset.suites.counting import count_suite
     from prag_asp.dataset.suites.suite_builder import generate_suite
     from prag_asp.dataset.suites.suite_reader import load_suite
     from prag_asp.dataset.suites.suite_spec import Suite
     from prag_asp.dataset.suites.verifying import verify
     from prag_asp.dataset.verification.finding import Finding
+    from prag_asp.space.strata.allocation import Stratification
 
 __all__ = [
     "DatasetEntry",
@@ -49,6 +52,9 @@ __all__ = [
     "Scenario",
     "Scenarios",
     "SearchStart",
+    "Stratification",
+    "StratifiedSample",
+    "StratumFigures",
     "Suite",
     "Tally",
     "count_suite",
@@ -67,6 +73,7 @@ __all__ = [
     "read_scenarios",
     "read_tasks",
     "recheck",
+    "stratified_sample",
     "verify",
     "write_line",
 ]
@@ -86,6 +93,9 @@ _HOMES = {
     "prag_asp.dataset.scenario": ("Scenario", "SearchStart"),
     "prag_asp.dataset.scenarios": ("Scenarios", "exclude", "read_scenarios"),
     "prag_asp.dataset.store.entry": ("DatasetEntry",),
+    "prag_asp.dataset.strata.stratum_figures": ("StratumFigures",),
+    "prag_asp.dataset.strata.stratified_sampling": ("StratifiedSample", "stratified_sample"),
+    "prag_asp.space.strata.allocation": ("Stratification",),
     "prag_asp.dataset.suites.counting": ("count_suite",),
     "prag_asp.dataset.suites.suite_builder": ("generate_suite",),
     "prag_asp.dataset.suites.suite_reader": ("load_suite",),

@@ -16,6 +16,7 @@ from prag_asp.integers import digits_of, number_of
 from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.verdict import Budget, Tier
 from prag_asp.space.sampling.sharding import ALL, Deal
+from prag_asp.space.strata.stratum import StratifiedBy
 from prag_asp.tables.json_fields import Whole
 
 if TYPE_CHECKING:
@@ -47,6 +48,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     `budget`, physics is not run. Unless `trivial`, tasks whose final state is the initial state are left out. `part`,
     such as ``3/64``, selects every 64th draw from the third on; other machines generate the rest. `excluded` identifies
     tasks to leave out by their length and rank. With `over`, a skeleton or a goal is sampled uniformly before a task.
+    With `strata`, the parts are the strata of a sample.
 
     Raises:
         QueryError: a number is out of range.
@@ -70,6 +72,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     staging: Staging | None = None
     part: Annotated[str, msgspec.Meta(pattern="^[1-9][0-9]{0,6}/[1-9][0-9]{0,6}$")] | None = None
     excluded: list[ExcludedTask] | msgspec.UnsetType = msgspec.UNSET
+    strata: StratifiedBy | msgspec.UnsetType = msgspec.UNSET
     over: Literal["skeletons", "goals"] | msgspec.UnsetType = msgspec.UNSET
 
     def __post_init__(self) -> None:
@@ -95,6 +98,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         phrasings: str = "",
         part: str | None = None,
         excluded: Iterable[tuple[int, int]] = (),
+        strata: StratifiedBy | None = None,
         over: Literal["skeletons", "goals"] | None = None,
         **fields: Any,
     ) -> DatasetSpec:
@@ -111,7 +115,8 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         such as ``1 of 2``. A shard has at most `shard` tasks. With ``part="3/64"``, only every 64th draw from the third
         on is validated, for a 64th of the tasks.
 
-        `excluded` holds the tasks to leave out, as pairs of a length and a rank.
+        `excluded` holds the tasks to leave out, as pairs of a length and a rank. With `strata`, `split` holds the
+        share of each stratum in the sample, as `stratified_shares` returns it; strata are sampled uniformly.
 
         Raises:
             QueryError: a value is out of range, or two of them contradict each other.
@@ -120,8 +125,17 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         """
         from prag_asp.space.without_replacement import Division
 
-        division = Division.parse(split, skeletons=skeletons, hold_out=hold_out)
-        weights = domain.settings.weights if weights is None else weights
+        division = Division.parse(split, skeletons=skeletons, hold_out=hold_out, strata=strata)
+        weights = ({} if strata else domain.settings.weights) if weights is None else weights
+        others = {
+            "weights": weights,
+            "over": over,
+            "evenly": fields.get("evenly"),
+            "excluded": (excluded := list(excluded)),
+        }
+        for name, value in others.items():
+            if strata and value:
+                raise QueryError(f"strata are sampled uniformly as a whole; leave {name} out")
         spec = cls(
             split={name: str(share) for name, share in division.shares.items()},
             skeletons=skeletons,
@@ -131,6 +145,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
             phrasings=str(Phrasings.parse(phrasings)),
             part=None if part is None or Deal.parse(part) == ALL else str(Deal.parse(part)),
             excluded=[f"{length}:{digits_of(rank)}" for length, rank in sorted(set(excluded))] or msgspec.UNSET,
+            strata=strata or msgspec.UNSET,
             over=over or msgspec.UNSET,
             **fields,
         )
@@ -167,7 +182,8 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         """
         from prag_asp.space.without_replacement import Division
 
-        return Division.parse(self.split, skeletons=self.skeletons, hold_out=self.hold_out)
+        strata = self.strata or None
+        return Division.parse(self.split, skeletons=self.skeletons, hold_out=self.hold_out, strata=strata)
 
     @property
     def excluded_ranks(self) -> list[tuple[int, int]]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,11 +12,14 @@ from prag_asp.dataset.making.executors import executor_of
 from prag_asp.dataset.making.run import DatasetRun, Progress
 from prag_asp.dataset.scenarios import excluded_ranks
 from prag_asp.dataset.store.domain_snapshot import snapshot_of
+from prag_asp.dataset.strata.stratified_sampling import allocated
+from prag_asp.errors import QueryError
 from prag_asp.missing import require_pyarrow
 
 if TYPE_CHECKING:
     from prag_asp.dataset.scenario import Scenario
     from prag_asp.dataset.store.dataset import Dataset
+    from prag_asp.space.strata.allocation import Stratification
     from prag_asp.space.task_space import TaskSpace
 
 
@@ -28,6 +32,7 @@ def generate(
     on: str | None = None,
     max_draws: int | None = None,
     excluded: Iterable[Scenario] = (),
+    stratification: Stratification | None = None,
     progress: Progress = lambda words, done, total: None,
     **request: Any,
 ) -> Dataset:
@@ -37,6 +42,9 @@ def generate(
     `DatasetSpec.of` documents. Sampling for a part of the split stops after `max_draws` draws, by default 1000 per
     task. The tasks of `excluded` scenarios of the same domain and conditions are left out, so the dataset is disjoint
     from earlier ones.
+
+    With a `stratification`, the parts are the strata of a sample, and dataset.json has the exact weight of a task of
+    each part.
 
     The same call resumes an interrupted run; a larger number of tasks extends the dataset. The bytes of the dataset
     depend only on the request, not on the number of `workers` or on the machines that run them; with ``on="ray"``,
@@ -55,8 +63,25 @@ def generate(
     """
     require_pyarrow()
     executor = executor_of(workers, on)
+    if stratification is not None:
+        if spec is not None or request.get("split") is not None:
+            raise QueryError("the parts of a stratified sample are its strata; leave the split out")
+        request |= {
+            "split": stratified_shares(space, stratification, request["tasks"], request.get("seed", 0)),
+            "strata": stratification.by,
+        }
     if spec is None:
         spec = DatasetSpec.of(space.domain, excluded=excluded_ranks(space, excluded), **request)
     elif request:
         raise TypeError(f"a spec is given with {', '.join(request)}; change the spec instead")
     return DatasetRun(space, Path(folder), spec, snapshot_of(space.domain), executor, progress, max_draws).done()
+
+
+def stratified_shares(space: TaskSpace, stratification: Stratification, tasks: int, seed: int = 0) -> dict[str, str]:
+    """Return the share of each stratum in a sample of a number of tasks, as exact fractions.
+
+    Raises:
+        QueryError: the space is empty, or too small or too finely divided for that many tasks.
+    """
+    quotas = allocated(space, tasks, stratification, seed)
+    return {stratum.name: str(Fraction(quota, tasks)) for stratum, quota in quotas}

@@ -5,9 +5,10 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import msgspec
 
@@ -22,13 +23,16 @@ from prag_asp.task import FrozenDict, Task
 class Record:
     """A task with its verdict and witness as plain values; both are None without physics.
 
-    `place` is the source of the record as ``file:line``.
+    In a stratified sample, it has the name of its `stratum` and its `weight`. `place` is the source of the record as
+    ``file:line``.
     """
 
     task: Task
     verdict: Mapping[str, Any] | None = None
     witness: Mapping[str, Any] | None = None
     place: str = field(default="", compare=False)
+    stratum: str = ""
+    weight: Fraction | None = None
 
 
 def write_line(record: Record) -> str:
@@ -47,6 +51,9 @@ def write_line(record: Record) -> str:
         "verdict": _json(record.verdict),
         "witness": _json(record.witness),
     }
+    if record.weight is not None:
+        weight = {"stratum": record.stratum, "weight": str(record.weight), "weight_value": float(record.weight)}
+        fields |= {name: _json(value) for name, value in weight.items()}
     return "{" + ",".join([f'"{name}":{text}' for name, text in fields.items()]) + "}"
 
 
@@ -92,6 +99,9 @@ class _Line(msgspec.Struct):
     verdict: dict[str, Any] | None = None
     witness: dict[str, Any] | None = None
     constants: dict[str, str] = {}
+    stratum: str = ""
+    weight: Annotated[str, msgspec.Meta(pattern="^[0-9]{1,4000}(/[1-9][0-9]{0,3999})?$")] | None = None
+    weight_value: Number | None = None
 
 
 def read_lines(lines: Iterable[str], name: str) -> Iterator[Record]:
@@ -122,7 +132,8 @@ def read_lines(lines: Iterable[str], name: str) -> Iterator[Record]:
             except QueryError as error:
                 what = f"not a task: {error}; write tasks with --format jsonl"
                 raise QueryError(f"{name}:{number}: {what}") from None
-            yield Record(task, values.verdict, values.witness, f"{name}:{number}")
+            weight = None if values.weight is None else Fraction(values.weight)
+            yield Record(task, values.verdict, values.witness, f"{name}:{number}", values.stratum, weight)
 
 
 def _state(values: Mapping[str, bool]) -> FrozenDict[Atom, bool]:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 
+from prag_asp.dataset.strata.stratum_figures import StratumFigures
 from prag_asp.errors import QueryError
 from prag_asp.evaluation.episode import EvaluatedEpisode
 from prag_asp.evaluation.paired import Pairs
 from prag_asp.evaluation.results import GROUPINGS, Results
+from prag_asp.evaluation.stratified_rates import StratifiedDifference, stratified_difference
 from prag_asp.wording import plural
 
 
@@ -17,13 +20,19 @@ class PolicyComparison:
     """Pairs of episodes of two evaluations: one pair for each shared scenario.
 
     `only_first` and `only_second` count episodes without a counterpart; `other_states` counts scenarios whose initial
-    states differ, because different versions searched for them. None of these are compared.
+    states differ, because different versions searched for them. None of these are compared. `strata` are those of both
+    evaluations if these are stratified and all their episodes are paired.
     """
 
     pairs: tuple[tuple[EvaluatedEpisode, EvaluatedEpisode], ...]
     only_first: int = 0
     only_second: int = 0
     other_states: int = 0
+    strata: tuple[StratumFigures, ...] = ()
+
+    def whole_space(self) -> StratifiedDifference | None:
+        """Return the difference over all tasks of the space; None unless all episodes of the same strata are paired."""
+        return stratified_difference(self.pairs, self.strata) if self.strata else None
 
     def whole(self) -> Pairs:
         """Return the counts over all pairs."""
@@ -50,13 +59,18 @@ class PolicyComparison:
     def table(self) -> str:
         """Return both rates, their difference with its 95 % interval, and the p-value, for all pairs and by group."""
         rows: list[tuple[str, ...]] = [("", "pairs", "first", "second", "difference", "p")]
+        estimate = self.whole_space()
+        if estimate is not None:
+            shares = (f"{100 * float(each):.0f} %" for each in (estimate.first, estimate.second))
+            difference = _percent(estimate.difference, (estimate.low, estimate.high))
+            rows.append(("whole space", str(len(self.pairs)), *shares, difference, ""))
         groups = [("all", self.whole())]
         for what in PAIRED:
             found = self.by(what)
             groups += [(f"{what} {name}", pairs) for name, pairs in found.items()] if len(found) > 1 else []
         for name, pairs in groups:
-            (one, two), (low, high) = pairs.rates, pairs.interval()
-            difference = f"{100 * float(pairs.difference):+.0f} ({100 * low:+.0f} to {100 * high:+.0f})"
+            one, two = pairs.rates
+            difference = _percent(pairs.difference, pairs.interval())
             shares = (f"{100 * float(each.share):.0f} %" for each in (one, two))
             rows.append((name, str(pairs.total), *shares, difference, f"{float(pairs.p_value()):.2g}"))
         widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
@@ -102,7 +116,10 @@ def compare(first: Results, second: Results, *, across: bool = False) -> PolicyC
     pairs = tuple((one, two) for one, two in shared if one.initial == two.initial)
     if not pairs:
         raise QueryError("the evaluations have no scenario in common; evaluate both on the same scenarios")
-    return PolicyComparison(pairs, len(ours) - len(shared), len(theirs) - len(shared), len(shared) - len(pairs))
+    complete = len(pairs) == len(ours) == len(theirs) and first.record.strata == second.record.strata
+    strata = tuple(first.record.strata) if complete else ()
+    unpaired = len(ours) - len(shared), len(theirs) - len(shared), len(shared) - len(pairs)
+    return PolicyComparison(pairs, *unpaired, strata)
 
 
 def _by_scenario(results: Results) -> dict[str, EvaluatedEpisode]:
@@ -116,6 +133,12 @@ def _by_scenario(results: Results) -> dict[str, EvaluatedEpisode]:
         if found.setdefault(episode.scenario, episode) is not episode:
             raise QueryError(f"scenario {episode.scenario} occurs twice in the evaluation of {results.record.policy}")
     return found
+
+
+def _percent(difference: Fraction, interval: tuple[float, float]) -> str:
+    """Return a difference with its interval as text, in percentage points."""
+    low, high = interval
+    return f"{100 * float(difference):+.0f} ({100 * low:+.0f} to {100 * high:+.0f})"
 
 
 def _counted(pairs: Sequence[tuple[EvaluatedEpisode, EvaluatedEpisode]]) -> Pairs:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import blake2b
@@ -13,6 +13,7 @@ import msgspec
 
 from prag_asp.dataset.scenario import Scenario
 from prag_asp.dataset.scenarios import Scenarios, verdict_of
+from prag_asp.dataset.store.instructions import TaskTexts
 from prag_asp.dataset.validation_jobs import initial_state_key
 from prag_asp.errors import PragError, QueryError
 from prag_asp.evaluation.policies.policy import Policy, PolicyMaker
@@ -44,10 +45,11 @@ class SubgoalResult(msgspec.Struct, frozen=True):
 class EvaluatedEpisode(msgspec.Struct, frozen=True):
     """The result of an episode.
 
-    `part` is the part of a dataset or a suite, or "". `initial` is a digest of the initial state, and `classes` are the
-    classes of the entities that the actions name. `reached` counts the subgoals that were reached; `subgoals` holds a
-    result for each subgoal that was pursued. `cause` is one of `SUCCESS`, `LIMIT` and `GAVE_UP`; `seconds` is the
-    simulated time.
+    `part` is the part of a dataset or a suite, the stratum of a stratified sample, or "". `initial` is a digest of the
+    initial state, and `classes` are the classes of the entities that the actions name. `reached` counts the subgoals
+    that were reached; `subgoals` holds a result for each subgoal that was pursued. `cause` is one of `SUCCESS`, `LIMIT`
+    and `GAVE_UP`; `seconds` is the simulated time. `weight` is the exact weight of the episode in a stratified sample
+    as text, and `weight_value` the nearest float; without strata, they are "" and 0.
     """
 
     scenario: str
@@ -63,14 +65,32 @@ class EvaluatedEpisode(msgspec.Struct, frozen=True):
     steps: Whole
     cause: str
     seconds: float
+    weight: str = ""
+    weight_value: float = 0.0
 
 
 class EpisodeJob(NamedTuple):
-    """An episode to run: its part, its scenario, and its task with a witness, or None to search for one."""
+    """An episode to run: its part, its scenario, and its task with a witness, or None to search for one.
+
+    `texts` are the texts of the task in a dataset.
+    """
 
     part: str
     scenario: Scenario
     given: tuple[Task, Witness] | None = None
+    texts: TaskTexts | None = None
+
+
+class JobGroup(NamedTuple):
+    """The numbered jobs of a stratum, or of all scenarios; they are run until `requested` of them have a witness.
+
+    `size` is the number of tasks from which they are drawn, or `requested` if they are given.
+    """
+
+    name: str
+    size: int
+    requested: int
+    jobs: Iterable[tuple[int, EpisodeJob]]
 
 
 @dataclass(frozen=True)
@@ -113,7 +133,8 @@ class EpisodeRunner:
         task, witness = job.given or self._searched(job.scenario)
         if witness is None:
             return None
-        observation, info = self._env.reset(seed=0, options={"task": task, "witness": witness})
+        texts = None if "language" in self._setup.options else job.texts
+        observation, info = self._env.reset(seed=0, options={"task": task, "witness": witness, "texts": texts})
         watch(self._env)
         steps, reached, stage, cause, ended = [0] * len(task), 0, 0, LIMIT, False
         with self._errors(job.scenario):

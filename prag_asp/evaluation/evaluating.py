@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
 from functools import partial
-from itertools import islice
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,11 +14,13 @@ import msgspec
 import numpy as np
 
 from prag_asp.dataset.scenarios import Scenarios
+from prag_asp.dataset.strata.stratum_figures import StratumFeed
 from prag_asp.errors import NotFound, OutputError, QueryError
 from prag_asp.evaluation.episode import EpisodeJob, EpisodeSetup, EvaluatedEpisode, open_episodes, open_runner
 from prag_asp.evaluation.policies import environment_of, load_policy
 from prag_asp.evaluation.policies.python_callable import CallablePolicy
 from prag_asp.evaluation.results import EVALUATION, EvaluationRecord, Results
+from prag_asp.evaluation.stratified_rates import weighted
 from prag_asp.missing import require_pyarrow
 from prag_asp.output import Journal, file_in, make_folder
 from prag_asp.output.digests import digest
@@ -139,39 +141,45 @@ def _evaluated(
     """Return the record and the episodes, first those of an interrupted evaluation; `write` stores new episodes.
 
     Raises:
-        NotFound: there are fewer feasible scenarios than requested.
+        NotFound: there are fewer feasible scenarios than requested, other than in strata that have no more.
     """
+    groups = source.groups()
+    feed = StratumFeed([(each.name, each.size, each.requested) for each in groups], [each.jobs for each in groups])
+    left = iter(feed)
     episodes: list[EvaluatedEpisode] = []
     rejected = 0
 
     def successes() -> str:
         return f"{sum(each.success for each in episodes)} of {plural(len(episodes), 'episode')} succeeded"
 
-    def add(result: EvaluatedEpisode | None) -> None:
+    def add(result: EvaluatedEpisode | None, line: bytes | None = None) -> None:
         nonlocal rejected
+        if feed.take(counts=result is not None) is None:
+            return
+        if line is not None:
+            write(line)
         if result is None:
             rejected += 1
         else:
             episodes.append(result)
         progress(successes(), len(episodes), record.episodes)
 
-    for line in lines:
+    for line, _ in zip(lines, left, strict=False):
         add(msgspec.json.decode(line, type=EvaluatedEpisode | None))
-    left = enumerate(islice(source.jobs(), len(lines), None), len(lines))
-    opened = partial(open_episodes, setup)
-    if len(episodes) < record.episodes:
-        with closing(map_ordered(left, opened, workers, activity=ACTIVITY, chunk=1)) as found:
+    if not feed.full:
+        with closing(map_ordered(left, partial(open_episodes, setup), workers, activity=ACTIVITY, chunk=1)) as found:
             for result in found:
-                write(msgspec.json.encode(result))
-                add(result)
-                if len(episodes) == record.episodes:
+                add(result, msgspec.json.encode(result))
+                if feed.full:
                     break
-    if len(episodes) < record.episodes:
+    strata = source.strata(feed)
+    if not (feed.exhausted if strata else feed.full):
         tasks = f"only {len(episodes)} of {plural(record.episodes, 'scenario')} are feasible"
         raise NotFound(
             f"{tasks}, of {plural(rejected + len(episodes), 'task')}; request fewer, or give a larger budget"
         )
-    return msgspec.structs.replace(record, rejected=rejected), tuple(episodes)
+    record = msgspec.structs.replace(record, episodes=len(episodes), rejected=rejected, strata=strata)
+    return record, weighted(episodes, strata)
 
 
 def _write_videos(results: Results, source: ScenarioSource, setup: EpisodeSetup, folder: Path, count: int) -> None:
@@ -201,7 +209,7 @@ def _write_videos(results: Results, source: ScenarioSource, setup: EpisodeSetup,
 def _jobs_of(results: Results, source: ScenarioSource) -> Iterator[tuple[int, EpisodeJob]]:
     """Yield the job of each episode with the number of the episode."""
     number = 0
-    for job in source.jobs():
+    for _, job in chain.from_iterable(group.jobs for group in source.groups()):
         if number < len(results.episodes) and str(job.scenario) == results.episodes[number].scenario:
             yield number, job
             number += 1

@@ -12,12 +12,14 @@ from typing import Any
 import msgspec
 
 from prag_asp.atom import parse_atom
+from prag_asp.dataset.pass_rates import Rate
 from prag_asp.dataset.store.manifest_file import ManifestFile
+from prag_asp.dataset.strata.stratum_figures import StratumFigures
 from prag_asp.errors import QueryError
 from prag_asp.evaluation.episode import EvaluatedEpisode
+from prag_asp.evaluation.stratified_rates import StratifiedRate, stratified_rate
 from prag_asp.missing import require_pyarrow
 from prag_asp.output import file_in, replace_file
-from prag_asp.rl.skill_chains import Rate
 from prag_asp.safe_reading import read_bytes
 from prag_asp.tables.json_fields import Whole
 from prag_asp.tables.report import shown
@@ -30,6 +32,7 @@ class EvaluationRecord(msgspec.Struct, frozen=True):
     """The contents of evaluation.json: the policy, the scenarios and the options of an evaluation.
 
     `options` are the options of the environment as text; `rejected` counts sampled tasks that physics found infeasible.
+    `strata` are those of a stratified sample; the parts of its episodes are their names.
     """
 
     identity: str
@@ -42,6 +45,7 @@ class EvaluationRecord(msgspec.Struct, frozen=True):
     episodes: Whole
     rejected: Whole
     versions: str
+    strata: list[StratumFigures] = []
 
     def difference(self, other: EvaluationRecord) -> str:
         """Return how the domain or the options of episodes differ from those of another evaluation, or ""."""
@@ -119,6 +123,10 @@ class Results:
         """Return the rate of success of all episodes."""
         return rate(self.episodes)
 
+    def whole_space(self) -> StratifiedRate | None:
+        """Return the rate of success over all tasks of the space, estimated from strata; None without strata."""
+        return stratified_rate(self.episodes, self.record.strata) if self.record.strata else None
+
     def by(self, what: str) -> Mapping[str, Rate]:
         """Return the rates, grouped by ``part``, ``length``, ``class`` or ``action``.
 
@@ -142,8 +150,10 @@ class Results:
         return dict(Counter(episode.cause for episode in self.episodes).most_common())
 
     def table(self) -> str:
-        """Return the rates as text, with Wilson's 95 % intervals."""
-        rows = [("all", self.whole())]
+        """Return the rates as text, with Wilson's 95 % intervals; with strata, first that of the whole space."""
+        estimate = self.whole_space()
+        rows: list[tuple[str, Rate | StratifiedRate]] = [] if estimate is None else [("whole space", estimate)]
+        rows.append(("all", self.whole()))
         for what in GROUPINGS:
             rates = self.by(what)
             if len(rates) > 1 or what in ("length", "action"):
@@ -181,6 +191,7 @@ def _schema() -> Any:
             ("scenario", pa.string()), ("part", pa.string()), ("initial", pa.string()), ("length", pa.int32()),
             ("task", pa.list_(pa.string())), ("classes", pa.list_(pa.string())), ("instruction", pa.string()),
             ("success", pa.bool_()), ("reached", pa.int32()), ("subgoals", pa.list_(subgoal)), ("steps", pa.int64()),
-            ("cause", pa.string()), ("seconds", pa.float64()),
+            ("cause", pa.string()), ("seconds", pa.float64()), ("weight", pa.string()),
+            ("weight_value", pa.float64()),
         ]
     )  # fmt: skip

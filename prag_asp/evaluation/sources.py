@@ -4,27 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import islice
+from itertools import count as numbers_from
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from prag_asp.dataset.scenario import Scenario, SearchStart
 from prag_asp.dataset.scenarios import Scenarios
 from prag_asp.dataset.store.dataset import Dataset
+from prag_asp.dataset.strata.stratified_sampling import allocated
 from prag_asp.dataset.suites.suite_manifest import SUITE, is_suite
 from prag_asp.errors import QueryError
-from prag_asp.evaluation.episode import EpisodeJob
+from prag_asp.evaluation.episode import EpisodeJob, JobGroup
 from prag_asp.output.digests import digest
+from prag_asp.space.without_replacement import with_tasks
 from prag_asp.wording import unknown
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.strata.stratum_figures import StratumFeed, StratumFigures
     from prag_asp.domain.load import Domain
     from prag_asp.physics import Budget
+    from prag_asp.space.strata.allocation import Stratification
+    from prag_asp.space.strata.stratum import Stratum
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.task import Task
-
-DRAWS_FOR_EACH = 1000
-"""The number of sampled tasks per requested scenario after which sampling stops."""
 
 
 class ScenarioSource(Protocol):
@@ -55,8 +57,12 @@ class ScenarioSource(Protocol):
         """The number of scenarios to evaluate."""
         ...
 
-    def jobs(self) -> Iterator[EpisodeJob]:
-        """Yield the jobs; those whose search finds no witness are left out."""
+    def groups(self) -> list[JobGroup]:
+        """Return the jobs, by stratum if there are strata; jobs whose search finds no witness are left out."""
+        ...
+
+    def strata(self, feed: StratumFeed[EpisodeJob]) -> list[StratumFigures]:
+        """Return the figures of the strata after an evaluation, or none without strata."""
         ...
 
 
@@ -64,7 +70,8 @@ class ScenarioSource(Protocol):
 class FreshScenarios:
     """Distinct feasible tasks of a space that satisfy `keep`, sampled uniformly without replacement.
 
-    Tasks whose final state is the initial state are left out unless `trivial` is true.
+    Tasks whose final state is the initial state are left out unless `trivial` is true. With a `stratification`, tasks
+    are sampled from each stratum.
     """
 
     space: TaskSpace
@@ -74,6 +81,7 @@ class FreshScenarios:
     keep: Callable[[Task], bool] | None = None
     excluded: str = ""
     trivial: bool = False
+    stratification: Stratification | None = None
 
     @property
     def domain(self) -> Domain:
@@ -88,7 +96,8 @@ class FreshScenarios:
     @property
     def title(self) -> str:
         """A line that names the source of the scenarios."""
-        return f"{self.space.title}, sampled with seed {self.seed}"
+        strata = "" if self.stratification is None else f" by {self.stratification.by} ({self.stratification})"
+        return f"{self.space.title}, sampled{strata} with seed {self.seed}"
 
     @property
     def identity(self) -> str:
@@ -96,14 +105,37 @@ class FreshScenarios:
         scenarios = Scenarios(self.space.domain, self.space)
         return digest([scenarios.digest, self.title, self.count, str(self.budget), self.excluded, self.trivial])
 
-    def jobs(self) -> Iterator[EpisodeJob]:
-        """Yield sampled tasks, feasible or not."""
+    def groups(self) -> list[JobGroup]:
+        """Return the sampled tasks, feasible or not, by stratum if there are strata.
+
+        Raises:
+            QueryError: the space is empty, or there are strata, and too few tasks or a condition for them.
+        """
+        if self.stratification is None:
+            tasks = filter(self.keep, self.space.stream(seed=self.seed, weights={}, distinct=True))
+            return [JobGroup("", self.space.count(), self.count, self._jobs("", tasks))]
+        if self.keep is not None:
+            raise QueryError("strata are sampled as a whole, so that no task can be left out of them")
+        return [
+            JobGroup(each.name, each.size, quota, self._jobs(each.name, self._tasks(each)))
+            for each, quota in allocated(self.space, self.count, self.stratification, self.seed)
+        ]
+
+    def strata(self, feed: StratumFeed[EpisodeJob]) -> list[StratumFigures]:
+        """Return the figures of the strata after an evaluation, or none without strata."""
+        return [] if self.stratification is None else feed.figures()
+
+    def _tasks(self, stratum: Stratum) -> Iterator[Task]:
+        """Yield the tasks of a stratum in the order of sampling without replacement."""
+        return (task for _, task in with_tasks(self.space, stratum.order.pick(numbers_from(0))))
+
+    def _jobs(self, name: str, tasks: Iterator[Task]) -> Iterator[tuple[int, EpisodeJob]]:
+        """Yield the job of each task with its number among the sampled tasks; trivial ones are left out."""
         scenarios = Scenarios(self.space.domain, self.space)
-        tasks = filter(self.keep, self.space.stream(seed=self.seed, weights={}, distinct=True))
-        for index, task in enumerate(islice(tasks, DRAWS_FOR_EACH * self.count)):
+        for index, task in enumerate(tasks):
             if self.trivial or not task.trivial:
                 start = SearchStart.of(self.seed, index, self.budget)
-                yield EpisodeJob("", scenarios.of(self.space, task, start))
+                yield index, EpisodeJob(name, scenarios.of(self.space, task, start))
 
 
 @dataclass(frozen=True)
@@ -142,9 +174,14 @@ class NamedScenarios:
         """The number of scenarios."""
         return len(self.scenarios)
 
-    def jobs(self) -> Iterator[EpisodeJob]:
-        """Yield a job for each id."""
-        return (EpisodeJob("", each) for each in self.scenarios)
+    def groups(self) -> list[JobGroup]:
+        """Return a job for each id."""
+        jobs = enumerate(EpisodeJob("", each) for each in self.scenarios)
+        return [JobGroup("", self.count, self.count, jobs)]
+
+    def strata(self, feed: StratumFeed[EpisodeJob]) -> list[StratumFigures]:
+        """Return no strata: ids do not tell from what they were sampled."""
+        return []
 
 
 @dataclass(frozen=True)
@@ -211,11 +248,22 @@ class StoredScenarios:
         """The number of initial states."""
         return sum(1 for _ in self._starts())
 
+    def groups(self) -> list[JobGroup]:
+        """Return a job for each initial state of each task."""
+        return [JobGroup("", self.count, self.count, enumerate(self.jobs()))]
+
+    def strata(self, feed: StratumFeed[EpisodeJob]) -> list[StratumFigures]:
+        """Return the strata of the dataset, or none if its parts are no strata, or not all of them are evaluated."""
+        dataset = self.parts[0][1]
+        strata = dataset.manifest.strata
+        whole = {name for name, each in self.parts if each.folder == dataset.folder}
+        return strata if whole >= {each.name for each in strata} else []
+
     def jobs(self) -> Iterator[EpisodeJob]:
         """Yield a job for each initial state of each task."""
         for name, dataset, number, start in self._starts():
             given = dataset.task(number), dataset.witness(number, start)
-            yield EpisodeJob(name, dataset.scenario(number, start), given)
+            yield EpisodeJob(name, dataset.scenario(number, start), given, dataset.entry(number).texts)
 
     def _starts(self) -> Iterator[tuple[str, Dataset, int, int]]:
         """Yield the part, the dataset, the number of a task, and the number of one of its initial states."""

@@ -43,7 +43,7 @@ class ScenarioBenchmark(StepBenchmark):  # type: ignore[misc]  # vla-eval has no
     `data` is the folder of a dataset or a suite with physics; `parts` and `most` are as in `StoredScenarios.open`.
     Actions follow the convention `control`, with `rate` actions per second; an episode has at most `steps` for each
     subgoal. Observations have ``images`` of the `cameras`, which have `size` pixels a side, ``task_description`` (the
-    instruction), and ``state`` in a convention.
+    instruction, by default that of the dataset), and ``state`` in a convention.
     """
 
     render_backends = frozenset({"cpu", "gpu"})
@@ -64,15 +64,16 @@ class ScenarioBenchmark(StepBenchmark):  # type: ignore[misc]  # vla-eval has no
         state: StateName = "ee_position",
         cameras: Sequence[str] = ("front", "wrist"),
         size: int = 256,
-        language: str = "en",
+        language: str | None = None,
     ) -> None:
         super().__init__()
         source = StoredScenarios.open(data, parts, most)
-        self._jobs: dict[str, EpisodeJob] = {str(job.scenario): job for job in source.jobs()}
+        jobs = (job if language is None else job._replace(texts=None) for job in source.jobs())
+        self._jobs: dict[str, EpisodeJob] = {str(job.scenario): job for job in jobs}
         self._state, self._steps, self._cameras = state, steps, tuple(cameras)
         self._env = TaskEnv(
             TaskSpace(source.domain, source.lengths), control=control, rate=rate, steps=steps, reward="sparse",
-            cameras=self._cameras, size=size if cameras else None, language=language,
+            cameras=self._cameras, size=size if cameras else None, language=language or "en",
         )  # fmt: skip
 
     def get_tasks(self) -> list[dict[str, Any]]:
@@ -89,7 +90,9 @@ class ScenarioBenchmark(StepBenchmark):  # type: ignore[misc]  # vla-eval has no
         if job is None or job.given is None:
             raise QueryError(f"the benchmark has no scenario {task['name']!r:.200}; take one of get_tasks()")
         given, witness = job.given
-        observation, self._info = self._env.reset(seed=0, options={"task": given, "witness": witness})
+        observation, self._info = self._env.reset(
+            seed=0, options={"task": given, "witness": witness, "texts": job.texts}
+        )
         return observation
 
     def step(self, action: dict[str, Any]) -> StepResult:

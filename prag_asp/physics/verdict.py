@@ -133,6 +133,24 @@ class Verdict:
         """Whether a witness was found."""
         return self.status == "feasible"
 
+    def _repr_html_(self) -> str:
+        """Return the verdict for a notebook: its status, the effort, and why attempts failed."""
+        from prag_asp.html import element, fragment, scroll_table  # noqa: PLC0415 - a verdict alone needs no page
+
+        rows = [("status", self.status.replace("_", " ")), ("budget", str(self.budget))]
+        rows += [("reason", self.reason)] if self.reason else []
+        rows += [("most often", self.detail)] if self.detail else []
+        rows += [("nearest", self.nearest)] if self.nearest else []
+        rows += [("initial states tried", str(self.restarts)), ("seed, index", f"{self.seed}, {self.index}")]
+        if self.witness is not None:
+            rows.append(("witness", f"{len(self.witness.moments)} states with poses and joint angles"))
+        if self.demonstration is not None:
+            rows.append(("demonstration", "succeeded" if self.demonstration.success else "failed"))
+        causes = [(cause, str(count)) for cause, count in sorted(self.causes.items(), key=lambda pair: -pair[1])]
+        failed = scroll_table(("cause of failed attempts", "attempts"), causes, label="Failed attempts")
+        table = scroll_table(("verdict", ""), rows, label="Verdict")
+        return fragment(table, *([element("details", element("summary", "Failed attempts"), failed)] if causes else []))
+
     @property
     def detail(self) -> str:
         """A phrase for the fact or bodies that most often caused the `reason`, if no witness was found."""

@@ -68,7 +68,7 @@ def write(domain: Domain, task: Task | None = None, *, negative: bool = True, co
     """
     name, facts = domain.name, domain.facts
     if task is None and not facts.closed:
-        problem = "its world is open, so it has no initial state that PDDL can say; state one"
+        problem = "its world is open, so it has no initial state that PDDL can say; add --rule closed_world, state one"
         raise DomainError(f"{name}: {problem} with initially(...), or export a task")
     stated = known_values(facts.initially) if task is None else values_of(task.initial)
     if broken_invariant(facts, stated):

@@ -1,8 +1,13 @@
-"""Camera images of moments, rendered in a separate world without dynamics."""
+"""Camera images of moments, rendered in a separate world without dynamics, and a window that shows them."""
 
 from __future__ import annotations
 
-from contextlib import ExitStack
+import os
+import sys
+from contextlib import ExitStack, suppress
+from importlib import import_module
+from time import monotonic, sleep
+from typing import Any
 
 import numpy as np
 from gymnasium import spaces
@@ -17,6 +22,9 @@ from prag_asp.scene.cameras import Camera
 from prag_asp.scene.scene import Scene
 
 Image = NDArray[np.uint8]
+
+
+INSTEAD = 'use render_mode="rgb_array"'
 
 
 class Viewer:
@@ -84,3 +92,68 @@ def cameras_of(scene: Scene, names: object, size: object) -> dict[str, Camera]:
         raise QueryError(f"size {size!r}: give width and height in pixels, such as (128, 128)")
     staging = Staging(tuple(map(str, names)), None if size is None else (sides[0], sides[1]))
     return staging.cameras_of(scene)
+
+
+def has_display() -> bool:
+    """Return whether the machine may have a display: on Linux, whether one is named."""
+    return sys.platform != "linux" or bool(os.environ.get("DISPLAY"))
+
+
+class Window:
+    """Shows images at `rate` images per second; it needs Tk, which is part of most Python installations.
+
+    If the user closes the window, further images are not shown.
+
+    Raises:
+        QueryError: Python has no Tk, or there is no display.
+    """
+
+    def __init__(self, title: str, rate: int) -> None:
+        self._title, self._period = title, 1 / rate
+        self._root: Any = None
+        self._due = 0.0
+        self._open()
+
+    def show(self, image: Image) -> None:
+        """Show an image, of shape (height, width, 3), when it is due."""
+        if self._root is None:
+            self._open()
+        tk = import_module("tkinter")
+        height, width = image.shape[:2]
+        content = f"P6 {width} {height} 255\n".encode() + image.tobytes()
+        sleep(max(0.0, self._due - monotonic()))
+        self._due = monotonic() + self._period
+        try:
+            photo = tk.PhotoImage(master=self._root, data=content, format="PPM", width=width, height=height)
+            self._label.configure(image=photo)
+            self._label.image = photo  # Tk holds no reference to it
+            self._root.update()
+        except tk.TclError:  # the user has closed the window
+            return
+
+    def close(self) -> None:
+        """Close the window; the next image opens it again."""
+        if self._root is None:
+            return
+        with suppress(import_module("tkinter").TclError):  # the user has closed the window
+            self._root.destroy()
+        self._root = None
+
+    def _open(self) -> None:
+        """Open the window."""
+        try:
+            tk = import_module("tkinter")
+        except ImportError:
+            raise QueryError(
+                f"render_mode 'human' needs Tk, which this Python lacks; install it (python3-tk), or {INSTEAD}"
+            ) from None
+        try:
+            self._root = tk.Tk()
+        except tk.TclError as error:
+            reason = " ".join(str(error).split())
+            raise QueryError(
+                f"render_mode 'human' needs a display: {reason}; run it on a desktop, under xvfb-run, or {INSTEAD}"
+            ) from None
+        self._root.title(self._title)
+        self._label = tk.Label(self._root)
+        self._label.pack()

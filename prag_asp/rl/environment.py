@@ -22,10 +22,10 @@ from prag_asp.physics import Budget, Witness, require_physics
 from prag_asp.physics.control.control import Control
 from prag_asp.physics.control.names import UPRIGHT, USUAL_RATE, ControlName
 from prag_asp.rl.arena import Arena
-from prag_asp.rl.camera_views import Image, Viewer
+from prag_asp.rl.camera_views import Image, Viewer, Window, has_display
 from prag_asp.rl.environment_options import Until, check_arguments, conditions_of, moves_of, options_of
 from prag_asp.rl.goal_env import GoalEnv, Observation, observation_space
-from prag_asp.rl.goals import PLACES, subgoals_of
+from prag_asp.rl.goals import PLACES, Subgoal, subgoals_of
 from prag_asp.rl.observations import Layout, ObservationKind, observe
 from prag_asp.rl.reward_annealing import RewardAnnealing
 from prag_asp.rl.rewards import Reward
@@ -47,7 +47,10 @@ STEPS = 100
 EPISODE = ("stage", "task", "witness", "_over", "_last", "_left", "_before", "_episode_info", "_curriculum", "_latest")
 """The attributes of an episode besides its start and its actions."""
 
-REBUILT = ("domain", "scene", "layout", "situation", "_resources", "_viewer", "_sampler", "_arena", "_start")
+REBUILT = (
+    "domain", "scene", "layout", "situation", "_resources", "_viewer", "_window", "_sampler", "_arena", "_start",
+    "_measured",
+)  # fmt: skip
 """The attributes that a copy of an environment rebuilds from the arguments and the episode."""
 
 
@@ -81,7 +84,8 @@ class TaskEnv(GoalEnv):
     `info` has the same keys at a reset and at each step, among them the instruction at three levels in a `language`,
     the sentence of the current subgoal, the exact `probability` of the task and of its stage (`stage_probability`), and
     the number of samples that were `rejected` before it. Observations also contain the images of `cameras`, each under
-    `camera_` followed by its name: 8-bit colours, with width and height given by `size` in pixels.
+    `camera_` followed by its name: 8-bit colours, with width and height given by `size` in pixels. With the
+    `render_mode` "human", a window shows the first camera after each reset and step, at the simulated speed.
 
     A copy, by `pickle` or `copy.deepcopy`, has its own simulators and continues the episode identically, bit for bit:
     it replays the actions of the episode.
@@ -92,7 +96,7 @@ class TaskEnv(GoalEnv):
         PhysicsMissingError: PyBullet or frankik is not installed.
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": USUAL_RATE}
+    metadata = {"render_modes": ["rgb_array", "human"], "render_fps": USUAL_RATE}
 
     def __init__(
         self,
@@ -128,7 +132,7 @@ class TaskEnv(GoalEnv):
         language: str = "en",
         cameras: Sequence[str] = (),
         size: int | tuple[int, int] | None = None,
-        render_mode: Literal["rgb_array"] | None = None,
+        render_mode: Literal["rgb_array", "human"] | None = None,
     ) -> None:
         self._arguments = {name: value for name, value in locals().items() if name != "self"}
         origin = named_origin(
@@ -156,9 +160,13 @@ class TaskEnv(GoalEnv):
             origin, witness, stage, finder, domain=self.domain, layout=self.layout, language=language
         )
         self._arena: Arena | None = None
+        self._measured: tuple[Subgoal, Situation, list[float]] | None = None
         self._over = True
         self.share, self.discount, self.has_goals = float(reward != "sparse"), float(discount), bool(goals)
-        self.metadata, self.render_mode = self.metadata | {"render_fps": rate}, render_mode
+        # Gymnasium's checker tries all modes that an environment lists.
+        modes = [mode for mode in self.metadata["render_modes"] if mode != "human" or has_display()]
+        self.metadata, self.render_mode = self.metadata | {"render_fps": rate, "render_modes": modes}, render_mode
+        self._window = Window(f"prag_asp: {origin.title}", rate) if render_mode == "human" else None
         low, high = (bound.astype(np.float32) for bound in (self.control.low, self.control.high))
         self.action_space = spaces.Box(low, high, dtype=np.float32)
         self.observation_space = observation_space(len(self.layout.names), self._viewer.spaces, goals=goals)
@@ -169,7 +177,8 @@ class TaskEnv(GoalEnv):
         """Begin an episode.
 
         `options` may set the `task` (and its `witness`), the `rank` of a task (in a dataset, its number) or a
-        `scenario`, the initial `stage`, and the `steps` of each subgoal; all other values are sampled. With a `seed`,
+        `scenario`, the initial `stage`, the `steps` of each subgoal, and the `texts` of the task (`TaskTexts`, such as
+        the `texts` of an entry of a dataset); all other values are sampled. With a `seed`,
         all later samples depend only on the seed; without any seed, they are random.
 
         Raises:
@@ -195,6 +204,7 @@ class TaskEnv(GoalEnv):
         self._before = here
         self._episode_info, self._curriculum = start.info(), self._sampler.summary()
         self._latest = self._observation(self.situation, here), self._info(measured, success=False)
+        self._show()
         return self._latest
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
@@ -226,18 +236,26 @@ class TaskEnv(GoalEnv):
                 self._annealing.end(done)
             self._sampler.update(self._start, self.stage, success=done)
         self._latest = seen, self._info(measured, success=done)
+        self._show()
         return seen, float(reward), done, late and not done, self._latest[1]
 
     def render(self) -> Image | None:
-        """Return an image from the first of the `cameras` or the scene's first camera; None without a render mode.
+        """Return an image from the first of the `cameras` or the scene's first camera.
+
+        Return None without a render mode, and in the mode "human", in which each reset and step shows the image.
 
         Raises:
             QueryError: no episode has begun.
         """
-        if self.render_mode is None:
+        if self.render_mode != "rgb_array":
             return None
         assert self._begun_arena
         return self._viewer.image(self.situation)
+
+    def _show(self) -> None:
+        """Show the current moment in the window, if there is one."""
+        if self._window is not None:
+            self._window.show(self._viewer.image(self.situation))
 
     def save_state(self) -> dict[str, Any]:
         """Return the state of the episode, which can be pickled; samplers and curricula are not part of it.
@@ -301,6 +319,8 @@ class TaskEnv(GoalEnv):
     def close(self) -> None:
         """Close the simulators and release all resources. A reset opens them again."""
         self._arena = None
+        if self._window is not None:
+            self._window.close()
         self._viewer.forget()
         self._sampler.finder.forget()
         self._resources.close()
@@ -366,8 +386,9 @@ class TaskEnv(GoalEnv):
 
     def _goal(self, situation: Situation) -> tuple[list[float], NDArray[np.float32]]:
         """Return the signed distances of a moment and its goal vector."""
-        subgoal = self._start.subgoals[self.stage]
-        measured = subgoal.measured(situation)
+        subgoal, last = self._start.subgoals[self.stage], self._measured
+        measured = subgoal.measured(situation, last[1:] if last is not None and last[0] is subgoal else None)
+        self._measured = subgoal, situation, measured
         return measured, np.array([self.stage, *subgoal.placed(measured)], dtype=np.float32)
 
     def _goals(self, here: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:

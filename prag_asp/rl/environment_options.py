@@ -9,6 +9,7 @@ from typing import Any, Literal, TypeGuard, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.dataset.store.instructions import TaskTexts
 from prag_asp.errors import QueryError
 from prag_asp.physics import Budget
 from prag_asp.physics.control.control import Control
@@ -19,7 +20,7 @@ from prag_asp.wording import unknown
 Until = Literal["subgoal", "task"]
 UNTIL: tuple[Until, ...] = get_args(Until)
 
-OPTIONS = ("task", "witness", "rank", "scenario", "stage", "steps")
+OPTIONS = ("task", "witness", "rank", "scenario", "stage", "steps", "texts")
 
 ANY = "any"
 """The stage that stands for a random one."""
@@ -81,6 +82,8 @@ def options_of(options: object) -> Mapping[str, Any]:
         raise QueryError(f"a {given[0]} and a {given[1]}: give one of them")
     if options.get("scenario") is not None and options.get("witness") is not None:
         raise QueryError("a scenario has its own witness; leave the other out")
+    if not isinstance(options.get("texts"), TaskTexts | None):
+        raise QueryError(f"texts {options['texts']!r:.80}: give a prag_asp.dataset.store.instructions.TaskTexts")
     if options.get("steps") is not None:
         _check_steps(options["steps"])
     return options

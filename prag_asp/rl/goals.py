@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from prag_asp.physics import physical_task
 from prag_asp.physics.situation import Situation
@@ -28,9 +29,29 @@ class Subgoal:
     unchanged: tuple[Fact, ...]
     names: tuple[str, ...]
 
-    def measured(self, situation: Situation) -> list[float]:
-        """Return the signed distance of each fact of `names` in metres or radians, at most 0 if the fact holds."""
-        return [fact.way(situation) for fact in (*self.achieved, *self.unchanged)]
+    def measured(self, situation: Situation, before: tuple[Situation, list[float]] | None = None) -> list[float]:
+        """Return the signed distance of each fact of `names` in metres or radians, at most 0 if the fact holds.
+
+        With the distances in a situation `before`, only those of facts about the gripper, or about what has moved since
+        then, are computed again.
+        """
+        facts = (*self.achieved, *self.unchanged)
+        last = None if before is None else before[0]
+        if before is None or last is None or last.scene is not situation.scene or last.openings != situation.openings:
+            return [fact.way(situation) for fact in facts]
+        stood = last.poses
+        moved = {entity for entity, pose in situation.poses.items() if stood.get(entity) is not pose}
+        moved.update(stood.keys() - situation.poses.keys())
+        return [
+            fact.way(situation) if bodies is None or not moved.isdisjoint(bodies) else distance
+            for fact, bodies, distance in zip(facts, self._bodies, before[1], strict=True)
+        ]
+
+    @cached_property
+    def _bodies(self) -> tuple[tuple[str, ...] | None, ...]:
+        """For each fact, the entities whose poses determine its distance; None if other bodies or arms matter, too."""
+        kinds = [(fact.predicate, fact.arguments) for fact in (*self.achieved, *self.unchanged)]
+        return tuple([None if kind.of_gripper or kind.looks_around else entities for kind, entities in kinds])
 
     def placed(self, measured: list[float]) -> list[float]:
         """Return signed distances as `PLACES` - 1 numbers, with 0 for unused places.

@@ -6,7 +6,7 @@ Lengths are metres. The axes of a camera are those of the pinhole model: x to th
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -26,8 +26,13 @@ BORDER = 0.97
 """The share of a camera image that the fitted points may fill."""
 
 FITTINGS = 40
-HAND_ROOM = 0.3
+HAND_ROOM = 0.12
 """The height over the table that the default camera shows, so that hands are visible, in metres."""
+
+WRIST, WRIST_AT, WRIST_LOOK_AT, WRIST_FIELD = "wrist", (0.08, 0.0, -0.06), (0.015, 0.0, 0.04), 75.0
+"""The name of the default camera at a wrist, its position and its target in the frame of the tool in metres, and its
+field of view in degrees: a cube of 50 mm covers at least 300 of 128 x 128 pixels if the fingers are less than 0.2 m
+above it."""
 
 STRAIGHT = 0.999
 """The cosine of the smallest angle between the view and the axis that points upwards in the image."""
@@ -80,16 +85,20 @@ class Camera(NamedTuple):
 
 
 def usual_cameras(
-    workspace: tuple[float, float, float, float], bases: Iterable[tuple[float, float]], fixed: Sequence[Vector] = ()
+    workspace: tuple[float, float, float, float], robots: Sequence[str], fixed: Sequence[Vector] = ()
 ) -> dict[str, Camera]:
-    """Return the default cameras of a scene: one in front.
+    """Return the default cameras of a scene: one in front, and one at the wrist of each robot.
 
-    It shows the workspace and the hands over it, the bases of the robots, and the points of fixed bodies.
+    The first shows the workspace, the fingers over it, and the points of fixed bodies, as closely as possible.
     """
     low_x, high_x, low_y, high_y = workspace
     corners = tuple((x, y, z) for x in (low_x, high_x) for y in (low_y, high_y) for z in (0.0, HAND_ROOM))
-    eye, target = fitted((*corners, *((x, y, 0.0) for x, y in bases), *fixed), 1.0)
-    return {FRONT: Camera(eye, target)}
+    eye, target = fitted((*corners, *fixed), 1.0)
+    wrists = {(f"{robot}_{WRIST}" if len(robots) > 1 else WRIST): robot for robot in robots}
+    return {
+        FRONT: Camera(eye, target),
+        **{name: Camera(WRIST_AT, WRIST_LOOK_AT, WRIST_FIELD, robot) for name, robot in wrists.items()},
+    }
 
 
 @lru_cache(maxsize=1 << 7)

@@ -236,9 +236,9 @@ class Scene:
     robot.
 
     `own` maps names to the spatial predicates that the domain adds; their Python files are run only if `trusted` is
-    set. `cameras` maps names to cameras; the default is one camera, `front`. `vary` holds the ranges of domain
-    randomization. `balance` is the margin in metres by which the centre of mass of a placed object stays within its
-    support, if the support is large enough.
+    set. `cameras` maps names to cameras; by default there is one in front, `front`, and one at each wrist. `vary` holds
+    the ranges of domain randomization. `balance` is the margin in metres by which the centre of mass of a placed object
+    stays within its support, if the support is large enough.
     """
 
     shapes: Mapping[str, Shape]
@@ -262,8 +262,7 @@ class Scene:
         if not self.robots:
             object.__setattr__(self, "robots", only_robot(self.shapes))
         if not self.cameras:
-            bases = [(mount.x, mount.y) for mount in self.robots.values()]
-            object.__setattr__(self, "cameras", usual_cameras(self.workspace, bases, self.fixed_corners()))
+            object.__setattr__(self, "cameras", usual_cameras(self.workspace, tuple(self.robots), self.fixed_corners()))
 
     def fixed_corners(self) -> tuple[Size, ...]:
         """Return the corners, in metres, of boxes that contain the fixed bodies at any yaw."""

@@ -18,17 +18,29 @@ from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
     from prag_asp.similarity.background import Background
+    from prag_asp.similarity.cost_file import read_costs
     from prag_asp.similarity.edits import Edit
     from prag_asp.similarity.interchange import Interchange
     from prag_asp.similarity.metrics import METRICS, Metric
     from prag_asp.similarity.own_costs import metric_with_costs
     from prag_asp.similarity.task_comparison import TaskComparison, compare
 
-__all__ = ["METRICS", "Background", "Edit", "Interchange", "Metric", "TaskComparison", "compare", "metric_with_costs"]
+__all__ = [
+    "METRICS",
+    "Background",
+    "Edit",
+    "Interchange",
+    "Metric",
+    "TaskComparison",
+    "compare",
+    "metric_with_costs",
+    "read_costs",
+]
 
 _HOMES = {
     "prag_asp.similarity.background": ("Background",),
     "prag_asp.similarity.task_comparison": ("TaskComparison", "compare"),
+    "prag_asp.similarity.cost_file": ("read_costs",),
     "prag_asp.similarity.edits": ("Edit",),
     "prag_asp.similarity.interchange": ("Interchange",),
     "prag_asp.similarity.metrics": ("METRICS", "Metric"),

@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from prag_asp.errors import QueryError
+import numpy as np
+
+from prag_asp.errors import EngineError, QueryError
 from prag_asp.logic.formula.emptiness import LiftableLines, Occurring, has_plan
 from prag_asp.logic.formula.liftable import RestrictingLine
 from prag_asp.logic.ground.program import whole_program
@@ -16,11 +18,22 @@ from prag_asp.space.conditions.clause_kinds import Clause
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.conditions.conditioned_domain import conditioned
 from prag_asp.space.engines.prefix import parse_prefix
+from prag_asp.space.engines.reachability import Explorer
+from prag_asp.space.limits import limit_error
 
 if TYPE_CHECKING:
     from prag_asp.atom import Atom
     from prag_asp.program.facts import Facts
+    from prag_asp.space.automaton.automaton import Automaton
     from prag_asp.space.task_space import TaskSpace
+
+
+LONGEST = tuple(2**power for power in range(2, 11))
+"""Lengths up to which the automaton is explored in turn for the shortest task; each takes about as long as all before.
+"""
+
+MOST_STATES = 50_000
+"""Number of states after which the search for the shortest task ends; exploring them takes a second or two."""
 
 
 @dataclass(frozen=True)
@@ -78,6 +91,45 @@ def fewest_changes(
         return ((),)
     with LiftableLines(program, space.length, occurring) as lines:
         return lines.changes()
+
+
+def shortest_length(space: TaskSpace) -> int | None:
+    """Return the smallest number of actions, from 1, of a task with the conditions of a space; None if there is none.
+
+    The length of the space does not matter. Found by breadth-first search in the automaton of all lengths.
+
+    Raises:
+        LimitReached: the automaton has more than `MOST_STATES` states, or a limit of the space is reached.
+        EngineError: the step is not a function of the state and the action, or the search ends after `LONGEST` actions.
+    """
+    clock = space.engines.limits.begin()
+    for longest in LONGEST:
+        explorer = Explorer(space.at(longest).engines.model, "plan", merge=False)
+        reach = explorer.reach(explorer.transition(), longest, clock, lambda extent: extent.states > MOST_STATES)
+        automaton = reach.completions.automaton
+        if reach.stop:
+            raise limit_error(reach.stop, 0, "plan", longest, reach.states)
+        steps = _steps_to_acceptance(automaton)
+        if steps is not None and steps <= longest:
+            return steps
+        if automaton.horizon is None and space.condition.up_to(longest) == space.condition:  # exact for all lengths
+            return steps
+    raise EngineError(f"plans of more than {LONGEST[-1]} actions are not searched")
+
+
+def _steps_to_acceptance(automaton: Automaton) -> int | None:
+    """Return the number of letters, from 1, of a shortest word; None if the automaton has no such word."""
+    reached, steps = np.zeros(automaton.states, dtype=np.bool_), 0
+    edges = np.flatnonzero(automaton.sources == 0)
+    while len(edges):
+        steps += 1
+        found = np.unique(automaton.targets[edges])
+        if automaton.accepting[found].any():
+            return steps
+        new = found[~reached[found]]
+        reached[new] = True
+        edges = np.flatnonzero(np.isin(automaton.sources, new))
+    return None
 
 
 def _program(space: TaskSpace, clauses: Sequence[Clause]) -> Program:

@@ -11,7 +11,7 @@ from typing import TypeVar
 
 from prag_asp.errors import LimitReached, QueryError
 from prag_asp.processes.machine import memory_in_use
-from prag_asp.stop_reason import StopKind, StopReason
+from prag_asp.stop_reason import LimitCheck, StopKind, StopReason
 
 UNITS = {"": 1, "k": 10**3, "m": 10**6, "g": 10**9, "t": 10**12}
 BINARY = {"ki": 2**10, "mi": 2**20, "gi": 2**30, "ti": 2**40}
@@ -29,13 +29,14 @@ class Limits:
 
     They are checked between steps in Python; clingo's grounder, for example, does not check them. With `cached`,
     expensive results are cached for the next run. `since` is the common start of all queries on the monotonic clock; if
-    it is None, each query has its own start.
+    it is None, each query has its own start. `stop` may return another reason to end a query.
     """
 
     memory_bytes: int | None = None
     seconds: float | None = None
     cached: bool = True
     since: float | None = None
+    stop: LimitCheck | None = None
 
     def begin(self) -> LimitClock:
         """Start the clock for one query."""
@@ -60,7 +61,7 @@ class LimitClock:
             return StopReason(StopKind.TIME, seconds)
         if memory is not None and memory_in_use() + more_bytes > memory:
             return StopReason(StopKind.MEMORY, memory)
-        return None
+        return self.limits.stop() if self.limits.stop else None
 
     def left(self) -> float | None:
         """Return the remaining seconds, or None without a time limit."""
@@ -73,6 +74,8 @@ class LimitClock:
         It has no memory limit because counting needs little memory.
         """
         seconds = self.limits.seconds
+        if self.limits.stop and self.limits.stop():
+            return LimitClock(Limits(seconds=0.0), self.begun)
         if seconds is None:
             return LimitClock(UNLIMITED, self.begun)
         extra = min(max(seconds / 20, LEAST_CLOSING), MOST_CLOSING)

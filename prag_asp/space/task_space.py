@@ -5,7 +5,7 @@ Modules that only some methods need are imported there, so that counting starts 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from copy import copy
 from functools import cache
 from itertools import chain, count, islice
@@ -28,10 +28,12 @@ from prag_asp.space.limits import UNLIMITED, Limits
 from prag_asp.space.weights.weights import Weights, parse_weights
 from prag_asp.space.word_set import WordSet
 from prag_asp.task import Task
+from prag_asp.wording import unknown
 
 if TYPE_CHECKING:
     from prag_asp.logic.formula.approximate import Estimate
     from prag_asp.similarity.background import Background
+    from prag_asp.space.final_states import Ending
     from prag_asp.space.parts.ranked_tasks import RankedTasks
     from prag_asp.space.plans.readings import Readings
     from prag_asp.space.sampling.samplers import Over
@@ -39,6 +41,9 @@ if TYPE_CHECKING:
     from prag_asp.space.sampling.streams import ProbablePlan
     from prag_asp.space.task_sampling import TaskSampling
     from prag_asp.space.weights.temperature import Temperature
+
+SHOWN_LENGTHS, LONG_COUNT = 50, 10**60
+"""Maximum number of lengths, and the first number that is too long, in a table of a notebook."""
 
 GivenWeights = Mapping[str, Number] | Weights | None
 """Weights by action names, pairs (``grasp>move``), entities and classes; None means the weights of the domain."""
@@ -128,6 +133,22 @@ class TaskSpace:
         where = "".join(f".where({str(clause)!r})" for clause in self.condition.clauses)
         return f"TaskSpace({self.domain.label!r}, length={length!r}){where}"
 
+    def _repr_html_(self) -> str:
+        """Return the space for a notebook: its domain, lengths and conditions, and the counts that are known."""
+        from prag_asp.html import element, fragment, scroll_table
+
+        known = [(length, self.engines.known_count("task", length)) for length in self.lengths]
+        rows = [(str(length), f"{number:,}") for length, number in known if number is not None and number < LONG_COUNT]
+        clauses = (element("li", element("code", str(clause))) for clause in self.condition.clauses)
+        lengths = f", length {spelled_lengths(self.lengths)}, engine {self.engines.name}"
+        return fragment(
+            element("p", element("strong", f"The tasks of {self.domain.label}"), lengths),
+            *([element("ul", *clauses)] if self.condition else []),
+            scroll_table(("length", "tasks"), rows, label="Counts", most=SHOWN_LENGTHS)
+            if rows
+            else element("p", "count() counts them.", class_="note"),
+        )
+
     def at(self, length: int) -> TaskSpace:
         """Return the space of a single length, which this space need not have, with the same conditions and engines."""
         space = copy(self)
@@ -193,6 +214,51 @@ class TaskSpace:
             LimitReached: a limit ended the count of a given length; the error has the number counted for that length.
         """
         return sum(self.engines.count(by, length, first) for length, first in self._prefixes(by, prefix))
+
+    def next_actions(self, prefix: Prefix = (), by: Level = "task") -> dict[str, int]:
+        """Return each action or name that may follow `prefix`, with the exact number of words that begin so.
+
+        The words are plans, tasks or skeletons. Numbers are above 0, and add up to the number of words that begin with
+        `prefix`, unless it is as long as they are. The actions of tasks have canonical names of entities.
+
+        Raises:
+            QueryError: there is no such level, the space has several lengths, or the prefix names no action.
+            LimitReached: a limit ended the count.
+        """
+        self.length  # noqa: B018  a next action belongs to one length
+        ((length, first),) = self._prefixes(by, prefix)
+        return self.engines.engine(by, length).following(length, first)
+
+    def ending(self, facts: Sequence[Collection[str]], prefix: Prefix = (), by: Level = "task") -> list[Ending | None]:
+        """Return for each set of `facts` how many plans or tasks begin with `prefix` and end with one of its facts.
+
+        Facts of tasks have canonical names of entities. A set is None if one of its facts takes too many states to
+        count together with the others; the condition ``ends`` counts it alone.
+
+        Raises:
+            QueryError: there is no such level or fact, or the space has several lengths.
+            LimitReached: a limit ended the exploration of the states.
+            EngineError: there are too many states or words to list.
+        """
+        from prag_asp.space.final_states import Ending, final_states
+
+        if by == "skeleton":
+            raise QueryError("skeletons have no final states; choose task or plan")
+        length, model = self.length, self.engines.model
+        ((_, first),) = self._prefixes(by, prefix)
+        places = {str(fluent): place for place, fluent in enumerate(self.domain.facts.fluents)}
+        for fact in (fact for each in facts for fact in each if fact not in places):
+            raise QueryError(unknown(fact, places, "fluent"))
+        if not length:
+            return [None for _ in facts]
+        if length < self.engines.fewest_actions:
+            return [Ending(0, 0) for _ in facts]
+        found = self.engines.latest(
+            "final states",
+            (by, length),
+            lambda: final_states(model, self.engines.engine(by, length), by, length, self.engines.limits.begin()),
+        )
+        return found.count(first, [[places[fact] for fact in each] for each in facts])
 
     def _prefixes(self, by: Level, prefix: Prefix) -> list[tuple[int, Letters]]:
         """Return each length with a prefix in the form that its engine expects."""

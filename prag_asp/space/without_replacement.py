@@ -23,6 +23,7 @@ from prag_asp.space.parts.shuffle import Shuffle
 from prag_asp.space.sampling.rank_order import EvenOrder, RankOrder, RemainingOrder, ShareOrder
 from prag_asp.space.sampling.samplers import Over
 from prag_asp.space.sampling.sharding import ALL, Deal
+from prag_asp.space.strata.stratum import StratifiedBy, strata_of
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.weights.weights import Weights
 from prag_asp.space.word_set import WordSet
@@ -52,15 +53,24 @@ class DealtOrder:
 
 @dataclass(frozen=True)
 class Division:
-    """A division of tasks into parts: by `shares` of tasks or of whole skeletons, or by a held-out feature."""
+    """A division of tasks into parts: by `shares` of tasks or of whole skeletons, by a held-out feature, or strata.
+
+    The shares of `strata` are those of a sample.
+    """
 
     shares: Mapping[str, Fraction]
     skeletons: bool = False
     hold_out: str | None = None
+    strata: StratifiedBy | None = None
 
     @classmethod
     def parse(
-        cls, shares: Mapping[str, Number | float] | None, *, skeletons: bool = False, hold_out: str | None = None
+        cls,
+        shares: Mapping[str, Number | float] | None,
+        *,
+        skeletons: bool = False,
+        hold_out: str | None = None,
+        strata: StratifiedBy | None = None,
     ) -> Division:
         """Return the division with some shares: by default a single part or, with `hold_out`, 4/5 for training.
 
@@ -69,6 +79,8 @@ class Division:
         """
         if hold_out is not None and skeletons:
             raise QueryError("tasks are split by whole skeletons, or by what is held out; leave one of them out")
+        if strata is not None and (skeletons or hold_out is not None):
+            raise QueryError("strata are the parts of a sample; leave whole skeletons and what is held out, out")
         if shares is None and skeletons:
             raise QueryError("whole skeletons need shares, such as train=0.8,test=0.2")
         parsed = parse_shares(shares or ({WHOLE: 1} if hold_out is None else {WHOLE: "4/5", "test": "1/5"}))
@@ -77,12 +89,12 @@ class Division:
         for name in parsed:
             if not name.isidentifier():
                 raise QueryError(f"part {name!r}: write a name of letters and digits, such as train")
-        return cls(parsed, skeletons, hold_out)
+        return cls(parsed, skeletons, hold_out, strata)
 
     @property
     def by_tasks(self) -> bool:
         """True if any two tasks may be in different parts."""
-        return not self.skeletons and self.hold_out is None
+        return not self.skeletons and self.hold_out is None and self.strata is None
 
 
 @dataclass(frozen=True)
@@ -146,6 +158,8 @@ def ordered_parts(
     """
     sampling = space.sampling(weights=weights, over=over)
     whole = nonempty_sets(sampling)
+    if division.strata is not None:
+        return _stratified_parts(space, division, division.strata, seed, deal)
     if weights and evenly:
         raise QueryError("lengths come evenly only with uniform sampling; add --uniform (weights={})")
     if over and evenly:
@@ -173,6 +187,20 @@ def ordered_parts(
             probabilities = [Fraction(1, len(sizes) * size if evenly else sum(sizes)) for size in sizes]
             parts[name] = UniformOrder(whole, sets[name], order, probabilities)
     return {name: part if deal == ALL else DealtOrder(part, deal) for name, part in parts.items()}
+
+
+def _stratified_parts(
+    space: TaskSpace, division: Division, by: StratifiedBy, seed: int, deal: Deal
+) -> dict[str, TaskOrder]:
+    """Return the tasks of each stratum, in the order of sampling without replacement.
+
+    Raises:
+        QueryError: the strata of the space are not those of the division.
+    """
+    orders = {each.name: each.order for each in strata_of(space, by, seed=seed, most=len(division.shares))}
+    if orders.keys() != division.shares.keys():
+        raise QueryError(f"the {by} strata of {space.title} are not those of the sample; generate it again")
+    return {name: orders[name] if deal == ALL else DealtOrder(orders[name], deal) for name in division.shares}
 
 
 def with_tasks(

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 from math import log2
+from pathlib import Path
 
 import pytest
 
@@ -49,3 +51,20 @@ def test_a_task_of_another_space_is_refused_and_the_command_prints_the_figures()
     assert "detour             4" in ok("task", "blocks", "-n", "4", "--index", "0", "--complexity")
     refused = run("task", "blocks", "-n", "4", "--rank-of", "pick_up(a)", "--complexity")
     assert refused.returncode == 2 and "--complexity goes with --index" in refused.stderr
+
+
+def test_the_complexity_of_all_tasks_of_a_file_is_summed_up(tmp_path: Path) -> None:
+    file, space = tmp_path / "tasks.jsonl", ("blocks", "-n", "6")
+    file.write_text(ok("enumerate", *space, "--format", "jsonl"))
+    rows = json.loads(ok("diversity", *space, "--tasks", str(file), "--complexity", "--format", "json"))["tasks"]
+    assert [row["detour"] for row in rows] == [ComplexityMeasure(BLOCKS).of(task).detour for task in BLOCKS]
+    lines = ok("diversity", *space, "--tasks", str(file), "--complexity").splitlines()
+    assert lines[0].split() == ["84", "tasks", "least", "mean", "most"]
+    mean = sum(row["detour"] for row in rows) / 84
+    assert lines[-1].split() == ["detour", "0", f"{mean:.2f}", "6"]
+    verdict = {"status": "feasible", "restarts": 3, "causes": {"the arm collides": 5}}
+    first = {**json.loads(file.read_text().splitlines()[0]), "verdict": verdict, "witness": None}
+    file.write_text(f"{json.dumps(first)}\n")
+    text = ok("diversity", *space, "--tasks", str(file), "--complexity")
+    assert "initial states tried" in text and text.splitlines()[-1].split() == ["the", "arm", "collides", "5"]
+    assert run("diversity", *space, "--complexity").returncode == 2

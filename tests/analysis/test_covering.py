@@ -94,7 +94,7 @@ def test_the_commands_choose_tasks_and_name_what_is_missing(tmp_path: Path) -> N
         (("sample", *space, "--cover", "2", "--diverse", "2"), "leave --diverse out"),
         (("sample", *space, "--diverse", "20"), "--diverse 20: chooses from 10 sampled tasks"),
         (("diversity", *space, "--coverage", "2"), "give --tasks FILE"),
-        (("diversity", *space, "--coverage", "2", "--near", "x"), "give --near or --coverage"),
+        (("diversity", *space, "--coverage", "2", "--near", "x"), "give --near or --tasks"),
     ):
         done = run(*arguments)
         assert done.returncode == 2 and refused in done.stderr

@@ -10,7 +10,7 @@ import pytest
 from PIL import Image
 
 from prag_asp import OutputError, QueryError, TaskSpace, load_domain
-from prag_asp.analysis.curve import KINDS, Curve, Series, counts_by_length, draw_curve, figure, logarithms, shown
+from prag_asp.analysis.plots.curve import KINDS, Curve, Series, counts_by_length, draw_curve, figure, logarithms, shown
 from prag_asp.errors import PicturesMissingError
 
 CURVE = counts_by_length(TaskSpace(load_domain("prag"), 6))
@@ -94,6 +94,6 @@ def test_a_file_that_is_no_picture_or_cannot_be_written_is_named(tmp_path: Path)
 
 
 def test_without_matplotlib_one_line_says_how_to_install_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("prag_asp.analysis.curve.find_spec", lambda name: None)
+    monkeypatch.setattr("prag_asp.analysis.plots.curve.find_spec", lambda name: None)
     with pytest.raises(PicturesMissingError, match=r"pip install 'prag_asp\[pictures\]'"):
         draw_curve(CURVE, "curve.png")

@@ -21,9 +21,9 @@ from prag_asp.analysis import (
     task_map,
     without_duplicates,
 )
-from prag_asp.analysis.curve import saved
-from prag_asp.analysis.dendrogram import dendrogram_figure
-from prag_asp.analysis.task_scaling import map_figure
+from prag_asp.analysis.plots.dendrogram import dendrogram_figure
+from prag_asp.analysis.plots.picture import saved
+from prag_asp.analysis.plots.task_scaling import map_figure
 from prag_asp.similarity import compare
 from tests.analysis.test_all_pairs import Known, random_tasks
 from tests.chance import Chance

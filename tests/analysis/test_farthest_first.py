@@ -7,7 +7,7 @@ import itertools
 import pytest
 
 from prag_asp import QueryError
-from prag_asp.analysis import diverse_choice, pair_distances, similarity_matrix
+from prag_asp.analysis import diverse_choice, novelty, pair_distances, similarity_matrix
 from tests.analysis.test_all_pairs import Known, random_tasks
 from tests.chance import Chance
 
@@ -41,3 +41,17 @@ def test_equal_tasks_are_chosen_once_each(chance: Chance) -> None:
     assert (found.tasks, found.separation, found.radius) == ((0, 1, 2), 0.0, 0.0)
     with pytest.raises(QueryError, match="cannot choose 4 of 3 tasks; choose at least 1 and at most 3"):
         diverse_choice(similarity_matrix(tasks, "goal", within=Known), 4)
+
+
+@pytest.mark.parametrize("metric", ["levenshtein-classes", "goal", "jaro"])
+def test_the_novelty_of_a_task_is_its_least_distance(metric: str, chance: Chance) -> None:
+    tasks = random_tasks(metric, chance)
+    new, given = tasks[:4], tasks[3:]
+    found = novelty(new, given, metric, within=Known)
+    for task, distance, nearest in zip(new, found.distances, found.nearest, strict=True):
+        expected = [float(task.distance(other, metric, within=Known)) for other in given]
+        assert distance == pytest.approx(min(expected), abs=1e-6)
+        assert expected[nearest] == pytest.approx(min(expected), abs=1e-6)
+    assert found.distances[3] == 0
+    with pytest.raises(QueryError, match="no given task"):
+        novelty(new, [], metric, within=Known)

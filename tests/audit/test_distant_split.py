@@ -95,3 +95,75 @@ def test_requests_that_cannot_be_proved_are_refused() -> None:
     ):
         done = run("split", "prag", "-n", "3", *arguments)
         assert done.returncode == 2 and refused in done.stderr
+
+
+COVERING = ("split", "prag", "-n", "6", "--cover", "2", "--combinations", "3")
+
+
+@pytest.fixture(scope="module")
+def covering(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("covering") / "parts"
+    ok(*COVERING, "--distance", "2", "--count", "12", "-o", str(folder))
+    return folder
+
+
+def test_a_covering_split_is_proved_again(covering: Path) -> None:
+    assert ok("verify", str(covering)) == (
+        f"{covering}: ok; 24 tasks, all others at least 2 edits from the whole part train, train covers all 59 and "
+        "lacks 3 combinations of which each other task has one\n"
+    )
+    sizes = [int(line.split()[1]) for line in ok(*COVERING).splitlines()]
+    assert sum(sizes) == TaskSpace(load_domain("prag"), 6).count()
+    note = json.loads((covering / "split.json").read_text())
+    assert note["reachable"] == 59 and len(note["combinations"]) == 3 and len(note["parts"][0]["ranks"]) == 12
+
+
+def other_rank(folder: Path) -> None:
+    note = json.loads((folder / "split.json").read_text())
+    note["parts"][0]["ranks"][4] = "1"
+    note["reachable"] = 58
+    (folder / "split.json").write_text(json.dumps(note))
+
+
+def other_combinations(folder: Path) -> None:
+    note = json.loads((folder / "split.json").read_text())
+    note["combinations"] += [{"0": "move", "1": "gripper", "3": place} for place in ("bowl", "crate")]
+    (folder / "split.json").write_text(json.dumps(note))
+
+
+def unread_combinations(folder: Path) -> None:
+    note = json.loads((folder / "split.json").read_text())
+    note["combinations"][0] = {"move": "gripper"}
+    (folder / "split.json").write_text(json.dumps(note))
+
+
+@pytest.mark.parametrize(
+    ("spoil", "found"),
+    [
+        (other_rank, "train.txt: row 4: has rank "),
+        (other_rank, "split.json: reachable: is 58, but there are 59 combinations"),
+        (other_combinations, "split.json: combinations: no task of the first part has move("),
+        (unread_combinations, "split.json: cannot be checked"),
+        (with_lines(lambda lines: lines[:1] * 12, "train.txt"), "train.txt: has no task with "),
+        (with_lines(lambda lines: [str(TRAINING[0]), *lines[1:]]), "test.txt: row 0: has none of the combinations"),
+    ],
+)
+def test_what_is_wrong_with_a_covering_split_is_found(
+    spoil: Callable[[Path], None], found: str, covering: Path, tmp_path: Path
+) -> None:
+    copy = tmp_path / "copy"
+    shutil.copytree(covering, copy)
+    spoil(copy)
+    done = run("verify", str(copy))
+    assert done.returncode == 1 and any(line.startswith(found) for line in done.stdout.splitlines()), done.stdout
+
+
+def test_requests_for_covering_splits_are_checked(tmp_path: Path) -> None:
+    for arguments, refused in (
+        (("--cover", "2", "--hold-out", "can"), "or --cover T; one of them"),
+        (("--hold-out", "can", "--combinations", "2"), "--combinations are held out with --cover"),
+        (("--cover", "2", "--skeletons"), "leave --skeletons out"),
+        (("--cover", "2", "--count", "2", "-o", str(tmp_path)), "the file of train needs "),
+    ):
+        done = run("split", "prag", "-n", "3", *arguments)
+        assert done.returncode == 2 and refused in done.stderr, done.stderr

@@ -37,11 +37,12 @@ def test_explain_names_the_lines_that_leave_no_task_of_a_length(tmp_path: Path) 
     domain = tmp_path / "lamp.lp"
     domain.write_text("fluent(lit). action(on). initially(lit,false).\npostcondition(on,lit,true).\ngoal(lit,false).\n")
     done = run("explain", str(domain), "--length", "1")
-    told = ["there is no task of lamp of length 1", "these lines together exclude every task:"]
+    told = ["there is no task of lamp of length 1", "the goal is not lit", "these lines together exclude every task:"]
     told += [f"  {domain}:2: postcondition(on,lit,true).", f"  {domain}:3: goal(lit,false)."]
+    told += ["there is none of any length"]
     assert (done.returncode, done.stdout.splitlines(), done.stderr) == (1, told, "")
     done = run("explain", str(domain), "--length", "1", "--fewest-changes")
-    assert done.returncode == 1 and done.stdout.splitlines()[2:] == told[2:]
+    assert done.returncode == 1 and done.stdout.splitlines()[2:] == told[3:]
     assert ok("explain", str(domain), "--length", "0") == "there are tasks of lamp of length 0\n"
     words = ok("explain", "prag", "-n", "2", "--why-not", "grasp", "--step", "2")
     assert words == "there are tasks of prag of length 2 with grasp as step 2\n"
@@ -60,16 +61,18 @@ def test_explain_names_a_smallest_set_of_changes_or_says_that_there_is_none(tmp_
     lamps, pairs, stuck = (tmp_path / f"{name}.lp" for name in ("lamps", "pairs", "stuck"))
     lamps.write_text(LAMPS)
     done = run("explain", str(lamps), "--length", "0", "--fewest-changes")
-    together, *lines = done.stdout.splitlines()[1:]
+    together, *lines, shortest = done.stdout.splitlines()[1:]
+    assert shortest == "the shortest task has 2 actions"
     assert (done.returncode, together) == (1, "removing all of these lines leaves a task, and removing fewer does not:")
     numbers = [int(line.split(":")[1]) for line in lines]
     assert len(numbers) == 2 and sum(number in (2, 4) for number in numbers) == 1
     pairs.write_text("fluent(f). action(a). postcondition(a,f,true). composite(c). stage(c,(1;2),a).\n")
     stuck.write_text("fluent(f). action(a). initially(f,false).\n#program step(t). s(t) :- not s(t), occurs(a,t).\n")
     composed = f"  {pairs}:1: composite(c). (with all composites, as --flat lifts them)"
+    two = "the shortest task has 2 actions"
     for path, option, told in (
-        (pairs, [], ["these lines together exclude every task:", composed]),
-        (pairs, ["--fewest-changes"], ["removing any one of these lines leaves a task:", composed]),
+        (pairs, [], ["these lines together exclude every task:", composed, two]),
+        (pairs, ["--fewest-changes"], ["removing any one of these lines leaves a task:", composed, two]),
         (stuck, [], ["no line excludes it: the declarations of the domain alone allow none"]),
         (stuck, ["--fewest-changes"], ["there is none even without all lines that restrict plans"]),
     ):

@@ -72,7 +72,11 @@ def test_a_domain_and_a_task_are_exported_as_pddl(tmp_path: Path) -> None:
         assert run("export", "pddl", *asked, cwd=tmp_path).returncode == 0
         assert word in (tmp_path / asked[-1] / "domain.pddl").read_text()
     done = run("export", "pddl", "prag", "-o", "open", cwd=tmp_path)
-    assert done.returncode == 2 and "its world is open" in done.stderr and not (tmp_path / "open").exists()
+    assert (
+        done.returncode == 2
+        and "add --rule closed_world, state one" in done.stderr
+        and not (tmp_path / "open").exists()
+    )
 
 
 def test_tasks_are_exported_by_rank_and_from_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

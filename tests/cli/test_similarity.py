@@ -114,3 +114,21 @@ def test_tasks_far_apart_are_chosen_and_written(kitchen: tuple[Path, TaskSpace],
     assert json.loads(ok(*words, "--format", "json"))["diverse"]["tasks"] == numbers
     assert "choose at least 1 and at most" in run(*words[:-1], "99").stderr
     assert "say how many tasks to choose with --diverse K" in run(*words[:-2], "--chosen", str(chosen)).stderr
+
+
+def test_the_novelty_of_tasks_against_others_is_printed(kitchen: tuple[Path, TaskSpace], tmp_path: Path) -> None:
+    file, space = kitchen
+    tasks = list(space)
+    for name, some in (("given", tasks[:4]), ("new", tasks[3:5])):
+        (tmp_path / name).write_text("".join(f"{write_line(Record(task))}\n" for task in some))
+    words = ["similarity", "--domain", str(file), str(tmp_path / "new"), "--against", str(tmp_path / "given")]
+    found = json.loads(ok(*words, "--metric", "levenshtein", "--format", "json"))
+    assert found[0] == {"distance": 0, "nearest": 3} and found[1]["distance"] > 0
+    assert ok(*words, "--metric", "levenshtein").splitlines()[4:6] == [
+        "tasks that are given       1",
+        "  0 is 0 from given task 3",
+    ]
+    assert "without other files to write" in run(*words, "--diverse", "2").stderr
+    known = next(TaskSpace(load_domain("blocks"), 2).tasks())
+    (tmp_path / "given").write_text(f"{write_line(Record(known))}\n")
+    assert run(*words).returncode == 2

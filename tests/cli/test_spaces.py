@@ -103,10 +103,13 @@ def test_auto_says_in_one_line_why_it_takes_clingo_and_nothing_where_it_does_not
     assert told.startswith("note: engine clingo, because ") and told.count("\n") == 1
 
 
-def test_what_grounds_all_entities_says_so_before_it_does(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_grounds_all_entities_says_so_before_it_does(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("prag_asp.reduction.reduction.MANY", 600)
     path = tmp_path / "lamps.lp"
     path.write_text(
-        "class(lamp). entity(lamp(1..150), lamp). fluent((lit(L);hot(L))) :- is_a(L,lamp). "
+        "class(lamp). entity(lamp(1..25), lamp). fluent((lit(L);hot(L))) :- is_a(L,lamp). "
         "initially(lit(L),false) :- is_a(L,lamp). initially(hot(L),false) :- is_a(L,lamp). "
         "action(light(L)) :- is_a(L,lamp). "
         "precondition(light(L),lit(L),false) :- is_a(L,lamp). postcondition(light(L),lit(L),true) :- is_a(L,lamp). "
@@ -114,12 +117,12 @@ def test_what_grounds_all_entities_says_so_before_it_does(tmp_path: Path, capsys
     )
     asked = ["count", str(path), "-n", "1", "--by", "plan", "--no-cache"]
     assert cli.main(asked) == 0
-    assert capsys.readouterr() == ("150\n", "")
+    assert capsys.readouterr() == ("25\n", "")
     for more in (["--where", "uses lamp"], ["--prefix", "light(lamp(7))"]):
         assert cli.main([*asked, *more]) == 0
         out, err = capsys.readouterr()
-        assert out == ("150\n" if "--where" in more else "1\n")
-        assert err.startswith("note: all entities are ground (150 like lamp(1)): ") and err.count("\n") == 1
+        assert out == ("25\n" if "--where" in more else "1\n")
+        assert err.startswith("note: all entities are ground (25 like lamp(1)): ") and err.count("\n") == 1
     done = run(*asked, "--where", "uses lamp", "--time", "0.001s")
     assert done.returncode == Exit.LIMIT
 

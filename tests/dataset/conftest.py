@@ -13,7 +13,6 @@ import pytest
 
 from prag_asp import Dataset, Domain, TaskSpace, load_domain
 from prag_asp.dataset import generate
-from prag_asp.dataset.pages import dataset_card
 from prag_asp.physics import Budget
 from tests.sharing import shared_logic, small_pictures  # noqa: F401 - one is a fixture
 
@@ -43,8 +42,6 @@ def with_json(name: str, change: Callable[[Any], object]) -> Change:
 def few_pictures_and_no_flush() -> Iterator[None]:
     """Draw little, and leave it to the system when files reach the disk: no power is lost here."""
     with small_pictures(), pytest.MonkeyPatch.context() as patch:
-        patch.setattr(dataset_card, "STRIPS", 1)
-        patch.setattr(dataset_card, "STATES", 2)
         patch.setattr(os, "fsync", lambda descriptor: None)
         yield
 

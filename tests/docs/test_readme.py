@@ -64,10 +64,10 @@ def test_every_link_and_picture_exists() -> None:
 def test_without_files_it_has_no_links_to_files_and_the_picture_in_words() -> None:
     text = long_description()
     assert re.findall(r"\]\((?!https://)", text) == []
-    assert "docs/quickstart.md" in text
-    strip = generated("pictures").STRIPS["five_subgoals"]
-    domain = load_domain(strip.domain)
-    [task] = TaskSpace(domain, strip.length).sample(1, seed=strip.seed, weights=strip.weights)
+    assert "see it work in five minutes | Quickstart, gallery of domains |" in text
+    pictures = generated("pictures")
+    domain = load_domain("household")
+    [task] = TaskSpace(domain, 5).where(*pictures.SHOWN).sample(1, seed=1)
     told = instruction_writer_of(domain).captions(task)[1:]
     headings = " | ".join(heading.partition(". ")[2] for heading, _ in told)
     captions = " | ".join(caption for _, caption in told)
@@ -86,8 +86,12 @@ def test_a_picture_is_what_its_script_draws(name: str) -> None:
     assert max(difference) < 1.0, f"draw it again: python docs/generate/pictures.py {name}"
 
 
-def test_the_pictures_are_those_of_the_script_and_small() -> None:
+def test_the_pictures_are_those_of_the_script_or_screenshots_of_a_page_and_small() -> None:
     pictures = generated("pictures")
     found: dict[str, Path] = {path.stem: path for path in pictures.PICTURES.iterdir()}
-    assert found.keys() == {*pictures.STRIPS, "curve", "cameras", "first_dataset"}
-    assert all(path.stat().st_size < 150_000 for path in found.values())
+    drawn = {*pictures.STRIPS, "curve", "cameras", "first_dataset", "demonstration"}
+    assert drawn <= found.keys()
+    pages = "".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs").rglob("*.md"))
+    assert [name for name in found.keys() - drawn if f"pictures/{found[name].name}" not in pages] == [], "screenshots"
+    assert found.pop("demonstration").stat().st_size < 2_000_000
+    assert all(path.stat().st_size < 300_000 for path in found.values())

@@ -16,6 +16,7 @@ from prag_asp import Dataset, Domain, OutputError, QueryError, TaskSpace, load_d
 from prag_asp.dataset import Scenarios, generate
 from prag_asp.evaluation import FreshScenarios, NamedScenarios, Results, StoredScenarios, compare, evaluate
 from prag_asp.evaluation.evaluating import JOURNAL
+from prag_asp.rl import TaskEnv
 from tests.commands import ok, run
 from tests.evaluation import policies_under_test
 from tests.evaluation.policies_under_test import Informed
@@ -234,3 +235,21 @@ def test_failures_are_filmed(fresh: FreshScenarios, tmp_path: Path) -> None:
 
     with av.open(str(tmp_path / "videos" / "000001.mp4")) as video:
         assert video.streams.video[0].frames == 3
+
+
+def test_instructions_of_a_dataset_are_its_own_in_environments_and_evaluations(
+    tabletop: Domain, tmp_path: Path
+) -> None:
+    data = generate(TaskSpace(tabletop, 1), tmp_path / "data", tasks=3, seed=3, phrasings="2 of 2")
+    own = [data.entry(number).instruction["default"] for number in range(3)]
+    source = StoredScenarios.open(data.folder)
+    assert [each.instruction for each in evaluate("zeros", source, steps=1).episodes] == own
+    spoken = evaluate("zeros", source, steps=1, language="de").episodes
+    assert not {each.instruction for each in spoken} & set(own)
+    env = TaskEnv(dataset=data.folder)
+    for number, task in enumerate(data.task(number) for number in range(3)):
+        for options in ({"rank": number}, {"task": task, "witness": data.witness(number)}):
+            assert env.reset(seed=0, options=options)[1]["instruction"] == own[number]
+    with pytest.raises(QueryError, match="TaskTexts"):
+        env.reset(options={"texts": "pick it up"})
+    env.close()

@@ -104,3 +104,19 @@ def test_what_is_remembered_of_bodies_changes_no_distance(name: str, given: Mapp
                 break
         env.close()
     assert (opened > 30) is (name == "kitchen")
+
+
+@pytest.mark.parametrize("domain", ["tabletop", "kitchen"])
+def test_distances_that_are_kept_between_steps_are_those_computed_anew(domain: str, chance: Chance) -> None:
+    env, rng = TaskEnv(domain=domain, length=2, steps=60), chance.generator(3)
+    for episode in range(2):
+        env.reset(seed=episode)
+        for _ in range(25):
+            low, high = env.action_space.low, env.action_space.high
+            _, _, done, late, _ = env.step(np.array([rng.uniform(*pair) for pair in zip(low, high, strict=True)]))
+            subgoal, situation, measured = env._measured
+            anew = Situation(situation.scene, situation.poses, situation.arms, situation.openings, situation.tools)
+            assert measured == subgoal.measured(anew)
+            if done or late:
+                break
+    env.close()

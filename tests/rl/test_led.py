@@ -187,7 +187,7 @@ def test_several_processes_have_their_own_curricula_and_hand_on_fractions(space:
         (lambda space: {"part": TaskSpace(load_domain("prag"), 2)[:2]}, "the part is one of TaskSpace"),
         (lambda space: {"part": space.where("has at least 1 stack")[:2]}, "and not of TaskSpace"),
         ({"domain": "kitchen"}, "have their own"),
-        ({"render_mode": "human"}, "render mode"),
+        ({"render_mode": "film"}, "render mode"),
         ({"cameras": "front"}, "give their names"),
         ({"cameras": ("back",)}, "no camera back"),
         ({"cameras": ("front", "front")}, "twice|2 times"),

@@ -10,7 +10,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from prag_asp import QueryError, TaskSpace, fewest_changes, load_domain, why_empty
+from prag_asp import EngineError, LimitReached, QueryError, TaskSpace, fewest_changes, load_domain, why_empty
+from prag_asp.space import emptiness
+from prag_asp.space.emptiness import shortest_length
 from tests.brute_force import Action, Toy, term
 from tests.chance import examples
 from tests.domains import domain_of
@@ -68,6 +70,10 @@ def lifted(toy: Toy, kept: set[int], *, loose: bool) -> Toy:
     )
 
 
+MANY = """fluent(f(1..12)). goal(f(I),true) :- fluent(f(I)). initially(f(I),false) :- fluent(f(I)).
+action(a(1..12)). postcondition(a(I),f(I),true) :- action(a(I))."""
+
+
 def some(toy: Toy, length: int, wanted: tuple[int, int] | None) -> bool:
     """Tell whether there is a plan, with an action at a step if that is wanted."""
     return any(wanted is None or plan[wanted[1] - 1] == wanted[0] for plan in toy.plans(length))
@@ -103,6 +109,27 @@ def test_reasons_are_minimal_and_changes_fewest_by_the_definition(toy: Toy, leng
         assert some(lifted(toy, everything - together, loose=False), length, wanted)
     else:
         assert not some(lifted(toy, set(), loose=False), length, wanted)
+
+
+@settings(max_examples=examples(40), suppress_health_check=list(HealthCheck))
+@given(toys(closed=False))
+def test_the_shortest_length_is_that_of_the_definition(toy: Toy) -> None:
+    found = shortest_length(TaskSpace(domain_of(replace(toy, blocked=()).text(), "at_most"), 0))
+    lengths = [length for length in range(1, 5) if some(replace(toy, blocked=()), length, None)]
+    assert found == lengths[0] if lengths else found is None or found > 4
+
+
+def test_the_shortest_task_may_be_far_and_conditions_count(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(emptiness, "LONGEST", (4, 128))
+    monkeypatch.setattr(emptiness, "MOST_STATES", 500)
+    lamp = "fluent(f). action(a;b). postcondition(a,f,true). goal(f,true). initially(f,false)."
+    space = TaskSpace(domain_of(lamp), 2)
+    assert shortest_length(space) == 1 and shortest_length(space.where("has at most 0 a")) is None
+    assert shortest_length(space.where("has at least 110 b")) == 111
+    with pytest.raises(EngineError, match="more than 128 actions"):
+        shortest_length(space.where("has at least 150 b"))
+    with pytest.raises(LimitReached):
+        shortest_length(TaskSpace(domain_of(MANY), 1))
 
 
 def test_a_smallest_set_of_changes_has_no_fewer_that_do() -> None:

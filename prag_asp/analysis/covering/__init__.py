@@ -18,14 +18,18 @@ from prag_asp.analysis.covering.combinations import (
     reachable_combinations,
 )
 from prag_asp.analysis.covering.covering_set import CoveringSet, covering_set
+from prag_asp.analysis.covering.held_out import HeldOut, held_out, hold_out_combinations
 
 __all__ = [
     "Combination",
     "Coverage",
     "CoveringSet",
+    "HeldOut",
     "combination_text",
     "combinations_of",
     "coverage",
     "covering_set",
+    "held_out",
+    "hold_out_combinations",
     "reachable_combinations",
 ]

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fractions import Fraction
 from math import isfinite
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from prag_asp.atom import split_actions
 from prag_asp.cli import options, shell_completion
+from prag_asp.cli.comparison.compared_tasks import GivenTask, records_in
+from prag_asp.cli.comparison.complexity_table import complexities, complexity_text
 from prag_asp.cli.domain_options import SPACE, DomainOptions, domain_options
 from prag_asp.cli.line_output import require_writable, writer
 from prag_asp.cli.options import whole
@@ -21,6 +22,7 @@ from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.analysis.frequencies import FrequencyTest
+    from prag_asp.dataset.store.dataset import Dataset
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.task import Task
 
@@ -49,6 +51,10 @@ FEATURES = ("actions", "classes", "names", "pairs")
     help="With --tasks: only print which reachable combinations of T factors of an action the tasks cover.",
 )  # fmt: skip
 @click.option(
+    "--complexity", "with_complexity", is_flag=True,
+    help="With --tasks: only print how complex the tasks are, by logic and by physics.",
+)  # fmt: skip
+@click.option(
     "--near", "plan", metavar="'A B ...'", shell_complete=shell_completion.plan,
     help="Only count the tasks near the task with these actions.",
 )  # fmt: skip
@@ -62,7 +68,7 @@ FEATURES = ("actions", "classes", "names", "pairs")
 @options.output
 def diversity(
     *, request: DomainOptions, file: str | None, features: tuple[str, ...], distances: bool,
-    strength: int | None, plan: str | None, radius: int, form: str, output: str | None,
+    strength: int | None, with_complexity: bool, plan: str | None, radius: int, form: str, output: str | None,
 ) -> None:  # fmt: skip
     """Measure how much the tasks of length N differ.
 
@@ -76,23 +82,27 @@ def diversity(
     with progress() as tell:
         space = request.space(tell)
         if plan is not None:
-            if file is not None or strength is not None:
-                raise QueryError(f"give --near or {'--tasks' if strength is None else '--coverage'}")
+            if file is not None or strength is not None or with_complexity:
+                raise QueryError("give --near or --tasks, with or without --coverage or --complexity")
             found = _near(space, split_actions(plan), radius)
-        elif strength is not None:
-            if file is None:
-                raise QueryError("--coverage is that of given tasks; give --tasks FILE")
-            found = _covered(list(_given(file, space)), space, strength)
+        elif (strength is not None or with_complexity) and file is None:
+            raise QueryError(f"--{'coverage' if strength else 'complexity'} is that of given tasks; give --tasks FILE")
+        elif file is not None and with_complexity:
+            found = complexities(*_given(file, space), space)
         else:
-            tasks = None if file is None else list(_given(file, space))
-            found = _measured(space, tasks, features, distances)
+            tasks = None if file is None else [each.record.task for each in _given(file, space)[0]]
+            found = (
+                _covered(tasks, space, strength)
+                if tasks is not None and strength is not None
+                else _measured(space, tasks, features, distances)
+            )
+    text = _near_text if plan else complexity_text if with_complexity else _covered_text if strength else _text
     with writer(output) as out:
         if form == "json":
             import json
 
             out.write(json.dumps(found, indent=2, default=_exact))
         else:
-            text = _near_text if plan is not None else _covered_text if strength is not None else _text
             for line in text(found):
                 out.write(line)
 
@@ -134,34 +144,24 @@ def _covered_text(found: dict[str, Any]) -> Iterator[str]:
         yield f"  and {len(missing) - SHOWN} more; --format json lists all"
 
 
-def _given(file: str, space: TaskSpace) -> Iterator[Task]:
-    """Yield the tasks of a file or dataset that have the length of a space.
+def _given(file: str, space: TaskSpace) -> tuple[list[GivenTask], Dataset | None]:
+    """Return the tasks of a file or dataset that have the length of a space, and the dataset.
 
     Raises:
         QueryError: a task belongs to another domain, or no task has this length.
     """
-    from prag_asp.dataset.jsonl import Record, read_tasks
-    from prag_asp.dataset.store.dataset import Dataset
     from prag_asp.dataset.task_origin import foreign
 
-    if Path(file).is_dir():
-        records: Iterator[Record] = (Record(task, place=file) for task in Dataset.open(file).tasks())
-    else:
-        records = read_tasks(file)
-    found = others = 0
-    for record in records:
-        problem = foreign(record, space.domain)
-        if problem:
-            raise QueryError(f"{record.place}: {problem}")
-        if len(record.task) == space.length:
-            found += 1
-            yield record.task
-        else:
-            others += 1
-    if not found:
+    given, dataset = records_in(file)
+    for each in given:
+        if problem := foreign(each.record, space.domain):
+            raise QueryError(f"{each.record.place}: {problem}")
+    fitting = [each for each in given if len(each.record.task) == space.length]
+    if not fitting:
         raise QueryError(f"{file}: no task of length {space.length}; choose a length that it has")
-    if others:
-        tell_line(f"note: {file}: {plural(others, 'task')} of other lengths left out")
+    if len(fitting) < len(given):
+        tell_line(f"note: {file}: {plural(len(given) - len(fitting), 'task')} of other lengths left out")
+    return fitting, dataset
 
 
 def _measured(

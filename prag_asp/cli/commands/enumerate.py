@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from itertools import islice
 from typing import Any
 
@@ -13,8 +14,9 @@ from prag_asp.cli.domain_options import SPACES, DomainOptions, domain_options
 from prag_asp.cli.line_output import require_writable, writer
 from prag_asp.cli.options import whole
 from prag_asp.cli.task_options import LINE_FORMAT, TaskFormat, format_options
-from prag_asp.cli.terminal import progress
+from prag_asp.cli.terminal import progress, tell_line
 from prag_asp.errors import QueryError
+from prag_asp.wording import plural
 
 
 @click.command()
@@ -47,12 +49,17 @@ def enumerate(
     require_writable(output)
     with progress() as tell:
         space = request.spaces(tell)
+        written = 0
         with writer(output) as out:
             words = islice(space.enumerate(by, first), limit)
+            lines: Iterator[str]
             if form == "text":
-                for word in words:
-                    out.write(" ".join(word))
+                lines = map(" ".join, words)
             else:
                 line = task_format.line(space)
-                for task in space.tasks_of_plans(words):
-                    out.write(line(Record(task)))
+                lines = (line(Record(task)) for task in space.tasks_of_plans(words))
+            for text in lines:
+                out.write(text)
+                written += 1
+    if limit is not None and written < limit:
+        tell_line(f"only {plural(written, by)}, fewer than --limit {limit}")

@@ -10,7 +10,7 @@ import click
 from prag_asp.cli import options, shell_completion
 from prag_asp.cli.arguments import parse_lengths
 from prag_asp.cli.domain_options import PROGRAM, WHERE, DomainOptions, domain_options
-from prag_asp.cli.options import whole
+from prag_asp.cli.options import StrataOptions, whole
 from prag_asp.cli.physics_options import BUDGET, parse_pixels
 from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.errors import QueryError
@@ -18,6 +18,7 @@ from prag_asp.tables.json_fields import decoded
 
 if TYPE_CHECKING:
     from prag_asp.evaluation.sources import ScenarioSource
+    from prag_asp.space.strata.allocation import Stratification
 
 COUNT = 100
 """The default number of fresh scenarios."""
@@ -45,6 +46,7 @@ COUNT = 100
     help="Number of sampled scenarios, or of tasks of each part of --data.  [default: 100, or all of --data]",
 )  # fmt: skip
 @options.seed
+@options.strata_options
 @click.option(
     "--budget", metavar="RxS", help="With DOMAIN: search effort for initial states, as in sample.  [default: 10x10]"
 )
@@ -76,6 +78,7 @@ def evaluate(
     ids: str | None,
     count: int | None,
     seed: int,
+    stratifying: StrataOptions,
     budget: str | None,
     workers: int,
     control: str | None,
@@ -108,7 +111,10 @@ def evaluate(
     environment = {name: value for name, value in given.items() if value is not None} | _options(others)
     with progress() as tell:
         request = replace(request, length=lengths if lengths is not None else 0)
-        source = _source(request, data, parts, ids, count, seed, budget, with_length=lengths is not None)
+        stratification = stratifying.stratification({"--data": data is not None, "--scenarios": ids is not None})
+        source = _source(
+            request, data, parts, ids, count, seed, budget, stratification, with_length=lengths is not None
+        )
         results = evaluated(
             policy, source, output, workers=workers, seed=seed, wrapper=_imported(wrapper), videos=videos,
             progress=tell, **environment,
@@ -139,7 +145,7 @@ def compare(*, first: str, second: str, across: bool) -> None:
 
 def _source(
     request: DomainOptions, data: str | None, parts: tuple[str, ...], ids: str | None, count: int | None, seed: int,
-    budget: str | None, *, with_length: bool,
+    budget: str | None, stratification: Stratification | None, *, with_length: bool,
 ) -> ScenarioSource:  # fmt: skip
     """Return the scenarios of a command line.
 
@@ -172,7 +178,8 @@ def _source(
         return NamedScenarios(request.of_scenario(scenarios[0]).domain(), scenarios)
     if not request.names:
         raise QueryError("--length needs a domain; give DOMAIN, such as tabletop")
-    return FreshScenarios(request.spaces(), count or COUNT, seed, Budget.parse(budget or BUDGET))
+    budgeted = Budget.parse(budget or BUDGET)
+    return FreshScenarios(request.spaces(), count or COUNT, seed, budgeted, stratification=stratification)
 
 
 def _options(texts: tuple[str, ...]) -> dict[str, Any]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -15,10 +17,14 @@ from prag_asp.cli.domain_options import PROGRAM, WHERE, DomainOptions, domain_op
 from prag_asp.cli.exits import Exit
 from prag_asp.cli.options import whole
 from prag_asp.cli.terminal import say
-from prag_asp.errors import QueryError
+from prag_asp.errors import EngineError, LimitReached, QueryError
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace
+
+
+GOAL = re.compile(r"\bgoal\(")
 
 
 @click.command()
@@ -68,6 +74,8 @@ def explain(
         raise QueryError("--smallest and --fewest-changes name different sets of lines; leave one of them out")
     space = replace(request, names=names, length=number).space()
     lines = list(_changes(space, action, step) if changes else _reasons(space, action, step, smallest=smallest))
+    if lines and action is None:
+        lines.extend(_other_lengths(space))
     if not lines:
         say(f"there are tasks of {_describe_request(space, action, step)}")
         return
@@ -119,6 +127,9 @@ def _reasons(space: TaskSpace, action: str | None, step: int | None, *, smallest
     if found is None:
         return
     yield f"there is no task of {_describe_request(space, action, step)}"
+    goal = space.domain.facts.goal
+    if goal and any(GOAL.search(line.text) for line in found.lines):
+        yield f"the goal is {', '.join(f'{fluent}' if value == 'true' else f'not {fluent}' for fluent, value in goal)}"
     if found.conditions:
         yield "these conditions exclude every task:"
         yield from (f"  {clause}" for clause in found.conditions)
@@ -127,6 +138,19 @@ def _reasons(space: TaskSpace, action: str | None, step: int | None, *, smallest
         yield from (f"  {line}" for line in found.lines)
     else:
         yield "no line excludes it: the declarations of the domain alone allow none"
+
+
+def _other_lengths(space: TaskSpace) -> Iterator[str]:
+    """Yield the shortest length that has a task, or that none has; nothing if that takes too long to find out."""
+    from prag_asp.space.emptiness import shortest_length
+
+    where = " that satisfies the conditions" if space.condition else ""
+    with suppress(EngineError, LimitReached):
+        shortest = shortest_length(space)
+        if shortest is None:
+            yield f"there is none of any length{where}"
+        else:
+            yield f"the shortest task{where} has {plural(shortest, 'action')}"
 
 
 def _changes(space: TaskSpace, action: str | None, step: int | None) -> Iterator[str]:

@@ -14,7 +14,7 @@ import click
 
 from prag_asp.cli import options, shell_completion
 from prag_asp.cli.domain_options import SPACES, DomainOptions, domain_options
-from prag_asp.cli.options import WeightOptions, whole
+from prag_asp.cli.options import StrataOptions, WeightOptions, whole
 from prag_asp.cli.physics_options import (
     CameraOptions,
     PhysicsOptions,
@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     "--except", "excluded", metavar="FILE|DIR", multiple=True, shell_complete=shell_completion.files,
     help="Leave out the tasks of a file of scenario ids, or of another dataset; may be repeated.",
 )  # fmt: skip
+@options.strata_options
 @click.option("--skeletons", is_flag=True, help="With --split: parts also share no skeleton.")
 @click.option(
     "--hold-out", "held", metavar="WHAT", shell_complete=shell_completion.names,
@@ -110,6 +111,7 @@ def generate(
     trivial: bool,
     split: str | None,
     excluded: tuple[str, ...],
+    stratifying: StrataOptions,
     skeletons: bool,
     held: str | None,
     starts: int,
@@ -141,6 +143,13 @@ def generate(
     validation.parse_budget()
     filming.check(output if with_demonstrations else None)
     shares = None if split is None else parse_shares_option(split)
+    stratification = stratifying.stratification(
+        {
+            "--split": split is not None, "--skeletons": skeletons, "--hold-out": held is not None,
+            "--except": bool(excluded), "--evenly": evenly, "--over": over is not None,
+            "--weight": bool(weighting.weight), "--temperature": weighting.temperature != "1",
+        }
+    )  # fmt: skip
     with progress() as tell, warnings_as_lines():
         space = request.spaces(tell)
         with_physics = physics if physics is not None else bool(space.domain.settings.scene)
@@ -152,7 +161,8 @@ def generate(
             dataset = make(
                 space, output, tasks=tasks, seed=seed, split=shares, skeletons=skeletons, hold_out=held, starts=starts,
                 demonstrate=with_demonstrations, over=over, evenly=evenly, trivial=trivial,
-                **weighting.arguments(space.domain),
+                stratification=stratification,
+                **({} if stratification else weighting.arguments(space.domain)),
                 physics=with_physics, budget=validation.parse_budget() if with_physics else None,
                 workers=validation.workers,
                 shard=shard or SHARD, language=language, phrasings=phrasings, staging=staging, max_draws=max_draws,
@@ -212,7 +222,8 @@ def print_parts(dataset: Dataset) -> None:
     width = max(len(part.name) for part in manifest.parts)
     rejected: Counter[str] = Counter()
     for part in manifest.parts:
-        say(f"{part.name:<{width}}  {part.tasks} of {part.size}")
+        weight = f", each of weight {part.weight.numerator}/{part.weight.denominator}" if part.weight else ""
+        say(f"{part.name:<{width}}  {part.tasks} of {part.size}{weight}")
         for tally in part.lengths:
             rejected.update({each.reason: each.count for each in tally.reasons if each.status != "trivial"})
     wanted, found = manifest.spec.starts * manifest.rows("tasks"), manifest.rows("witnesses")

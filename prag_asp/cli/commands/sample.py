@@ -14,16 +14,17 @@ from prag_asp.cli import options, shell_completion
 from prag_asp.cli.comparison.chosen_tasks import CoveringTasks, covering_tasks, far_apart
 from prag_asp.cli.domain_options import SPACES, DomainOptions, domain_options
 from prag_asp.cli.line_output import recordings_folder, require_writable, writer
-from prag_asp.cli.options import WeightOptions, whole
+from prag_asp.cli.options import StrataOptions, WeightOptions, whole
 from prag_asp.cli.physics_options import CameraOptions, PhysicsOptions, camera_options, physics_options
 from prag_asp.cli.task_options import LINE_FORMAT, TaskFormat, format_options
-from prag_asp.cli.terminal import Tell, progress
+from prag_asp.cli.terminal import Tell, progress, tell_line
 from prag_asp.errors import NotFound, QueryError
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.dataset.pass_rates import Tally
+    from prag_asp.space.strata.allocation import Stratification
     from prag_asp.space.task_space import TaskSpace
 
 DRAWS_PER_TASK = 1000
@@ -39,6 +40,7 @@ DRAWS_PER_TASK = 1000
 @click.option(
     "--by", type=click.Choice(["plan", "task"]), default="task", show_default=True, help="Sample plans, or tasks."
 )
+@options.strata_options
 @click.option("--distinct", is_flag=True, help="Sample without replacement: no task occurs twice.")
 @click.option(
     "--except", "excluded", metavar="FILE|DIR", shell_complete=shell_completion.files,
@@ -67,6 +69,7 @@ def sample(
     weighting: WeightOptions,
     over: Any,
     by: Any,
+    stratifying: StrataOptions,
     distinct: bool,
     excluded: str | None,
     cover: int | None,
@@ -107,6 +110,17 @@ def sample(
             raise QueryError(f"--distinct samples tasks without replacement; leave --by {by} out")
         if excluded is not None and not distinct:
             raise QueryError(f"--except {excluded} leaves tasks out of a sample without replacement; add --distinct")
+        stratification = stratifying.stratification(
+            {
+                "--over": over is not None, "--by": by != "task", "--except": excluded is not None,
+                "--cover": cover is not None, "--diverse": diverse is not None,
+                "--max-draws": max_draws is not None, "--demonstrate": validation.demonstrate is not None,
+                "--weight": bool(weighting.weight), "--temperature": weighting.temperature != "1",
+            }
+        )  # fmt: skip
+        if stratification is not None:
+            _write_strata(space, requested_count, stratification, seed, physics, validation, output, line, tell)
+            return
         keep = None if excluded is None else exclude(space, read_earlier(excluded))
         drawing: dict[str, Any] = {"distinct": distinct, "by": by, "over": over}
         drawing.update(weighting.arguments(space.domain))
@@ -121,18 +135,33 @@ def sample(
             validation.refuse_without_physics({"--max-draws": max_draws is not None})
             drawn = source.stream(seed=seed, **drawing) if requested_count else iter(())
             records = map(Record, islice(drawn if keep is None else filter(keep, drawn), requested_count))
-            found, at_least = 0, requested_count if diverse is None else diverse
-            with writer(output) as out:
-                for record in choose(records):
-                    out.write(line(record))
-                    found += 1
+            found, at_least = _write_all(choose(records), output, line), diverse or requested_count
             if found < at_least:
                 others = "others of positive weight" if keep is None and space.count() > found else "others"
                 raise NotFound(f"only {found} of {plural(at_least, 'task')}: there are no {others}")
+            _tell_repetition(space, by, 0 if distinct or cover is not None else requested_count)
             return
         drawing |= {"seed": seed, "staging": staging, "keep": keep}
         drawing["draws"] = max_draws or DRAWS_PER_TASK * requested_count
         _write_feasible(source, drawing, requested_count, validation, output, line, choose, tell)
+        _tell_repetition(space, by, 0 if distinct or cover is not None else requested_count)
+
+
+def _tell_repetition(space: TaskSpace, by: Any, requested_count: int) -> None:
+    """Print on stderr that the space has fewer tasks than were sampled with replacement."""
+    number = space.count(by) if requested_count else 0
+    if number < requested_count:
+        tell_line(f"the space has only {plural(number, by)}, so some are repeated; --distinct samples each once")
+
+
+def _write_all(records: Iterator[Record], output: str | None, line: Callable[[Record], str]) -> int:
+    """Write records, and return their number."""
+    found = 0
+    with writer(output) as out:
+        for record in records:
+            out.write(line(record))
+            found += 1
+    return found
 
 
 def _check_choice(cover: int | None, diverse: int | None, count: int, by: str, over: Any, excluded: str | None) -> None:
@@ -182,14 +211,50 @@ def _write_feasible(
         raise NotFound(found + (f"; {_remedy(tally)}" if tally.seen == drawing["draws"] else ""))
 
 
+def _write_strata(
+    space: TaskSpace, requested_count: int, stratification: Stratification, seed: int, physics: bool,
+    validation: PhysicsOptions, output: str | None, line: Callable[[Record], str], tell: Tell,
+) -> None:  # fmt: skip
+    """Write a stratified sample, and print the figures of its strata on stderr.
+
+    Raises:
+        QueryError: there is no such allocation.
+        NotFound: physics finds fewer feasible tasks than were requested.
+    """
+    from prag_asp.cli.summary import strata_lines, tallied, tally_line
+    from prag_asp.dataset.pass_rates import Tally
+    from prag_asp.dataset.strata.stratified_sampling import stratified_sample
+
+    tally = Tally()
+
+    def summary() -> str:
+        return tally_line(tally, ("sampled", "sampled"), f"budget {validation.parse_budget()}")
+
+    if not physics:
+        validation.refuse_without_physics({})
+    arguments: dict[str, Any] = {"workers": validation.workers, "budget": validation.parse_budget()} if physics else {}
+    with tallied(tally, summary):
+        found = stratified_sample(
+            space, requested_count, stratification, seed=seed, physics=physics, tally=tally,
+            progress=lambda: tell(summary(), tally.passed, requested_count), **arguments,
+        )  # fmt: skip
+    with writer(output) as out:
+        for record in found.records:
+            out.write(line(record))
+    for each in strata_lines(found.strata):
+        tell_line(each)
+
+
 def _remedy(tally: Tally) -> str:
     """Return the remedy if a number of draws has too few feasible tasks.
 
-    More draws help if some tasks are feasible, and a larger budget may help if none was found; neither helps against
-    proofs.
+    More draws help if some tasks are feasible, and a larger budget may help if none was found; against proofs, rules
+    that exclude such tasks help.
     """
-    if tally.passed:
+    if tally.passed and 2 * tally.proved <= tally.seen:
         return "raise --max-draws"
+    if tally.passed or 2 * tally.proved > tally.seen > tally.proved:
+        return f"{tally.proved} of them proved infeasible; see prag-asp learn, which excludes such tasks"
     if tally.proved == tally.seen:
         (_, reason), _ = tally.reasons.most_common(1)[0]
         every = "it is" if tally.seen == 1 else "all are"

@@ -16,12 +16,13 @@ from prag_asp.cli.comparison.similarity_files import FILE_OPTIONS, SimilarityFil
 from prag_asp.cli.domain_options import OF_FILE, WHERE, DomainOptions, domain_options
 from prag_asp.cli.line_output import require_writable
 from prag_asp.cli.options import whole
-from prag_asp.cli.terminal import aligned, progress, say
+from prag_asp.cli.terminal import aligned, progress, say, tell_line
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
-    from prag_asp.similarity.background import UpTo
+    from prag_asp.similarity.background import Background, UpTo
     from prag_asp.similarity.edits import Edit
+    from prag_asp.similarity.metrics import Metric
     from prag_asp.similarity.task_comparison import TaskComparison
 
 SHOWN = 5
@@ -41,6 +42,10 @@ SHOWN = 5
     "hamming-effects, goal, states, links, damerau, jaro, jaro-winkler, subsequence or substring.",
 )  # fmt: skip
 @click.option(
+    "--costs", metavar="FILE", shell_complete=shell_completion.files,
+    help="Instead of a metric: edit distance with the costs of a TOML file.",
+)  # fmt: skip
+@click.option(
     "--up-to", type=click.Choice(["domain", "names", "classes"]), default="domain", show_default=True,
     help="Interchangeable entities: those of the domain; none; or all of a class. The last two need no domain.",
 )  # fmt: skip
@@ -49,13 +54,17 @@ SHOWN = 5
     "-k", "--neighbours", type=whole(1), default="5", show_default=True, metavar="K",
     help="Nearest tasks of each, for --nearest.",
 )  # fmt: skip
+@click.option(
+    "--against", metavar="FILE|DATASET", shell_complete=shell_completion.files,
+    help="Print how novel the tasks are: their distances from the nearest of these tasks.",
+)  # fmt: skip
 @click.option("--diverse", type=whole(1), metavar="K", help="Choose K tasks that are far apart.")
 @FILE_OPTIONS
 @click.option("--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True,
               help="Text, or JSON with exact fractions.")  # fmt: skip
 def similarity(
-    *, request: DomainOptions, words: tuple[str, ...], metric: str, up_to: str, at_most: float, neighbours: int,
-    diverse: int | None, files: SimilarityFiles, form: str,
+    *, request: DomainOptions, words: tuple[str, ...], metric: str, costs: str | None, up_to: str, at_most: float,
+    neighbours: int, against: str | None, diverse: int | None, files: SimilarityFiles, form: str,
 ) -> None:  # fmt: skip
     """Compare two tasks, or all tasks of a set, up to renaming of interchangeable entities.
 
@@ -66,10 +75,14 @@ def similarity(
     from prag_asp.similarity.metrics import metric_of
 
     metric_of(metric)
+    if costs is not None and metric != "combined":
+        raise QueryError(f"--costs {costs} defines a metric of its own; leave --metric {metric} out")
     if len(words) > 2:
         raise QueryError(f"{' '.join(words)}: give two tasks, or one dataset or file")
     if diverse is not None and len(words) == 2:
         raise QueryError("--diverse chooses from a dataset or a file of tasks, not from two tasks")
+    if against is not None and (len(words) == 2 or diverse is not None or files.names):
+        raise QueryError(f"--against {against} is for one dataset or file, without other files to write and --diverse")
     if (files.chosen is not None) > (diverse is not None):
         raise QueryError(f"--chosen {files.chosen}: say how many tasks to choose with --diverse K")
     files.check(one_set=len(words) == 1)
@@ -77,20 +90,49 @@ def similarity(
         require_writable(file)
     with progress():
         if len(words) == 2:
-            found = _compared(words, request, metric, up_to)
+            found = _compared(words, request, metric, costs, up_to)
             lines = _json(found) if form == "json" else _text(found)
+        elif against is not None:
+            given, known = read_all(words[0], request, up_to), read_all(against, request, up_to)
+            lines = _novel(given, known, metric, costs, up_to, form)
         else:
             given = read_all(words[0], request, up_to)
-            lines = _summary(given, metric, up_to, at_most, neighbours, diverse, files, form)
+            lines = _summary(
+                given, _metric(metric, costs, given, up_to), up_to, at_most, neighbours, diverse, files, form
+            )
         for line in lines:
             say(line)
 
 
-def _compared(words: tuple[str, ...], request: DomainOptions, metric: str, up_to: str) -> TaskComparison:
+def _compared(
+    words: tuple[str, ...], request: DomainOptions, metric: str, costs: str | None, up_to: str
+) -> TaskComparison:
     """Return the comparison of two tasks."""
+    from prag_asp.similarity.task_comparison import compare
+
     found = read_pair(words, request, up_to)
     one, other = found.tasks
-    return one.compare(other, metric, within=found.space, up_to=_names(up_to))
+    return compare(one, other, _metric(metric, costs, found, up_to), _background(found, up_to))
+
+
+def _background(given: ComparedTasks, up_to: str) -> Background:
+    from prag_asp.similarity.background import Background
+
+    return Background.of_tasks(given.tasks, _names(up_to)) if given.space is None else given.space.background
+
+
+def _metric(metric: str, costs: str | None, given: ComparedTasks, up_to: str) -> Metric:
+    """Return the metric with a name, or that of a file of costs; print why it is none."""
+    from prag_asp.similarity.metrics import metric_of
+
+    if costs is None:
+        return metric_of(metric)
+    from prag_asp.similarity.cost_file import read_costs
+
+    found = read_costs(costs, given.tasks, _background(given, up_to))
+    if not found.axioms:
+        tell_line(f"note: {costs}: {found.summary}")
+    return found
 
 
 def _names(up_to: str) -> UpTo:
@@ -176,9 +218,38 @@ def _json(found: TaskComparison) -> Iterator[str]:
     yield json.dumps(values, indent=2)
 
 
+def _novel(
+    given: ComparedTasks, known: ComparedTasks, metric: str, costs: str | None, up_to: str, form: str
+) -> Iterator[str]:
+    """Yield how far the given tasks are from the nearest known ones, the nearest first."""
+    import json
+
+    from prag_asp.analysis.farthest_first import novelty
+
+    together = ComparedTasks([*known.tasks, *given.tasks], [*known.groups, *given.groups], known.space)
+    if {task.domain for task in known.tasks} != {task.domain for task in given.tasks} and known.space is not None:
+        raise QueryError("the tasks belong to different domains; compare them with --up-to names")
+    found = novelty(given.tasks, known.tasks, _metric(metric, costs, together, up_to), known.space, _names(up_to))
+    if form == "json":
+        rows = zip(found.distances.tolist(), found.nearest.tolist(), strict=True)
+        yield json.dumps([{"distance": distance, "nearest": nearest} for distance, nearest in rows], indent=2)
+        return
+    yield from aligned(
+        [
+            ("tasks", f"{len(given.tasks)}"),
+            ("given tasks", f"{len(known.tasks)}"),
+            ("mean novelty", f"{found.distances.mean():.4f}"),
+            ("smallest novelty", f"{found.distances.min():.4f}"),
+            ("tasks that are given", f"{int((found.distances == 0).sum())}"),
+        ]
+    )
+    for place in found.distances.argsort(kind="stable")[:SHOWN].tolist():
+        yield f"  {place} is {_number(found.distances[place])} from given task {found.nearest[place]}"
+
+
 def _summary(
     given: ComparedTasks,
-    metric: str,
+    metric: Metric,
     up_to: str,
     at_most: float,
     neighbours: int,
@@ -201,9 +272,9 @@ def _summary(
     duplicates = near_duplicates(compared, at_most)
     distinct = len(without_duplicates(compared))
     choice = None if diverse is None else diverse_choice(compared, diverse)
-    files.write(compared, given, duplicates, neighbours, choice, f"{metric} of {count:,} tasks")
+    files.write(compared, given, duplicates, neighbours, choice, f"{metric.name} of {count:,} tasks")
     if form == "json":
-        values: dict[str, Any] = {"tasks": count, "distinct": distinct, "metric": metric, "mean": mean,
+        values: dict[str, Any] = {"tasks": count, "distinct": distinct, "metric": metric.name, "mean": mean,
                                   "at_most": at_most, "near_duplicates": list(duplicates)}  # fmt: skip
         if choice is not None:
             values["diverse"] = asdict(choice)
@@ -213,7 +284,7 @@ def _summary(
         [
             ("tasks", f"{count}"),
             ("distinct", f"{distinct}"),
-            (f"mean distance, {metric}", f"{mean:.4f}"),
+            (f"mean distance, {metric.name}", f"{mean:.4f}"),
             (f"pairs at distance at most {at_most:g}", f"{len(duplicates)}"),
         ]
     )

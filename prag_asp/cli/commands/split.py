@@ -18,6 +18,7 @@ from prag_asp.cli.task_options import LINE_FORMAT, TaskFormat, format_options
 from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.errors import QueryError
 from prag_asp.output import file_in, make_folder
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from prag_asp.audit.distant_split import DistantSplit
     from prag_asp.space.parts.ranked_tasks import RankedTasks
     from prag_asp.space.task_space import TaskSpace
+    from prag_asp.task import Task
 
     Parts = Mapping[str, TaskSpace | RankedTasks]
 
@@ -47,6 +49,14 @@ if TYPE_CHECKING:
     "--distance", type=whole(1, 100), metavar="D",
     help="Later parts keep only tasks at least D edits from all tasks of the first part.",
 )  # fmt: skip
+@click.option(
+    "--cover", type=whole(1, 7), metavar="T",
+    help="Training covers all combinations of T factors of an action; each test task has one of T+1 that it lacks.",
+)  # fmt: skip
+@click.option(
+    "--combinations", type=whole(1), metavar="K",
+    help="With --cover: number of combinations that are held out.  [default: a fifth]",
+)  # fmt: skip
 @click.option("--count", "requested_count", type=whole(0), metavar="K", help="Write K distinct tasks per part.")
 @options.seed
 @format_options(LINE_FORMAT)
@@ -56,7 +66,7 @@ if TYPE_CHECKING:
 )  # fmt: skip
 def split(
     *, request: DomainOptions, words: tuple[str, ...], skeletons: bool, held: str | None, distance: int | None,
-    requested_count: int | None, seed: int,
+    cover: int | None, combinations: int | None, requested_count: int | None, seed: int,
     task_format: TaskFormat, output: str | None,
 ) -> None:  # fmt: skip
     """Split the tasks of length N into disjoint parts.
@@ -65,19 +75,23 @@ def split(
     each part uniformly, and writes them to DIR/NAME.txt or .jsonl; these files are replaced together at the end.
     """
     from prag_asp.dataset.jsonl import Record
-    from prag_asp.space.task_space import TaskSpace
 
     task_format.check()
     names, shares = domain_and_others(words)
-    if (held is None) == (not shares):
-        raise QueryError("give shares, such as train=0.8 test=0.2, or --hold-out WHAT")
+    if [held is not None, bool(shares), cover is not None].count(True) != 1:
+        raise QueryError("give shares, such as train=0.8 test=0.2, or --hold-out WHAT, or --cover T; one of them")
+    if combinations is not None and cover is None:
+        raise QueryError("--combinations are held out with --cover; give both")
     if (requested_count is None) != (output is None):
         raise QueryError("give --count and --output together")
-    if distance is not None and output is not None and task_format.form not in ("text", "jsonl"):
-        raise QueryError(f"--distance is verified from plans; give --format text or jsonl, not {task_format.form}")
+    if cover is not None and skeletons:
+        raise QueryError("--cover holds out combinations; leave --skeletons out")
+    proved = distance is not None or cover is not None
+    if proved and output is not None and task_format.form not in ("text", "jsonl"):
+        raise QueryError(f"the parts are verified from plans; give --format text or jsonl, not {task_format.form}")
     with progress() as tell:
         space = replace(request, names=names).space(tell)
-        apart = None if distance is None else _distant(distance, shares, skeletons, held, seed)
+        apart = _proved(space, distance, cover, combinations, shares, skeletons, held, seed) if proved else None
         parts = _with_warnings(
             lambda: _parts(space, shares, skeletons, held, seed) if apart is None else apart.parts(space)
         )
@@ -91,8 +105,8 @@ def split(
         with ExitStack() as files:
             for name, part in parts.items():
                 out = files.enter_context(writer(str(file_in(folder, paths[name].name))))
-                weights: dict[str, Any] = {"weights": {}} if isinstance(part, TaskSpace) else {}  # uniformly
-                for task in part.sample(min(requested_count, part.count()), seed=seed, distinct=True, **weights):
+                covers = cover if part is next(iter(parts.values())) else None
+                for task in _written(part, requested_count, seed, covers, name):
                     out.write(line(Record(task)))
         if apart is not None:
             from prag_asp.audit.distant_split import record_split
@@ -115,16 +129,50 @@ def _requested(shares: tuple[str, ...]) -> dict[str, str]:
     return {name: share for name, _, share in pairs}
 
 
-def _distant(
-    distance: int, shares: tuple[str, ...], skeletons: bool, held: str | None, seed: int
+def _proved(
+    space: TaskSpace, distance: int | None, cover: int | None, combinations: int | None, shares: tuple[str, ...],
+    skeletons: bool, held: str | None, seed: int,
 ) -> DistantSplit:  # fmt: skip
+    """Return the request for parts that are far apart, or the first of which covers combinations."""
     from prag_asp.audit.distant_split import DistantSplit
 
+    if cover is not None:
+        from prag_asp.analysis.covering.combinations import combination_text
+        from prag_asp.analysis.covering.held_out import hold_out_combinations
+
+        found = hold_out_combinations(space, cover, seed, combinations)
+        tell_line(
+            f"train covers all combinations of {plural(cover, 'factor')}; only test has "
+            f"{', '.join(map(combination_text, found.combinations))}"
+        )
+        return DistantSplit(distance or 1, None, {}, seed, found.combinations)
     if held is None and not skeletons:
         raise QueryError(
             "--distance: random parts have neighbours of nearly every task; add --skeletons, or give --hold-out WHAT"
         )
-    return DistantSplit(distance, held, {} if held is not None else _requested(shares), seed)
+    return DistantSplit(distance or 1, held, {} if held is not None else _requested(shares), seed)
+
+
+def _written(part: TaskSpace | RankedTasks, count: int, seed: int, cover: int | None, name: str) -> list[Task]:
+    """Return distinct tasks of a part, sampled uniformly; with `cover`, after tasks that cover all combinations.
+
+    Raises:
+        QueryError: more tasks are needed to cover the combinations.
+    """
+    from prag_asp.space.task_space import TaskSpace
+
+    weights: dict[str, Any] = {"weights": {}} if isinstance(part, TaskSpace) else {}
+    count = min(count, part.count())
+    sampled = part.sample(count, seed=seed, distinct=True, **weights)
+    if cover is None or not isinstance(part, TaskSpace):
+        return sampled
+    from prag_asp.analysis.covering.covering_set import covering_set
+
+    first = list(covering_set(part, cover).tasks)
+    if len(first) > count:
+        raise QueryError(f"--count {count}: the file of {name} needs {len(first)} tasks to cover all combinations")
+    known = {part.index(task) for task in first}
+    return [*first, *(task for task in sampled if part.index(task) not in known)][:count]
 
 
 def _with_warnings(divide: Callable[[], Parts]) -> Parts:

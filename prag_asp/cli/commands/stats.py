@@ -51,7 +51,7 @@ def stats(
     """
     require_writable(output)
     if plot:
-        from prag_asp.analysis.curve import check_file
+        from prag_asp.analysis.plots.curve import check_file
 
         check_file(plot)
         require_writable(plot)
@@ -62,7 +62,7 @@ def stats(
             for line in _text(found) if form == "text" else _json(found):
                 out.write(line)
         if plot:
-            from prag_asp.analysis.curve import counts_by_length, draw_curve
+            from prag_asp.analysis.plots.curve import counts_by_length, draw_curve
 
             draw_curve(counts_by_length(space), plot)
 

@@ -22,7 +22,7 @@ from prag_asp.wording import plural
     "--workers", type=whole(1), default=1, show_default=True, help="Number of processes that check witnesses."
 )
 def verify(*, folder: str, trust: bool, physics: bool, workers: int) -> None:
-    """Verify the contents of a dataset, a suite or a split with a distance.
+    """Verify the contents of a dataset, a suite, or a split with a distance or with --cover.
 
     Checks files, counts, plans, instructions and witnesses: tasks are sampled again with the seed, plans are checked by
     clingo, witnesses in a new simulation. Prints a line for each error, with its file and row (from 0); the exit code
@@ -58,4 +58,8 @@ def _verify_split(folder: Path, trust: bool) -> None:
     note = SPLIT.read(folder)
     assert note is not None
     tasks, first = plural(sum(part.tasks for part in note.parts), "task"), note.parts[0].name
-    say(f"{folder}: ok; {tasks}, all others at least {plural(note.distance, 'edit')} from the whole part {first}")
+    proofs = [f"all others at least {plural(note.distance, 'edit')} from the whole part {first}"] * (note.distance > 1)
+    if note.combinations:
+        held = plural(len(note.combinations), "combination")
+        proofs.append(f"{first} covers all {note.reachable} and lacks {held} of which each other task has one")
+    say("; ".join([f"{folder}: ok", f"{tasks}, {', '.join(proofs)}"]))

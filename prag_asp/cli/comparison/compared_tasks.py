@@ -11,12 +11,19 @@ from prag_asp.cli.domain_options import DomainOptions
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.jsonl import Record
+    from prag_asp.dataset.store.dataset import Dataset
     from prag_asp.domain.load import Domain
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.task import Task
 
-MANIFEST = "dataset.json"
-"""The file that makes a folder a dataset."""
+
+@dataclass(frozen=True)
+class GivenTask:
+    """A task of a file or dataset, and its group: a part of a dataset, or a length."""
+
+    record: Record
+    group: str
 
 
 @dataclass(frozen=True)
@@ -74,29 +81,44 @@ def _named_task(word: str, request: DomainOptions) -> tuple[Task, Domain | None]
     return Scenarios(domain).task(scenario), domain
 
 
+def records_in(word: str, *, trust: bool = False, where: Sequence[str] = ()) -> tuple[list[GivenTask], Dataset | None]:
+    """Return the tasks in a dataset or in a file of JSON lines, and the dataset.
+
+    Raises:
+        OSError: the file cannot be read.
+        QueryError: there is no task, or conditions are given for a file.
+    """
+    from prag_asp.dataset.jsonl import Record, read_tasks
+
+    dataset: Dataset | None = None
+    if Path(word).is_dir():
+        from prag_asp.dataset.store.dataset import Dataset as Stored
+
+        dataset = Stored.open(word, trust=trust).where(*where) if where else Stored.open(word, trust=trust)
+        given = [
+            GivenTask(
+                Record(each.task, None if each.verdict is None else each.verdict.to_json(), place=word), each.part
+            )
+            for each in dataset.entries()
+        ]
+    elif where:
+        raise QueryError(f"--where {where[0]!r} is for ranks and datasets; leave it out")
+    else:
+        given = [GivenTask(record, f"{len(record.task)} actions") for record in read_tasks(word)]
+    if not given:
+        raise QueryError(f"{word}: has no task")
+    return given, dataset
+
+
 def read_all(word: str, request: DomainOptions, up_to: str) -> ComparedTasks:
     """Return the tasks in a dataset or in a file of JSON lines.
 
     Raises:
         QueryError: there is no task, or the tasks belong to different domains.
     """
-    from prag_asp.dataset.jsonl import read_tasks
-
-    if (Path(word) / MANIFEST).exists() or Path(word).is_dir():
-        from prag_asp.dataset.store.dataset import Dataset
-
-        dataset = Dataset.open(word, trust=request.trust)
-        chosen = dataset.where(*request.where) if request.where else dataset
-        entries = [(entry.task, entry.part) for entry in chosen.entries()]
-        tasks, groups = [task for task, _ in entries], [part for _, part in entries]
-        domain = dataset.domain if up_to == "domain" and not request.names else None
-    else:
-        if request.where:
-            raise QueryError(f"--where {request.where[0]!r} is for ranks and datasets; leave it out")
-        tasks = [record.task for record in read_tasks(word)]
-        groups, domain = [f"{len(task)} actions" for task in tasks], None
-    if not tasks:
-        raise QueryError(f"{word}: has no task")
+    given, dataset = records_in(word, trust=request.trust, where=request.where)
+    tasks, groups = [each.record.task for each in given], [each.group for each in given]
+    domain = dataset.domain if dataset is not None and up_to == "domain" and not request.names else None
     return ComparedTasks(tasks, groups, _space_of(tasks, request, domain) if up_to == "domain" else None)
 
 

@@ -102,8 +102,8 @@ class SimilarityFiles:
 
 
 def _write_dendrogram(file: str, matrix: SimilarityMatrix, given: ComparedTasks, title: str) -> None:
-    from prag_asp.analysis.curve import saved
-    from prag_asp.analysis.dendrogram import dendrogram_figure, dendrogram_of
+    from prag_asp.analysis.plots.dendrogram import dendrogram_figure, dendrogram_of
+    from prag_asp.analysis.plots.picture import saved
     from prag_asp.output import replace_file
 
     found = dendrogram_of(matrix.distances)
@@ -115,8 +115,8 @@ def _write_dendrogram(file: str, matrix: SimilarityMatrix, given: ComparedTasks,
 
 
 def _write_map(file: str, matrix: SimilarityMatrix, given: ComparedTasks, title: str) -> None:
-    from prag_asp.analysis.curve import saved
-    from prag_asp.analysis.task_scaling import map_figure, task_map
+    from prag_asp.analysis.plots.picture import saved
+    from prag_asp.analysis.plots.task_scaling import map_figure, task_map
     from prag_asp.output import replace_file
 
     placed = task_map(matrix.distances)

@@ -238,9 +238,9 @@ class _VideoFeature:
             )
             self._video = Video(self._folder / name, self._source.cameras[self._camera], self._source.rate)
         colours, begin = Colours(), self._video.seconds
-        for picture in episode.videos[self._camera].packed[0].rows():
+        for number, picture in enumerate(episode.videos[self._camera].packed[0].rows()):
             colours.add(picture)
-            self._video.add(picture)
+            self._video.add(picture, key=number == 0)  # viewers open an episode without those before it
         place = {
             "chunk_index": self._place[0],
             "file_index": self._place[1],

@@ -14,7 +14,7 @@ from prag_asp.output.atomic_file import output_errors
 
 CODEC, PIXELS = "av1", "yuv420p"
 OPTIONS = {"g": "10", "crf": "30", "preset": "8", "svtav1-params": "lp=1"}
-"""A key frame every ten images, so that readers seek quickly; a single thread, for the same bytes."""
+"""A key frame at least every ten images, so that readers seek quickly; a single thread, for the same bytes."""
 
 QUIET = "0"
 """Silences the encoder, which writes to stderr; failures are raised as errors."""
@@ -52,15 +52,19 @@ class Video:
         """The number of bytes written so far, without images that the encoder buffers."""
         return self.path.stat().st_size if self.path.exists() else 0
 
-    def add(self, picture: NDArray[np.uint8]) -> None:
-        """Add an image of shape (H, W, 3).
+    def add(self, picture: NDArray[np.uint8], *, key: bool = False) -> None:
+        """Add an image of shape (H, W, 3); a `key` frame is decoded without those before it.
 
         Raises:
             OutputError: the file cannot be written.
         """
         import av
+        from av.video.frame import PictureType
 
-        self._write(self._stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
+        frame = av.VideoFrame.from_ndarray(picture, format="rgb24")
+        if key:
+            frame.pict_type = PictureType.I
+        self._write(self._stream.encode(frame))
         self._pictures += 1
 
     def close(self) -> None:

@@ -64,6 +64,7 @@ class InstructionReader:
         self._vague = tuple(map(_frame, frames["vague"]))
         self._default = tuple(map(_frame, (*frames["default"], frames["subgoal"])))
         self._exact = tuple(map(_frame, frames["exact"]))
+        self._alone = (_frame(unnumbered(frames["exact"][1])),)
         sentences = [each.template for each in (*self._actions, *self._facts)]
         vocabulary = lexicon.phrases.vocabulary()
         self._joints, self._reach = dict[str, Sequence[re.Pattern[str]]](), dict[str, int]()
@@ -117,6 +118,10 @@ class InstructionReader:
         """Yield all meanings of a text."""
         if self.lexicon.words.number(1).casefold() == text[: len(self.lexicon.words.number(1))].casefold():
             yield from self._steps(view, text)
+        for frame in self._alone:
+            for words in frame.find(text):
+                for action, aims in self._aimed(view, *words):
+                    yield Reading((action,), aims=(aims,))
         for frame in self._vague:
             for (inner,) in frame.find(text):
                 for parsed in self._list(view, inner, "facts", None):
@@ -145,13 +150,16 @@ class InstructionReader:
         word = self.lexicon.words.number(number)
         for frame in self._exact:
             for ordinal, action, *aims in frame.find(text):
-                if ordinal.casefold() != word.casefold():
-                    continue
-                for parsed in self.sentence(view, action, None, of_actions=True):
-                    if not aims:
-                        yield parsed.atom, FrozenDict()
-                    for facts in self._list(view, aims[0], "facts", parsed.topic) if aims else ():
-                        yield parsed.atom, FrozenDict({each.atom: each.value for each in facts})
+                if ordinal.casefold() == word.casefold():
+                    yield from self._aimed(view, action, *aims)
+
+    def _aimed(self, view: View, action: str, *aims: str) -> Iterator[tuple[Atom, Mapping[Atom, bool]]]:
+        """Yield the meanings of the sentence of an action, and of the facts that are its aims, if there are any."""
+        for parsed in self.sentence(view, action, None, of_actions=True):
+            if not aims:
+                yield parsed.atom, FrozenDict()
+            for facts in self._list(view, aims[0], "facts", parsed.topic) if aims else ():
+                yield parsed.atom, FrozenDict({each.atom: each.value for each in facts})
 
     def _list(self, view: View, text: str, kind: str, topic: str | None) -> Iterator[tuple[ParsedSentence, ...]]:
         """Yield the lists of sentences that a text can mean; "it" refers to the topic of the previous sentence.
@@ -224,12 +232,13 @@ class InstructionReader:
         return self.lexicon.phrases.read(view, text)
 
     def topic(self, arguments: Sequence[str]) -> str | None:
-        """Return what "it" means after a sentence: the first movable object that it names.
+        """Return what "it" means after a sentence: the first movable object that it names, or else the first thing.
 
         That is its highest-ranked centre in centering theory (Grosz, Joshi and Weinstein 1995).
         """
         appearance = self.lexicon.appearance
-        return next((each for each in arguments if each in appearance.nouns and each not in appearance.seen), None)
+        things = [each for each in arguments if each in appearance.nouns]
+        return next((each for each in things if each not in appearance.seen), things[0] if things else None)
 
     def _why(self, view: View, text: str) -> str:
         """Return the reason why a text has no meaning, as a message about a phrase or a sentence."""
@@ -314,6 +323,11 @@ def capital(text: str) -> str:
 def shortened(text: str, most: int = 60) -> str:
     """Return a text shortened to fit into a message."""
     return text if len(text) <= most else f"{text[:most]}..."
+
+
+def unnumbered(frame: str) -> str:
+    """Return the frame of an exact instruction with a single action, which needs no number in front of the action."""
+    return frame[max(frame.find("{action}"), 0) :] if frame.find("{number}") < frame.find("{action}") else frame
 
 
 def _frame(text: str) -> Template:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from prag_asp.atom import Atom
 from prag_asp.dataset.language.descriptions import InstructionContext, View
-from prag_asp.dataset.language.instruction_reader import InstructionReader, Reading, capital, context_of
+from prag_asp.dataset.language.instruction_reader import InstructionReader, Reading, capital, context_of, unnumbered
 from prag_asp.dataset.language.lexicon import Lexicon
 from prag_asp.dataset.language.plain import sentence
 from prag_asp.dataset.language.sentence_writer import PhraseRng, SentenceWriter
@@ -202,6 +202,7 @@ class InstructionWriter:
             clause, topic = self._sentences.write(view, action, None, rng, restores=restores)
             facts = self._sentences.facts(view, aim, topic, rng)
             frame = aimed if facts else alone
+            frame = unnumbered(frame) if len(actions) == 1 else frame
             step = frame.format(
                 number=words.number(number), action=clause, facts=self._joined(facts, "facts", rng) if facts else ""
             )

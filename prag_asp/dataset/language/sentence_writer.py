@@ -164,10 +164,9 @@ class SentenceWriter:
                 text = clause.template.fill(words)
                 meanings, unsure = self._reader.parse_sentence(view, text, topic, of_actions=not fact)
                 of_state |= unsure
-                if len(meanings) == 1:
-                    (parsed,) = meanings
-                    if (parsed.atom, parsed.value) == (atom, value):
-                        return (text, parsed.topic), of_state
+                if {(parsed.atom, parsed.value) for parsed in meanings} == {(atom, value)}:
+                    topics = {parsed.topic for parsed in meanings}
+                    return (text, topics.pop() if len(topics) == 1 else None), of_state
         return None, of_state
 
     def _find_paraphrases(self, atom: Atom, value: bool, fact: bool, restores: bool) -> _Paraphrases:

@@ -129,7 +129,8 @@ class DatasetRun:
             with uninterrupted():
                 self._journal.close()
         for note in self._manifest.parts:
-            exhausted = spec.part is not None and note.draws >= number_of(note.size)  # other machines may have the rest
+            # Other machines may have the rest, and a stratum may have too few feasible tasks.
+            exhausted = (spec.part is not None or bool(spec.strata)) and note.draws >= number_of(note.size)
             if note.tasks < note.requested and not exhausted:
                 raise NotFound(too_few(note, parts[note.name], self._limit(note.name)))
         return Dataset.open(self._folder)
@@ -294,10 +295,14 @@ def too_few(part: PartManifest, available: TaskOrder, limit: int) -> str:
         return f"{summary}, {trivial} of them trivial: {TRIVIAL}; keep these by --trivial"
     if part.draws >= limit:
         proved = sum(tally.infeasible for tally in tallies)
-        remedy = "change the domain or its scene, or see prag-asp learn"
-        return (
-            f"{summary}, all proved infeasible; {remedy}" if proved == part.draws else f"{summary}; raise --max-draws"
-        )
+        if proved == part.draws - trivial:
+            which = (
+                "all proved infeasible" if not trivial else f"all others than {trivial} trivial ones proved infeasible"
+            )
+            return f"{summary}, {which}; change the domain or its scene, or see prag-asp learn"
+        if 2 * proved > part.draws:
+            return f"{summary}, {proved} of them proved infeasible; see prag-asp learn, which excludes such tasks"
+        return f"{summary}; raise --max-draws" if part.tasks else f"{summary}; raise --budget or --max-draws"
     if part.draws >= available.size:
         return f"{summary}, the whole space"
     return f"{summary}; those left weigh next to nothing: give other weights, or --uniform"

@@ -142,6 +142,8 @@ def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[s
     drawn = "by weight" if spec.weights else "uniformly"
     where = "".join(f", where {clause}" for clause in manifest.where)
     yield f"Tasks of {lengths} actions{where}, drawn {drawn} and without replacement by seed {spec.seed}."
+    if spec.strata:
+        yield f"Each part is a stratum, the tasks of one {spec.strata}; `dataset.json` has the weight of its tasks."
     if spec.part is not None:
         yield f"This is part {spec.part} of a dataset: `prag-asp merge` makes it from all of them."
     if spec.budget:

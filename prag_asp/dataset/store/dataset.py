@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 
+SHOWN_TASKS = 5
+"""Number of tasks that a notebook shows of a dataset."""
+
+
 @dataclass(frozen=True)
 class Dataset:
     """The tasks in a folder that `generate` has written; tables are read lazily.
@@ -73,6 +77,25 @@ class Dataset:
             DomainError: the files differ from their record in dataset.json.
         """
         return load_snapshot(self.folder, self.manifest.domain, trust=self.trust)
+
+    def _repr_html_(self) -> str:
+        """Return the dataset for a notebook: its parts and its first tasks, from dataset.json and one row group."""
+        from prag_asp.html import element, fragment, scroll_table
+
+        about = self.manifest
+        rows = [(note.name, f"{note.rows('tasks'):,}", f"{number_of(note.size):,}", f"{note.draws:,}")
+                for note in self._notes]  # fmt: skip
+        tasks: list[tuple[str, str, str]] = []
+        if not self.conditions:
+            numbers = range(min(SHOWN_TASKS, self.count()))
+            entries = [self.entry(number) for number in numbers]
+            tasks = [(each.part, str(each.task), each.instruction["default"]) for each in entries]
+        where = "".join(f", where {clause}" for clause in self.conditions)
+        return fragment(
+            element("p", element("strong", f"{self.folder}"), f": tasks of {about.domain.name}{where}"),
+            scroll_table(("part", "tasks", "of", "sampled"), rows, label="Parts"),
+            *([scroll_table(("part", "plan", "instruction"), tasks, label="First tasks")] if tasks else []),
+        )
 
     def part(self, name: str) -> Dataset:
         """Return the tasks of one part.
@@ -196,6 +219,11 @@ class Dataset:
         for entry, row in self._starts("recordings"):
             yield entry, row["start"], self._recording(row["file"])
 
+    def recorded_seconds(self) -> Iterator[tuple[DatasetEntry, int, float]]:
+        """Yield each recorded task, the number of an initial state, and the seconds of its episode, in order."""
+        for entry, row in self._starts("recordings"):
+            yield entry, row["start"], row["seconds"]
+
     @cached_property
     def _scenarios(self) -> Scenarios:
         from prag_asp.dataset.scenarios import Scenarios
@@ -255,7 +283,8 @@ class Dataset:
         from prag_asp.space.without_replacement import order_of
 
         spec, lengths = self.manifest.spec, [space.length for space in self.manifest.spaces if space.tasks != "0"]
-        uniform = not (spec.weights or spec.over or spec.skeletons) and spec.hold_out is None
+        divided = spec.skeletons or spec.hold_out is not None or spec.strata
+        uniform = not (spec.weights or spec.over or divided)
         if uniform and (length not in lengths or not 0 <= rank < int(self._sizes[length])):
             return
         for note in self._notes:

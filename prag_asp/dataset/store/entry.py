@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from prag_asp.atom import parse_atom
 from prag_asp.dataset.store.draw_results import TRIVIAL
+from prag_asp.dataset.store.instructions import TaskTexts
 from prag_asp.dataset.store.manifest import MOST_DIGITS
 from prag_asp.errors import QueryError
 from prag_asp.integers import number_of
@@ -39,6 +40,11 @@ class DatasetEntry:
     subgoals: tuple[str, ...]
     named: tuple[str, ...] = ()
     starts: int = 0
+
+    @property
+    def texts(self) -> TaskTexts:
+        """The texts of the task."""
+        return TaskTexts(tuple(self.instruction.items()), self.subgoals, self.named)
 
     @property
     def reason(self) -> str:

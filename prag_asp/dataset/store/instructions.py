@@ -9,6 +9,7 @@ from prag_asp.dataset.language import instruction, instruction_writer_of, senten
 from prag_asp.errors import QueryError
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.dataset_spec import DatasetSpec
     from prag_asp.dataset.language import InstructionWriter
     from prag_asp.domain.load import Domain
     from prag_asp.task import Task
@@ -37,6 +38,15 @@ def captioner_of(domain: Domain, language: str, seed: int, phrasings: str = "") 
         QueryError: the domain has no sentences in the language, or has no such phrasings.
     """
     return captioner_with(instruction_writer_of(domain, language, phrasings=phrasings), domain, seed)
+
+
+def captioner_like(domain: Domain, spec: DatasetSpec) -> Captioner:
+    """Return the captioner of the dataset of a request: with its language, seed and phrasings.
+
+    Raises:
+        QueryError: the domain has no sentences in the language.
+    """
+    return captioner_of(domain, spec.language, spec.seed, spec.phrasings)
 
 
 def captioner_with(writer: InstructionWriter, domain: Domain, seed: int) -> Captioner:

@@ -14,6 +14,7 @@ from prag_asp.dataset.dataset_spec import DatasetSpec
 from prag_asp.dataset.store.domain_snapshot import DomainSnapshot, FileRecord
 from prag_asp.dataset.store.draw_results import TRIVIAL
 from prag_asp.dataset.store.manifest_file import ManifestFile
+from prag_asp.dataset.strata.stratum_figures import StratumFigures, stratum_weights
 from prag_asp.errors import QueryError
 from prag_asp.integers import digits_of, number_of
 from prag_asp.output.digests import digest
@@ -104,7 +105,8 @@ class Share(msgspec.Struct):
 class PartManifest(msgspec.Struct):
     """A part of the split: the numbers of its tasks in the space, in the request and in the dataset, and its shards.
 
-    `tail` is the last shard while rows are still added to it.
+    `tail` is the last shard while rows are still added to it. In a complete stratified sample, `weight` is that of each
+    task of the part.
     """
 
     name: str
@@ -116,6 +118,7 @@ class PartManifest(msgspec.Struct):
     lengths: list[LengthTally] = []
     shards: list[Shard] = []
     tail: Shard | None = None
+    weight: Share | msgspec.UnsetType = msgspec.UNSET
 
     def rows(self, table: str) -> int:
         """Return the number of its rows in a table."""
@@ -151,6 +154,15 @@ class Manifest(msgspec.Struct):
         names = [part.name for part in self.parts]
         if not names or sorted(names) != sorted(self.spec.split):
             raise QueryError("parts: are not those of spec.split; copy the dataset once more")
+
+    @property
+    def strata(self) -> list[StratumFigures]:
+        """The figures of the strata, or none if the parts are not the strata of a complete sample."""
+        complete = all(each.tasks == each.requested or each.draws >= number_of(each.size) for each in self.parts)
+        whole = self.complete and complete and self.spec.part is None
+        if not (self.spec.strata and whole and self.rows("tasks")):
+            return []
+        return [StratumFigures(each.name, each.size, each.requested, each.draws, each.tasks) for each in self.parts]
 
     @property
     def request(self) -> dict[str, Any]:
@@ -249,6 +261,11 @@ def derive(manifest: Manifest) -> None:
         part.tasks = part.rows("tasks")
         part.covered = share_of(part.tasks, number_of(part.size))
         part.lengths = summed(tally for shard in part.shards for tally in shard.tally)
+    weights = stratum_weights(manifest.strata) if manifest.strata else {}
+    for part in manifest.parts:
+        part.weight = msgspec.UNSET
+        if part.tasks and weights:
+            part.weight = share_of(*(weights[part.name] / part.tasks).as_integer_ratio())
     manifest.covered = share_of(manifest.rows("tasks"), manifest.size)
 
 

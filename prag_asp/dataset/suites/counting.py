@@ -111,7 +111,8 @@ class _SuiteCounter:
     """Counts tasks under conditions; each number is computed once."""
 
     def __init__(self, suite: Suite, limits: Limits, progress: Counted) -> None:
-        self._suite, self._limits, self._progress = suite, limits, progress
+        self._suite, self._progress = suite, progress
+        self._domain = TaskSpace(suite.domain, 0, limits=limits)
         self._counts: dict[tuple[frozenset[str], int], int] = {}
         self._lengths: dict[frozenset[str], set[int]] = {}
         for part in suite.parts.values():
@@ -130,7 +131,7 @@ class _SuiteCounter:
             # Exploring the longest plans covers shorter ones, including those of other parts with these conditions.
             lengths_needed = self._lengths.get(conditions, set()).union(lengths)
             missing = sorted(length for length in lengths_needed if (conditions, length) not in self._counts)
-            space = TaskSpace(self._suite.domain, missing, limits=self._limits).where(*dict.fromkeys(clauses))
+            space = self._domain.at(missing[-1]).where(*dict.fromkeys(clauses))
             for length in reversed(missing):
                 self._counts[conditions, length] = space.at(length).count()
         return {length: self._counts[conditions, length] for length in lengths}

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import count
 
 import clingo
 
@@ -61,28 +62,50 @@ def _atoms(bodies: Iterable[RuleBody]) -> set[int]:
     return {abs(literal) for body in bodies for literal in body.literals}
 
 
+SINGLE_SOLVES = 64
+"""Answer sets that are sought before all constraints of one shape count as broken together; each takes about 10 ms."""
+
+
 def find_breakable(step: NormalStep, invariants: list[RuleBody]) -> list[RuleBody]:
     """Return the constraints of `invariants` that some action breaks from a state that satisfies all constraints.
 
     The states are all states that satisfy the rules and constraints that read only the state, which hold after every
     step. The assumed constraints hold initially; the rest is an induction over the steps. The answer sets of a program
     are the steps from any such state that break an open constraint; a constraint that is broken once is closed.
+
+    If many constraints are broken one by one, each closes all constraints of its shape. Some of these may be
+    unbreakable; they enlarge the cone, but exclude nothing.
     """
     if not invariants:
         return []
     control, some, broken, open_ = _breaking_steps(step, invariants)
+    shapes = [_shape(step, body) for body in invariants]
     found: set[int] = set()
     waiting = set(range(len(invariants)))
-    while True:
+    for solve in count():
         with control.solve(assumptions=[some], yield_=True) as handle:
             model = handle.model()
             if model is None:
-                return [invariants[number] for number in sorted(found)]
+                break
             new = {number for number in waiting if model.is_true(broken[number])}
+        if solve >= SINGLE_SOLVES:
+            new_shapes = {shapes[number] for number in new}
+            new = {number for number in waiting if shapes[number] in new_shapes}
         found |= new
         waiting -= new
         for number in new:
             control.assign_external(open_[number], False)
+    return [invariants[number] for number in sorted(found)]
+
+
+def _shape(step: NormalStep, body: RuleBody) -> tuple[tuple[bool, str, str, int], ...]:
+    """Return the signs, predicates and fluents of a constraint's literals, without arguments."""
+    shape = []
+    for literal in body.literals:
+        symbol = step.ground.names.get(abs(literal), clingo.Function("unnamed"))
+        fluent = next((each for each in symbol.arguments if each.type is clingo.SymbolType.Function), symbol)
+        shape.append((literal > 0, symbol.name, fluent.name, len(fluent.arguments)))
+    return tuple(sorted(shape))
 
 
 def _breaking_steps(
@@ -120,8 +143,9 @@ def _breaking_steps(
             backend.add_external(is_open, clingo.TruthValue.True_)
             add([breaks], body)
             backend.add_rule([some], [breaks, is_open])
-            # A model that breaks many constraints replaces as many models.
-            backend.add_heuristic(breaks, clingo.backend.HeuristicType.True_, 1, 1, [is_open])
+            # A model that breaks many constraints replaces as many models. Only the sign is preferred: to decide these
+            # atoms first would try every pair of constraints that cannot be broken together.
+            backend.add_heuristic(breaks, clingo.backend.HeuristicType.Sign, 1, 1, [is_open])
     return control, some, broken, open_
 
 

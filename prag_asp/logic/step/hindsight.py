@@ -174,12 +174,11 @@ def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]
     return values
 
 
-def numbered_goals(hindsight: Hindsight, marks: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Return a number for the known values after each edge, equal for equal values, shape (edges,).
+def numbered_goals(hindsight: Hindsight, marks: NDArray[np.bool_]) -> tuple[NDArray[np.int64], FluentValues]:
+    """Return a number for the known values after each edge, shape (edges,), and these values, shape (fluents, numbers).
 
     `marks` holds the truth of `hindsight.last_read` after each edge, shape (edges, atoms).
     """
     kinds, places = np.unique(marks, axis=0, return_inverse=True)
-    _, goal_of = np.unique(hindsight.end_values(kinds.T), axis=1, return_inverse=True)
-    numbers: NDArray[np.int64] = goal_of.reshape(-1)[places.reshape(-1)]
-    return numbers
+    values, goal_of = np.unique(hindsight.end_values(kinds.T), axis=1, return_inverse=True)
+    return goal_of.reshape(-1)[places.reshape(-1)], values

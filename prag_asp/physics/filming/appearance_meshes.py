@@ -7,6 +7,7 @@ appearance. Pictures for people use smaller cells.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from itertools import pairwise
@@ -36,7 +37,7 @@ class Fineness(NamedTuple):
     shadow_texels: int
 
 
-COARSE = Fineness("coarse", 0.026, 0.006, 6, 192)
+COARSE = Fineness("coarse", 0.026, 0.006, 6, 144)
 MIDDLE = Fineness("middle", 0.016, 0.005, 10, 256)
 FINE = Fineness("fine", 0.011, 0.004, 16, 512)
 """For camera images of episodes, animations, and still pictures."""
@@ -47,6 +48,9 @@ SMALLEST = 0.012
 DARK_BELOW, WHITE_ABOVE = 0.5, 0.9
 DARK, WHITE = (0.25, 0.26, 0.28), (0.93, 0.94, 0.95)
 """The colours of the Panda, which are in a texture of its URDF."""
+
+TEXTURE_AND_NORMAL = re.compile(r"/\S*")
+"""What follows the number of a vertex in a face of an .obj file."""
 
 Colour = tuple[float, float, float]
 
@@ -144,18 +148,31 @@ def read_parts(text: str) -> dict[str, Mesh]:
         ValueError: the text is not in the format of .obj files.
     """
     corners: list[str] = []
-    faces: dict[str, list[tuple[int, int, int]]] = {}
-    material = ""
+    faces: dict[str, list[str]] = {}
+    current = faces.setdefault("", [])
     for line in text.splitlines():
         if line.startswith("v "):
             corners.append(line[2:])
-        elif line.startswith("usemtl"):
-            material = line[6:].strip()
         elif line.startswith("f "):
-            first, *others = (int(corner.partition("/")[0]) - 1 for corner in line[2:].split())
-            faces.setdefault(material, []).extend((first, one, two) for one, two in pairwise(others))
+            current.append(line[2:])
+        elif line.startswith("usemtl"):
+            current = faces.setdefault(line[6:].strip(), [])
     points = np.array(" ".join(corners).split(), dtype=float).reshape(-1, 3)
-    return {name: Mesh(points, np.array(triangles, dtype=np.int64)) for name, triangles in faces.items()}
+    return {name: Mesh(points, _triangles(lines)) for name, lines in faces.items() if lines}
+
+
+def _triangles(lines: Sequence[str]) -> NDArray[np.int64]:
+    """Return the triangles (F, 3) of the faces of an .obj file, whose other corners form a fan around the first."""
+    numbers = np.array(TEXTURE_AND_NORMAL.sub("", " ".join(lines)).split(), dtype=np.int64) - 1
+    if len(numbers) == 3 * len(lines):
+        return numbers.reshape(-1, 3)
+    triangles = []
+    begin = 0
+    for line in lines:
+        first, *others = numbers[begin : begin + len(line.split())].tolist()
+        begin += 1 + len(others)
+        triangles += [(first, one, two) for one, two in pairwise(others)]
+    return np.array(triangles, dtype=np.int64).reshape(-1, 3)
 
 
 def _colours(text: str) -> Mapping[str, Colour]:

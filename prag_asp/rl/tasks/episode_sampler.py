@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from prag_asp.dataset.scenario import Scenario
 from prag_asp.dataset.scenarios import Scenarios, searched
-from prag_asp.dataset.store.instructions import LEVELS, PLAIN, TaskTexts, captioner_of
+from prag_asp.dataset.store.instructions import LEVELS, PLAIN, TaskTexts, captioner_like, captioner_of
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.physics import Witness
@@ -92,7 +92,11 @@ class EpisodeSampler:
         self.finder, self.seeded = finder, False
         self._stage, self._domain, self._scene, self._layout = stage, domain, finder.scene, layout
         self._scenarios = Scenarios(domain)
-        self._captioner = captioner_of(domain, language, seed=0)
+        self._captioner = (
+            captioner_of(domain, language, seed=0)
+            if origin.dataset is None
+            else captioner_like(domain, origin.dataset.manifest.spec)
+        )
         self._cached: OrderedDict[tuple[int, ...], tuple[tuple[object, ...], Any]] = OrderedDict()
         alone = origin.task is not None or witness is not None
         self._source: TaskSource = SingleTask(self._assign(origin.task, witness)) if alone else origin.source(finder)
@@ -112,7 +116,9 @@ class EpisodeSampler:
             QueryError: the options name something that does not exist, or the task has no witness.
             NotFound: `PATIENCE` samples in a row are not feasible.
         """
-        task, witness, rank, stage = (options.get(name) for name in ("task", "witness", "rank", "stage"))
+        task, witness, rank, stage, texts = (
+            options.get(name) for name in ("task", "witness", "rank", "stage", "texts")
+        )
         if options.get("scenario") is not None:
             assignment = self._of_scenario(options["scenario"])
         elif task is not None or witness is not None:
@@ -120,7 +126,11 @@ class EpisodeSampler:
         else:
             assignment = self._source.draw() if rank is None else self._source.ranked(rank)
         subgoals = self._once(lambda: subgoals_of(assignment.task, self._scene), assignment.task)
-        texts = assignment.texts or self._once(lambda: self._captioner(assignment.task, {}), "texts", assignment.task)
+        texts = (
+            texts
+            or assignment.texts
+            or self._once(lambda: self._captioner(assignment.task, {}), "texts", assignment.task)
+        )
         initial = self._initial_stage(stage, assignment.task, rng)
         return EpisodeStart(assignment, subgoals, texts, *initial, stage is not None)
 

@@ -318,6 +318,7 @@ class DatasetSource:
         if entry.starts == 0:
             raise QueryError(f"{self._dataset.folder}: its tasks have no witnesses; generate it with physics")
         start = int(self._rng.integers(entry.starts))
-        texts = TaskTexts(tuple(entry.instruction.items()), entry.subgoals, entry.named)
         scenario = self._dataset.scenario(number, start)
-        return Assignment(entry.task, self._dataset.witness(number, start), entry.rank, texts=texts, scenario=scenario)
+        return Assignment(
+            entry.task, self._dataset.witness(number, start), entry.rank, texts=entry.texts, scenario=scenario
+        )

@@ -183,9 +183,34 @@ NO_PATHS = Completions(NOTHING)
 
 def count_words(completions: Completions, length: int, prefix: Sequence[Callable[[int], bool]] = ()) -> int:
     """Return the weight of all words of a given length whose first letters satisfy `prefix`."""
-    automaton = completions.automaton
-    if not automaton.states or len(prefix) > length:
+    if not completions.automaton.states or len(prefix) > length:
         return 0
+    reached = states_after(completions.automaton, prefix)
+    row = completions.last_row(length - len(prefix))
+    return sum(weight * int(row[state]) for state, weight in reached.items())
+
+
+def count_following(
+    completions: Completions, length: int, prefix: Sequence[Callable[[int], bool]] = ()
+) -> dict[int, int]:
+    """Return the weight of the words whose first letters satisfy `prefix`, by their next letter, if not 0."""
+    automaton = completions.automaton
+    found: dict[int, int] = {}
+    if not automaton.states or len(prefix) >= length:
+        return found
+    row = completions.row(length - len(prefix) - 1)
+    for state, weight in states_after(automaton, prefix).items():
+        for edge in range(int(automaton.offsets[state]), int(automaton.offsets[state + 1])):
+            behind = weight * int(row[automaton.targets[edge]])
+            if behind:
+                letter = int(automaton.letters[edge])
+                factor = 1 if automaton.weights is None else int(automaton.weights[edge])
+                found[letter] = found.get(letter, 0) + behind * factor
+    return {letter: number for letter, number in sorted(found.items()) if number}
+
+
+def states_after(automaton: Automaton, prefix: Sequence[Callable[[int], bool]]) -> dict[int, int]:
+    """Return the states to which the paths with letters that satisfy `prefix` lead, with the weight of these paths."""
     reached: dict[int, int] = {0: 1}
     for allowed in prefix:
         following: dict[int, int] = {}
@@ -196,8 +221,7 @@ def count_words(completions: Completions, length: int, prefix: Sequence[Callable
                     factor = 1 if automaton.weights is None else int(automaton.weights[edge])
                     following[target] = following.get(target, 0) + weight * factor
         reached = following
-    row = completions.last_row(length - len(prefix))
-    return sum(weight * int(row[state]) for state, weight in reached.items())
+    return reached
 
 
 def weights_by_length(completions: Completions, number: int) -> list[int]:

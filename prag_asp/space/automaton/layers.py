@@ -228,6 +228,24 @@ class LayeredWords:
             state = edge.state
         return tuple(word), weight
 
+    def following(self) -> dict[int, int]:
+        """Return the weight of the words by the letter after the prefix, if it is above 0."""
+        found: dict[int, int] = {}
+        if not self.total or len(self._prefix) >= self._length:
+            return found
+        states: dict[State, int] = {self._layers.start: 1}
+        for allowed in self._prefix:
+            after: dict[State, int] = {}
+            for state, weight in states.items():
+                for edge in self._layers.onward(state):
+                    if edge.letter in allowed:
+                        after[edge.state] = after.get(edge.state, 0) + weight * edge.weight
+            states = after
+        for state, weight in states.items():
+            for edge in self._layers.onward(state):
+                found[edge.letter] = found.get(edge.letter, 0) + weight * self._behind(edge, len(self._prefix))
+        return {letter: number for letter, number in sorted(found.items()) if number}
+
     def _ways(self, state: State, step: int) -> Iterator[tuple[int, State]]:
         allowed = self._prefix[step] if step < len(self._prefix) else None
         for edge in self._layers.onward(state):

@@ -7,7 +7,7 @@ a joint group counts as an entity here, as in `Merging`.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import Any
@@ -129,15 +129,39 @@ def accepts_merged(merged: MergedAutomaton, word: Sequence[int]) -> bool:
 def count_merged(
     merged: MergedAutomaton, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()
 ) -> int:
-    """Return the weight of all words of a given length whose first letters `prefix` allows.
-
-    States that differ only in entities that the rest of the prefix does not distinguish are counted together.
-    """
+    """Return the weight of all words of a given length whose first letters `prefix` allows."""
     if not completions.automaton.states or len(prefix) > length:
         return 0
+    row = completions.last_row(length - len(prefix))
+    return sum(weight * int(row[place.state]) for weight, place in _places_after(merged, prefix, []))
+
+
+def count_following_merged(
+    merged: MergedAutomaton, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()
+) -> dict[int, int]:
+    """Return the weight of the words whose first letters `prefix` allows, by their next letter, if not 0."""
+    found: dict[int, int] = {}
+    if not completions.automaton.states or len(prefix) >= length:
+        return found
+    row = completions.row(length - len(prefix) - 1)
+    for weight, place in _places_after(merged, prefix, list(range(merged.actions.places))):
+        branches = merged.branches(place)
+        for edge, letter in zip(branches.edges.tolist(), branches.letters.tolist(), strict=True):
+            own = 1 if merged.own is None else int(merged.own[edge])
+            found[letter] = found.get(letter, 0) + weight * own * int(row[merged.base.targets[edge]])
+    return {letter: number for letter, number in sorted(found.items()) if number}
+
+
+def _places_after(
+    merged: MergedAutomaton, prefix: Sequence[frozenset[int]], distinguished_later: list[int]
+) -> Iterable[tuple[int, UnmergedState]]:
+    """Return the states after the words that `prefix` allows, each with the weight of these words.
+
+    States are joined if they differ only in entities that neither the rest of the prefix nor later letters distinguish.
+    """
     reached: dict[tuple[int, ...], tuple[int, UnmergedState]] = {(): (1, merged.start)}
     for number, allowed in enumerate(prefix):
-        distinguished = _distinguished(merged.actions, prefix[number + 1 :])
+        distinguished = distinguished_later or _distinguished(merged.actions, prefix[number + 1 :])
         following: dict[tuple[int, ...], tuple[int, UnmergedState]] = {}
         for weight, place in reached.values():
             branches = merged.branches(place)
@@ -151,8 +175,7 @@ def count_merged(
                 sofar, representative = following.get(key, (0, after))
                 following[key] = (sofar + weight * own, representative)
         reached = following
-    row = completions.last_row(length - len(prefix))
-    return sum(weight * int(row[place.state]) for weight, place in reached.values())
+    return reached.values()
 
 
 def _distinguished(actions: Patterns, prefix: Sequence[frozenset[int]]) -> list[int]:

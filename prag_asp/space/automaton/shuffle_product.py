@@ -86,6 +86,22 @@ class ShuffledWords:
         """Return the weight of the words whose first letters `prefix` allows."""
         if not self.total or len(prefix) > self._length:
             return 0
+        left = self._length - len(prefix)
+        return sum(weight * self._completions(state, left) for state, weight in self._after(prefix).items())
+
+    def following(self, prefix: Sequence[Collection[int]]) -> dict[int, int]:
+        """Return the weight of the words whose first letters `prefix` allows, by their next letter, if not 0."""
+        found: dict[int, int] = {}
+        if not self.total or len(prefix) >= self._length:
+            return found
+        left = self._length - len(prefix) - 1
+        for state, weight in self._after(prefix).items():
+            for edge, behind in zip(self._onward(state), self._behind(state, left), strict=True):
+                found[edge.letter] = found.get(edge.letter, 0) + weight * behind
+        return {letter: number for letter, number in sorted(found.items()) if number}
+
+    def _after(self, prefix: Sequence[Collection[int]]) -> dict[State, int]:
+        """Return the states after the words that `prefix` allows, with the weight of these words."""
         reached = {self._start: 1}
         for allowed in prefix:
             following: dict[State, int] = {}
@@ -95,8 +111,7 @@ class ShuffledWords:
                         after = _move(state, edge)
                         following[after] = following.get(after, 0) + weight * edge.weight
             reached = following
-        left = self._length - len(prefix)
-        return sum(weight * self._completions(state, left) for state, weight in reached.items())
+        return reached
 
     def unrank(self, rank: int) -> Word:
         """Return the word with a given rank, from 0 to total - 1."""

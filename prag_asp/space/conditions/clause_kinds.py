@@ -12,7 +12,7 @@ import clingo
 from prag_asp.errors import QueryError
 from prag_asp.program.entity_names import action_name, mentioned_entities, no_action
 from prag_asp.program.facts import Facts
-from prag_asp.space.conditions.patterns import ANY, Pattern, class_members
+from prag_asp.space.conditions.patterns import ANY, Pattern, alternatives, class_members
 from prag_asp.space.conditions.regular import Recogniser, parse_expression, recogniser
 from prag_asp.space.conditions.state_formula import parse_conjunction, parse_formula
 from prag_asp.wording import not_too_deep
@@ -80,7 +80,7 @@ class Range:
 
 @dataclass(frozen=True)
 class Has:
-    """Actions that match a pattern, or pairs of consecutive names, occur `times` times."""
+    """Actions that match one of some patterns, or pairs of consecutive names, occur `times` times."""
 
     pattern: str
     times: Range
@@ -98,6 +98,9 @@ class Has:
                 if name not in names:
                     raise QueryError(no_action(name, names, facts))
             yield from _counted(str(number), self.times, [f"{first},{second}"])
+        elif len(patterns := alternatives(self.pattern)) > 1:
+            matching = (action for each in patterns for action in Pattern.parse(each).matches(facts))
+            yield from _counted(str(number), self.times, sorted({*matching}))
         else:
             actions = Pattern.parse(self.pattern).matches(facts)
             # Different patterns that match a single action are equivalent.

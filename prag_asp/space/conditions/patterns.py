@@ -56,6 +56,18 @@ class Pattern:
         return actions
 
 
+def alternatives(text: str) -> list[str]:
+    """Return the patterns of a text such as ``grasp | move(_,apple_1,_)``; bars within parentheses do not separate."""
+    pieces, depth = [""], 0
+    for character in text:
+        depth += (character == "(") - (character == ")")
+        if character == "|" and not depth:
+            pieces.append("")
+        else:
+            pieces[-1] += character
+    return [piece.strip() for piece in pieces]
+
+
 def class_members(kind: str, facts: Facts) -> Iterator[clingo.Symbol]:
     """Return the entities whose name or class is `kind`, in clingo's order of terms.
 

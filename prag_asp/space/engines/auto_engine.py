@@ -107,6 +107,10 @@ class AutoEngine:
                 counted = max(counted, count_within(listed, length, limits.begin().to_close().reached_limit)[0])
             raise limit_error(reached.reason, counted, level, length) from None
 
+    def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
+        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
+        return self._answer(length, lambda engine: engine.following(length, prefix))
+
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a given length in order, lazily."""
 

@@ -141,6 +141,12 @@ class AutomatonEngine:
             raise limit_error(reason, counted, self._level, length, reach.states)
         return counted
 
+    def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
+        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
+        reach, sets = self.known(length), self._sets(prefix)
+        found = reach.following(length, sets) if isinstance(reach, Reach) else reach.following(sets)
+        return {self.letters[letter]: number for letter, number in found.items()}
+
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a given length in order, lazily."""
         reach, sets = self.known(length), self._sets(prefix)
@@ -264,8 +270,8 @@ class AutomatonEngine:
             raise TooManyStates(reach)
         if reach.stop:
             raise limit_error(reach.stop, 0, self._level, length, reach.states)
-        ends = numbered_goals(hindsight, marks) if hindsight else None
-        return Weighed(reach.completions, unit**length, ends, reach.merged_ranking(length))
+        ends, values = numbered_goals(hindsight, marks) if hindsight else (None, None)
+        return Weighed(reach.completions, unit**length, ends, reach.merged_ranking(length), values)
 
     def _weigh_apart(self, length: int, weights: Weights, clock: LimitClock) -> Weighed | None:
         """If the parts are independent, return the words, weighted by action, as shuffles of the words of the parts."""

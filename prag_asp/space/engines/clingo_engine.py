@@ -19,7 +19,7 @@ from prag_asp.program.grounding import Grounder
 from prag_asp.program.predicates import OCCURS, STEP_NAME, EncodingPredicate
 from prag_asp.program.sources import Program
 from prag_asp.space.automaton.walks import words_along
-from prag_asp.space.engines.engine import Letters, Level, Progress, all_letters, name_in_prefix
+from prag_asp.space.engines.engine import Letters, Level, Progress, all_letters, count_each, name_in_prefix
 from prag_asp.space.engines.listed_words import weigh_words
 from prag_asp.space.limits import UNLIMITED, LimitClock, Limits, limit_error, within
 from prag_asp.space.weights.weights import Weighed, Weights
@@ -78,6 +78,10 @@ class ClingoEngine:
         if stop:
             raise limit_error(stop, counted, self._level, length)
         return counted
+
+    def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
+        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
+        return count_each(self, length, prefix)
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a given length in order, lazily, by one search for each extension of a prefix.

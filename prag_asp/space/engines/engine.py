@@ -43,6 +43,13 @@ class Engine(Protocol):
         """Return the number of words of a given length."""
         ...
 
+    def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
+        """Return the number of words that begin with `prefix`, by their next letter, if it is above 0.
+
+        Letters are in their order; a prefix of all letters has no next one.
+        """
+        ...
+
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a given length in order, lazily."""
         ...
@@ -97,6 +104,14 @@ def prefix_sets(prefix: Letters, numbers: Mapping[str, int], names: Sequence[str
         allowed = (number for number, other in enumerate(names) if other == name)
         sets.append(frozenset(allowed if name is not None else {numbers[item]}))
     return sets
+
+
+def count_each(engine: Engine, length: int, prefix: Letters) -> dict[str, int]:
+    """Return the number of words by the letter after `prefix`, with one count for each letter."""
+    if len(prefix) >= length:
+        return {}
+    counts = {letter: engine.count(length, (*prefix, letter)) for letter in engine.letters}
+    return {letter: number for letter, number in counts.items() if number}
 
 
 MakeEngine = Callable[[DomainLogic, Level, "Progress | None", Limits], Engine]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
@@ -39,16 +39,19 @@ def weigh_words(
         return word_tree(spelled, length)
     actions = {str(action): action for action in model.domain.facts.actions}
     weighs = [weights.of_plan([actions[letter] for letter in word]) for word in everything] if weights else None
-    return word_tree(spelled, length, weighs, TaskBuilder(model).final_states(everything) if goals else None)
+    return word_tree(spelled, length, weighs, TaskBuilder(model).final_values(everything) if goals else None)
 
 
 def word_tree(
     words: Sequence[Sequence[int]],
     length: int,
     weights: Sequence[Fraction] | None = None,
-    ends: Sequence[Hashable] | None = None,
+    ends: Sequence[tuple[int, ...]] | None = None,
 ) -> Weighed:
-    """Return words of one length, in order, as a tree with a leaf for each word; `ends` gives the goal of each word."""
+    """Return words of one length, in order, as a tree with a leaf for each word.
+
+    `ends` has the values of the fluents in the final state of each word, as in `FluentValues`.
+    """
     numbers: dict[tuple[int, ...], int] = {} if not words else {(): 0}
     for depth in range(1, length + 1):
         for word in words:
@@ -56,7 +59,7 @@ def word_tree(
     scale = lcm(*(weight.denominator for weight in weights)) if weights and length else 1
     whole = [1] * len(numbers)
     goals = [0] * len(numbers)
-    kinds: dict[Hashable, int] = {}
+    kinds: dict[tuple[int, ...], int] = {}
     for place, word in enumerate(words):
         leaf = numbers[tuple(word)]
         whole[leaf] = int(weights[place] * scale) if weights and length else 1
@@ -73,8 +76,11 @@ def word_tree(
         np.array([whole[leaf] for leaf in below], dtype=object) if weights else None,
         length,
     )
-    ended = np.array([goals[leaf] for leaf in below], dtype=np.int64) if ends else None
-    return Weighed(Completions(automaton), Fraction(1, scale), ended)
+    if ends is None:
+        return Weighed(Completions(automaton), Fraction(1, scale))
+    ended = np.array([goals[leaf] for leaf in below], dtype=np.int64)
+    values = np.array([*kinds], dtype=np.int8).T
+    return Weighed(Completions(automaton), Fraction(1, scale), ended, goal_values=values)
 
 
 @dataclass(frozen=True)
@@ -92,6 +98,10 @@ class NoWords:
     def count(self, length: int, prefix: Letters = ()) -> int:
         """Return the number of words of a given length."""
         return 0
+
+    def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
+        """Return the number of words by the letter after `prefix`: there are none."""
+        return {}
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a given length in order."""

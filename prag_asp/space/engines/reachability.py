@@ -18,7 +18,15 @@ from prag_asp.logic.step.packed import Rows
 from prag_asp.logic.symmetry.symmetries import Unit
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.entity_names import action_name, mentioned_entities
-from prag_asp.space.automaton.automaton import Automaton, Completions, Word, accepts, count_words, words
+from prag_asp.space.automaton.automaton import (
+    Automaton,
+    Completions,
+    Word,
+    accepts,
+    count_following,
+    count_words,
+    words,
+)
 from prag_asp.space.automaton.exploration import Exploration, Extent, Watch, explore
 from prag_asp.space.automaton.outlook import Outlook
 from prag_asp.space.automaton.skeletons import skeleton_automaton
@@ -97,6 +105,14 @@ class Reach:
         from prag_asp.space.automaton.merged_states import count_merged
 
         return count_merged(self.merged, self.completions, length, prefix)
+
+    def following(self, length: int, prefix: Sequence[frozenset[int]]) -> dict[int, int]:
+        """Return the weight of the words whose first letters `prefix` allows, by their next letter, if not 0."""
+        if not self.merged:
+            return count_following(self.completions, length, [allowed.__contains__ for allowed in prefix])
+        from prag_asp.space.automaton.merged_states import count_following_merged
+
+        return count_following_merged(self.merged, self.completions, length, prefix)
 
     def words(self, length: int, prefix: Sequence[frozenset[int]]) -> Iterator[Word]:
         """Yield the words of a given length whose first letters `prefix` allows, in order, lazily."""

@@ -10,7 +10,7 @@ from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.formula.clause_builder import TRUE
 from prag_asp.logic.formula.solver import Solver
 from prag_asp.processes.progress_events import stage
-from prag_asp.space.engines.engine import Letters, Level, Progress, all_letters
+from prag_asp.space.engines.engine import Letters, Level, Progress, all_letters, count_each
 from prag_asp.space.engines.listed_words import weigh_words
 from prag_asp.space.engines.word_formula import WordFormula, word_formula
 from prag_asp.space.limits import UNLIMITED, Limits, limit_error, within
@@ -53,6 +53,10 @@ class SatEngine:
             if stop:
                 raise limit_error(stop, counted, self._level, length)
         return counted
+
+    def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
+        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
+        return count_each(self, length, prefix)
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a given length in order, lazily, by one search for each extension of a prefix.

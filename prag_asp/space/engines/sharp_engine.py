@@ -12,7 +12,7 @@ from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.formula.approximate import Estimate, Tolerance, estimate_models
 from prag_asp.logic.formula.counter import count_models, require_counter
 from prag_asp.processes.progress_events import stage
-from prag_asp.space.engines.engine import Letters, Level, Progress
+from prag_asp.space.engines.engine import Letters, Level, Progress, count_each
 from prag_asp.space.engines.sat_engine import SatEngine
 from prag_asp.space.engines.word_formula import word_formula
 from prag_asp.space.limits import UNLIMITED, Limits
@@ -54,6 +54,10 @@ class SharpEngine:
         if not prefix:
             self._totals[length] = models
         return models
+
+    def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
+        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
+        return count_each(self, length, prefix)
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a given length in order, lazily."""

@@ -71,6 +71,11 @@ class SymbolicEngine:
                     least = count_along(self._layers, length, self._sets(prefix), self._clock.reached_limit)
             raise limit_error(reached.reason, least, self._level, length) from None
 
+    def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
+        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
+        found = self._words(length, prefix).following()
+        return {self.letters[letter]: number for letter, number in found.items()}
+
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
         """Yield the words of a given length in order, lazily."""
         for word in self._words(length, prefix):

@@ -7,7 +7,7 @@ more becomes known of the initial state: so it can be executed wherever the task
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -21,7 +21,7 @@ from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.packed import Rows, pack
 from prag_asp.logic.step.transition import Transition
 from prag_asp.program.grounding import Grounder
-from prag_asp.program.predicates import FINDING, HOLDS, PROPAGATES
+from prag_asp.program.predicates import FINDING, HOLDS, PROPAGATES, REQUEST
 from prag_asp.program.sources import ADDED, Program, Source, each_once, read_sources
 from prag_asp.space.automaton.numbering import Numbering
 from prag_asp.space.limits import LimitClock
@@ -42,6 +42,9 @@ Literals = set[tuple[str, bool]]
 
 Bits = NDArray[np.uint8]
 """Truth values, eight in a byte."""
+
+Values = Sequence[tuple[clingo.Symbol, bool]]
+"""Fluents with their values."""
 
 START = clingo.Number(0)
 TRUTH = {True: "true", False: "false"}
@@ -133,6 +136,44 @@ class Start:
         return bool(self.grounder.control.solve().satisfiable)
 
 
+class CommonStart:
+    """The base part of a program, ground once for all initial states: facts of these are open."""
+
+    def __init__(self, program: Program) -> None:
+        given = REQUEST.fact("start(F,V)").removesuffix(".")
+        opened = f"#external {given} : fluent(F), _opposite(V,_). {HOLDS.fact('F', 'V', 0)[:-1]} :- {given}."
+        self._grounder = Grounder(Program((*program.sources, Source(ADDED, opened))))
+        self._grounder.ground([("base", [])])
+        self._assigned: list[clingo.Symbol] = []
+
+    def covered(self, transition: Transition) -> bool:
+        """Return whether the step is ground for all atoms that an initial state may have."""
+        before, atoms = transition.step.ground.before, self._grounder.control.symbolic_atoms
+        return not self._grounder.control.is_conflicting and all(
+            clingo.Function(atom.symbol.name, atom.symbol.arguments[:-1]) in before
+            for name, arity in {(symbol.name, len(symbol.arguments) + 1) for symbol in before}
+            for atom in atoms.by_signature(name, arity)
+            if atom.symbol.arguments[-1] == START
+        )
+
+    def row(self, transition: Transition, initial: Values) -> Rows:
+        """Return the packed state in which fluents have these values, shape (1, words)."""
+        control = self._grounder.control
+        atoms = control.symbolic_atoms
+        for symbol in self._assigned:
+            control.assign_external(symbol, False)
+        values = ((fluent, clingo.Function(TRUTH[value])) for fluent, value in initial)
+        self._assigned = [REQUEST(clingo.Function("start", [*each])) for each in values]
+        for symbol in self._assigned:
+            control.assign_external(symbol, True)
+        found = [atoms[clingo.Function(each.name, [*each.arguments, START])] for each in transition.variables]
+        with control.solve(yield_=True) as handle:
+            model = handle.model()
+            assert model is not None, "the known initial state of a plan satisfies the invariants"
+            bits = [atom is not None and model.is_true(atom.literal) for atom in found]
+        return pack(np.array(bits, dtype=np.bool_).reshape(-1, 1))
+
+
 def _true(grounder: Grounder, name: str, arity: int) -> Iterator[clingo.Symbol]:
     return (atom.symbol for atom in grounder.control.symbolic_atoms.by_signature(name, arity) if atom.is_fact)
 
@@ -175,27 +216,58 @@ class PlanSearch:
         return None
 
     def solvable(
-        self, initial: Iterable[tuple[object, bool]], goals: Bits, at_most: int, clock: LimitClock
-    ) -> NDArray[np.bool_]:
-        """Return which goals some plan of `at_most` actions or fewer reaches from an initial state, shape (goals,).
+        self, starts: Sequence[Values], goals: Sequence[Bits], at_most: int, clock: LimitClock
+    ) -> list[NDArray[np.bool_]]:
+        """Return which goals some plan of `at_most` actions or fewer reaches from each initial state.
 
-        Goals have the form of `goal_row`, one in each row; they are closed under the invariants.
+        ``goals[k]`` has a row for each goal from the k-th initial state, in the form of `goal_row`, closed under the
+        invariants; the result has an array of the same number of truth values. The states of all searches are expanded
+        together.
 
         Raises:
             EngineError: the step is not a function of the state and the action.
             LimitReached: a limit was reached, or there are more than `MOST_STATES` states.
         """
-        reached: set[bytes] = set()
-        ends = [np.zeros((0, goals.shape[1]), dtype=np.uint8)]
-        for layer in self.layers(Start.of(self._model.program, initial), at_most, clock):
-            ends.append(layer.meets[layer.ends])
-            reached.update(map(bytes, ends[-1]))
-        solved = np.array([bytes(goal) in reached for goal in goals], dtype=np.bool_)
-        meets, sizes = _by_size(np.concatenate(ends))
-        for place in np.flatnonzero(~solved):  # a state may meet more than the goal
-            larger = meets[: np.searchsorted(-sizes, -int(np.unpackbits(goals[place]).sum()))]
-            solved[place] = ((larger & goals[place]) == goals[place]).all(axis=1).any()
-        return solved
+        transition, common = self._transition, CommonStart(self._model.program)
+        if not common.covered(transition):
+            return [self._solvable_from(*each, at_most, clock) for each in zip(starts, goals, strict=True)]
+        rows = np.concatenate([common.row(transition, each) for each in starts])
+        seen = Numbering(rows.shape[1])
+        first = seen.add(rows)
+        known = len(seen)
+        meets, sources, targets = [np.zeros((known, -(-len(self._labels) // 8)), dtype=np.uint8)], [], []
+        begin = 0
+        for _ in range(at_most):
+            rows, low = seen.rows[begin:].copy(), begin
+            begin = len(seen)
+            for place in range(0, len(rows), TOGETHER):
+                _check(clock, seen)
+                for step in transition.expand(rows[place : place + TOGETHER]):
+                    size, found = len(seen), seen.add(step.states)
+                    _, firsts = np.unique(found, return_index=True)
+                    meets.append(np.packbits(step.labels[firsts[found[firsts] >= size]], axis=1))
+                    sources.append(low + place + step.sources)
+                    targets.append(found)
+        graph = PlanGraph.of(sources, targets, transition.accepts(seen.rows), np.concatenate(meets))
+        return [
+            self._solved(graph, int(start), each, initial, at_most)
+            for start, each, initial in zip(first, goals, starts, strict=True)
+        ]
+
+    def _solved(self, graph: PlanGraph, start: int, goals: Bits, initial: Values, at_most: int) -> NDArray[np.bool_]:
+        """Return which goals a plan reaches from a state of the graph; the plan without actions is tested apart."""
+        reached = graph.within(start, at_most)
+        meets = graph.meets[reached[graph.ends[reached]]]
+        own = {(str(fluent), value) for fluent, value in initial}
+        here: NDArray[np.bool_] = ((self._row(own) & goals) == goals).all(axis=1)
+        if here.any() and Start.of(self._model.program, initial).may_end():
+            here |= solved_by(meets, goals)
+            return here
+        return solved_by(meets, goals)
+
+    def _solvable_from(self, initial: Values, goals: Bits, at_most: int, clock: LimitClock) -> NDArray[np.bool_]:
+        layers = self.layers(Start.of(self._model.program, initial), at_most, clock)
+        return solved_by(np.concatenate([layer.meets[layer.ends] for layer in layers]), goals)
 
     def goal_row(self, values: Iterable[tuple[object, bool]]) -> Bits:
         """Return values of fluents, and all values that follow from them by the invariants, as a packed row."""
@@ -236,12 +308,71 @@ class PlanSearch:
             yield PlanLayer(depth, numbers, transition.accepts(rows), meets)
 
 
-def _by_size(rows: Bits) -> tuple[Bits, NDArray[np.int64]]:
-    """Return the distinct rows in descending order of their numbers of true bits, and these numbers."""
-    distinct = np.unique(rows, axis=0)
+@dataclass(frozen=True)
+class PlanGraph:
+    """The states of several searches and the edges between them, in order of their sources, which begin at `offsets`.
+
+    `ends` holds whether a plan may end in a state after an action, `meets` what a goal may demand there.
+    """
+
+    offsets: NDArray[np.int64]
+    targets: NDArray[np.int64]
+    ends: NDArray[np.bool_]
+    meets: Bits
+
+    @classmethod
+    def of(
+        cls, sources: list[NDArray[np.int64]], targets: list[NDArray[np.int64]], ends: NDArray[np.bool_], meets: Bits
+    ) -> PlanGraph:
+        """Return the graph of some edges."""
+        nothing = np.zeros(0, dtype=np.int64)
+        own, others = (np.concatenate([nothing, *each]) for each in (sources, targets))
+        order = np.argsort(own, kind="stable")
+        return cls(np.searchsorted(own[order], np.arange(len(ends) + 1)), others[order], ends, meets)
+
+    def within(self, start: int, steps: int) -> NDArray[np.int64]:
+        """Return the states that 1 to `steps` edges reach from a state."""
+        reached = frontier = np.array([start])
+        after = np.zeros(0, dtype=np.int64)
+        for _ in range(steps):
+            number = self.offsets[frontier + 1] - self.offsets[frontier]
+            edges = np.arange(number.sum()) + np.repeat(self.offsets[frontier] - np.cumsum(number) + number, number)
+            found = np.unique(self.targets[edges])
+            after = np.union1d(after, found)
+            frontier = np.setdiff1d(found, reached, assume_unique=True)
+            if not len(frontier):
+                break
+            reached = np.union1d(reached, frontier)
+        return after
+
+
+def solved_by(meets: Bits, goals: Bits) -> NDArray[np.bool_]:
+    """Return which goals, one in each row, some row of `meets` contains."""
+    exact = set(map(bytes, meets))
+    solved = np.array([bytes(goal) in exact for goal in goals], dtype=np.bool_)
+    if solved.all() or not len(meets):
+        return solved
+    distinct = np.unique(meets, axis=0)
     sizes = np.unpackbits(distinct, axis=1).sum(axis=1, dtype=np.int64)
     order = np.argsort(-sizes, kind="stable")
-    return distinct[order], sizes[order]
+    for place in np.flatnonzero(~solved):  # a state may meet more than the goal
+        larger = distinct[order[: np.searchsorted(-sizes[order], -int(np.unpackbits(goals[place]).sum()))]]
+        solved[place] = ((larger & goals[place]) == goals[place]).all(axis=1).any()
+    return solved
+
+
+def _check(clock: LimitClock, seen: Numbering) -> None:
+    """Check the limits of a search.
+
+    Raises:
+        LimitReached: a limit was reached, or there are too many states.
+    """
+    reason = clock.reached_limit(seen.nbytes) or (StopReason(StopKind.SIZE) if len(seen) > MOST_STATES else None)
+    if reason:
+        raise LimitReached(
+            f"{reason.prose()} was reached with {len(seen):,} states from the initial state of the task; "
+            "take a shorter task, or allow more (--time, --memory)", 0, reason,
+        )  # fmt: skip
 
 
 def _advance(
@@ -251,12 +382,7 @@ def _advance(
     known = len(seen)
     targets, paths, meets = [], [], [np.zeros((0, -(-len(transition.labels) // 8)), dtype=np.uint8)]
     for first in range(0, len(rows), TOGETHER):
-        reason = clock.reached_limit(seen.nbytes) or (StopReason(StopKind.SIZE) if len(seen) > MOST_STATES else None)
-        if reason:
-            raise LimitReached(
-                f"{reason.prose()} was reached with {len(seen):,} states from the initial state of the task; "
-                "take a shorter task, or allow more (--time, --memory)", 0, reason,
-            )  # fmt: skip
+        _check(clock, seen)
         for step in transition.expand(rows[first : first + TOGETHER]):
             size = len(seen)
             found = seen.add(step.states)

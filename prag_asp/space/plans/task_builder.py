@@ -85,9 +85,10 @@ class TaskBuilder:
                     tasks[place] = self._task(*plans[place], numbers)
         return [tasks[place] for place in range(len(plans))]
 
-    def final_states(self, plans: Sequence[Sequence[str]]) -> list[Known]:
-        """Return the known values of the final state of each plan."""
-        return [self._states[numbers[-1]] for numbers in self._state_numbers(plans)] if plans else []
+    def final_values(self, plans: Sequence[Sequence[str]]) -> list[tuple[int, ...]]:
+        """Return the values of all fluents in the final state of each plan, as in `FluentValues`."""
+        known = [self._states[numbers[-1]] for numbers in self._state_numbers(plans)] if plans else []
+        return [tuple(int(state.get(fluent, UNKNOWN)) for fluent in self._fluents) for state in known]
 
     def _state_numbers(self, plans: Sequence[Sequence[str]]) -> list[list[int]]:
         """Return the numbers in `_states` of the states of each plan; all plans have the same length."""

@@ -138,6 +138,18 @@ class GoalSampler:
         return DrawArray(letters, _shares(self._reversed, edges, totals))
 
     @property
+    def weights(self) -> Sequence[int]:
+        """The weight of the words of each goal, which is their number if there are no weights."""
+        return self._totals
+
+    def of_goal(self, goal: int, bits: Bits, number: int) -> list[int]:
+        """Return a word with one goal, given by its index in `weights`, sampled by weight for draw `number`."""
+        words = bits.words(number, 1, self._length)
+        edges = self._paths.descend(self._starts[[goal]], words, bits, number)
+        letters: list[int] = self._letters[edges[::-1, 0]].tolist()
+        return letters
+
+    @property
     def count(self) -> int:
         """The number of goals of words with positive weight."""
         return len(self._starts)
@@ -225,11 +237,19 @@ class SkeletonSampler:
         The skeleton is given by its rank, from 0 to `count` - 1.
         """
         words = bits.words(number, 1, self._length)[0].tolist()
-        if self._ranking is None:
-            self._ranking = Ranking(self._completions, self._length)
-        path, total = self._with_skeleton(tuple(self._ranking.unrank(rank)), words, partial(bits.further, number))
+        path, total = self._with_skeleton(self.skeleton(rank), words, partial(bits.further, number))
         edges = np.array(path, dtype=np.int64)[:, None]
         return _letters(self._automaton, edges)[0].tolist(), _shares(self._automaton, edges, [total])[0]
+
+    def skeleton(self, rank: int) -> tuple[int, ...]:
+        """Return the numbers of the names of the skeleton with a rank, from 0 to `count` - 1."""
+        if self._ranking is None:
+            self._ranking = Ranking(self._completions, self._length)
+        return tuple(self._ranking.unrank(rank))
+
+    def weight(self, rank: int) -> int:
+        """Return the weight of the words with one skeleton, which is their number if there are no weights."""
+        return self._sums(self.skeleton(rank))[1]
 
     def groups(self) -> Iterator[Walks]:
         """Yield walks to the words of each skeleton, in the order of the names."""

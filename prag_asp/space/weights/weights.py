@@ -206,7 +206,8 @@ class Walks(Protocol):
 class Weighed:
     """The words of a level as paths of an automaton; the weight of a word is the product of its edges, times `unit`.
 
-    `goals` numbers the known final states after each edge, shape (edges,); None if they were not requested.
+    `goals` numbers the known final states after each edge, shape (edges,), and `goal_values` has their values, as in
+    `FluentValues`, shape (fluents, goals); both are None if they were not requested.
     `ranking` walks along the words if a path stands for several words, or if states are not listed, so that the
     automaton is empty; it is None if each path is one word.
     """
@@ -215,6 +216,7 @@ class Weighed:
     unit: Fraction = Fraction(1)
     goals: NDArray[np.int64] | None = None
     ranking: Walks | None = None
+    goal_values: NDArray[np.int8] | None = None
 
     @property
     def automaton(self) -> Automaton:

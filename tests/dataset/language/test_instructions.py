@@ -252,3 +252,16 @@ def test_a_task_of_another_domain_is_told_in_one_line() -> None:
     ):
         writer("tabletop").instructions(other)
     assert writer("tabletop").captions(other)[1][0] == "1. fly panda can 1"
+
+
+def test_a_single_action_has_no_number_and_furniture_and_arms_become_pronouns() -> None:
+    kitchen, arms = TaskSpace(shipped("kitchen"), 2), TaskSpace(shipped("two_arms"), 2)
+    (opened,) = (task for task in TaskSpace(shipped("kitchen"), 1) if task.actions[0].arguments[1] == "drawer_1")
+    exact = writer("kitchen", "en").instructions(opened, 1).exact
+    assert exact == "Open the drawer, so that it is open."
+    assert writer("kitchen", "en").read(opened, exact).aims == ({parse_atom("open(drawer_1)"): True},)
+    plan = "open(panda,drawer_1) close(panda,drawer_1)"
+    again = next(task for task in kitchen if str(task) == plan)
+    assert "close it again" in writer("kitchen", "en").instructions(again, 0).default
+    moved = next(task for task in arms if str(task) == "move(left,middle) move(left,left_side)")
+    assert "it over the left side" in writer("two_arms", "en").instructions(moved, 0).default

@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 
 from prag_asp.logic.domain_logic import DomainLogic
+from prag_asp.logic.step.cone import find_breakable
+from prag_asp.space.task_space import TaskSpace
 from tests.domains import domain_of
 
 ONE_PLACE = """
@@ -13,7 +15,11 @@ postcondition(go(P),at(P),true) :- place(P). postcondition(go(P),at(Q),false) :-
 postcondition(go(P),seen(P),true) :- place(P). initially(at(1),true). initially(F,false) :- fluent(F), F != at(1).
 """
 EXCLUSIVE = "exclusive(at(P),at(Q)) :- place(P), place(Q), P < Q. "
-
+RELATION = """
+fluent(near(P,Q)) :- place(P), place(Q), P != Q. action(put(P,Q)) :- fluent(near(P,Q)).
+postcondition(put(P,Q),near(P,Q),true) :- action(put(P,Q)).
+exclusive(near(P,Q),near(P,R)) :- fluent(near(P,Q)), fluent(near(P,R)), Q < R.
+"""
 
 ALL_PLACES = {"at(1)", "at(2)", "at(3)"}
 
@@ -39,3 +45,15 @@ ALL_PLACES = {"at(1)", "at(2)", "at(3)"}
 def test_a_state_has_what_may_change_which_plans_are_valid(more: str, expected: set[str]) -> None:
     variables = DomainLogic(domain_of(ONE_PLACE + more)).transition(tasks=False).variables
     assert {str(variable.arguments[0]) for variable in variables if variable.name == "holds"} == expected
+
+
+@pytest.mark.parametrize("more", ["", EXCLUSIVE, EXCLUSIVE + "action(jump). postcondition(jump,at(2),true).", RELATION])
+def test_closing_constraints_of_one_shape_together_finds_all_broken_ones(
+    more: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    domain = domain_of(ONE_PLACE + more)
+    step = DomainLogic(domain).step
+    broken, plans = find_breakable(step, list(step.constraints)), TaskSpace(domain, length=3).count()
+    monkeypatch.setattr("prag_asp.logic.step.cone.SINGLE_SOLVES", 0)
+    assert set(broken) <= set(find_breakable(step, list(step.constraints)))
+    assert TaskSpace(domain_of(ONE_PLACE + more + "% again"), length=3).count() == plans

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from prag_asp.physics.filming.appearance_meshes import MIDDLE
 from prag_asp.physics.filming.room import room_colours
 from prag_asp.physics.filming.shadows import blurred
 from prag_asp.physics.filming.studio import open_studio
@@ -24,7 +25,7 @@ ABOVE = Camera((0.5, 0.0, 1.0), (0.5, 0.0, 0.0), 50.0, size=(96, 96))
 
 def image(height: float):
     """Return the image from above of a cube whose lowest point is at a height in metres, far from the robot."""
-    with open_studio(SCENE, ("cube_1",), LIGHT) as studio:
+    with open_studio(SCENE, ("cube_1",), LIGHT, MIDDLE) as studio:
         studio.show(Moment({"cube_1": Pose((0.6, -0.1, height + SIDE / 2))}, {"panda": Arm(PANDA.home, 0.08)}))
         return studio.take(ABOVE)
 

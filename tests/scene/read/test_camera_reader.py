@@ -6,7 +6,7 @@ import pytest
 from prag_asp import load_domain, load_scene, shipped_domains
 from prag_asp.errors import SceneError
 from prag_asp.program.settings import read_table
-from prag_asp.scene.cameras import Camera
+from prag_asp.scene.cameras import Camera, usual_cameras
 from prag_asp.scene.scene_loader import parse_scene, scene_problems
 from tests.scene.read.test_scene_table import CLASSES, ENTITIES, FINE
 
@@ -26,12 +26,27 @@ def test_cameras_are_read_with_their_names_in_their_order():
     assert found["front"] == Camera((1.2, 0.6, 0.8), (0.4, 0.0, 0.1))
 
 
-def test_a_scene_without_the_table_has_one_camera_in_front_that_sees_the_workspace():
+def test_a_scene_without_the_table_has_a_camera_in_front_that_sees_the_workspace_and_one_at_each_wrist():
     cameras = parse_scene(FINE, CLASSES, ENTITIES).cameras
-    assert list(cameras) == ["front"]
+    assert list(cameras) == ["front", "wrist"]
+    assert list(usual_cameras((0.3, 0.7, -0.4, 0.4), ("left", "right"))) == ["front", "left_wrist", "right_wrist"]
     for corner in ((0.3, -0.4, 0), (0.7, -0.4, 0), (0.3, 0.4, 0), (0.7, 0.4, 0)):
         u, v = pixel(cameras["front"], corner)
         assert 0 < u < 128 and 0 < v < 128
+
+
+def test_a_cube_of_50_mm_below_the_hand_covers_300_of_128_x_128_pixels_of_the_camera_at_the_wrist():
+    """The area of the top and of the side towards the camera, from the corners of the cube by the shoelace formula."""
+    camera, height, half = usual_cameras((0.3, 0.7, -0.4, 0.4), ("panda",))["wrist"], 0.19, 0.025
+    low, high = height + 2 * half, height  # the z axis of the tool points downwards, from the fingers
+    top = [(x, y, high) for x, y in ((-half, -half), (half, -half), (half, half), (-half, half))]
+    side = [(half, -half, high), (half, half, high), (half, half, low), (half, -half, low)]
+    area = 0.0
+    for face in (top, side):
+        us, vs = np.array([pixel(camera, corner) for corner in face]).T
+        assert min(*us, *vs) > 0 and max(*us, *vs) < 128
+        area += abs(us @ np.roll(vs, 1) - vs @ np.roll(us, 1)) / 2
+    assert area > 300
 
 
 def pixel(camera: Camera, point: tuple[float, float, float]) -> tuple[float, float]:

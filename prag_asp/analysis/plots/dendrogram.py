@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.analysis.plots.picture import COLORS, DOTS
 from prag_asp.errors import QueryError
 from prag_asp.processes.progress_events import so_far, stage
 
@@ -21,11 +22,8 @@ MOST = 5_000
 LABELLED = 60
 """The largest number of leaves that have labels."""
 
-INCHES, DOTS = 8.0, 200
-"""Size of a picture, and pixels per inch."""
-
-COLOR = "#0072b2"
-"""Blue of Okabe and Ito 2008."""
+INCHES = 8.0
+"""Size of a picture."""
 
 
 @dataclass(frozen=True)
@@ -144,7 +142,7 @@ def dendrogram_figure(dendrogram: Dendrogram, labels: Sequence[str], title: str)
                    layout="constrained")  # fmt: skip
     axes = drawn.add_subplot(xlabel="mean distance")
     axes.set_title(title, parse_math=False)
-    axes.add_collection(LineCollection(lines, colors=COLOR, linewidths=1.5 if labelled else 0.5))
+    axes.add_collection(LineCollection(lines, colors=COLORS[0], linewidths=1.5 if labelled else 0.5))
     axes.set_xlim(0.0, max((height for *_, height, _ in dendrogram.merges), default=1.0) * 1.05 or 1.0)
     axes.set_ylim(-1.0, float(dendrogram.count))
     axes.spines[["top", "right", "left"]].set_visible(False)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.analysis.plots.picture import COLORS, DOTS, GREY
 from prag_asp.errors import QueryError
 from prag_asp.processes.progress_events import stage
 
@@ -17,11 +18,8 @@ if TYPE_CHECKING:
 MOST = 5_000
 """The largest number of tasks of a map; the eigenvectors of its table take minutes beyond."""
 
-INCHES, DOTS = 7.0, 200
-"""Size of a picture, and pixels per inch."""
-
-COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#777777")
-"""Colours for colour-blind readers (Okabe and Ito 2008)."""
+INCHES = 7.0
+"""Size of a picture."""
 
 
 @dataclass(frozen=True)
@@ -65,12 +63,13 @@ def map_figure(placed: TaskMap, groups: list[str], title: str) -> Figure:
     drawn = Figure(figsize=(INCHES, INCHES), dpi=DOTS, layout="constrained")
     axes = drawn.add_subplot(aspect="equal")
     axes.set_title(f"{title} ({placed.share:.0%} of the variance)", parse_math=False)
+    colours = (*COLORS, GREY)
     named = list(dict.fromkeys(groups))
     for number, name in enumerate(named):
         own = np.array([group == name for group in groups], dtype=np.bool_)
         size = 20.0 if len(groups) <= 500 else 4.0
         across, up = placed.points[own].T
-        axes.scatter(across, up, s=size, color=COLORS[number % len(COLORS)], label=name, linewidths=0)
+        axes.scatter(across, up, s=size, color=colours[number % len(colours)], label=name, linewidths=0)
     if len(named) > 1:
         axes.legend(frameon=False, fontsize=7)
     axes.set_xticks([])

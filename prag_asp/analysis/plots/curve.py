@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from decimal import MAX_EMAX, Context, Decimal, localcontext
 from importlib.util import find_spec
-from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from prag_asp.analysis.plots.picture import COLORS, DATES, DOTS, GREY, saved
 from prag_asp.errors import PicturesMissingError, QueryError
 from prag_asp.html import Markup, element, html_page, scroll_table
 from prag_asp.output import replace_file
@@ -22,16 +22,10 @@ from prag_asp.space.task_space import TaskSpace
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-DATES = {".png": "Creation Time", ".svg": "Date", ".pdf": "CreationDate"}
-"""The metadata key of the date of each picture format; dates are omitted."""
-
 KINDS = (".html", *DATES)
 
-SIZE, DOTS = (8.0, 5.5), 200
-"""Size of a picture in inches, and pixels per inch."""
-
-COLORS = ("#0072b2", "#d55e00", "#009e73", "#777777")
-"""Colours for colour-blind readers (Okabe and Ito 2008)."""
+SIZE = (8.0, 5.5)
+"""Size of a picture in inches."""
 
 MARKED = 60
 """The maximum number of lengths for which each length has a marker."""
@@ -112,7 +106,7 @@ def figure(curve: Curve) -> Figure:
     drawn = Figure(figsize=SIZE, dpi=DOTS, layout="constrained")
     axes = drawn.add_subplot(xlabel="length n", ylabel="number")
     axes.set_title(curve.title, parse_math=False)
-    for series, color in zip(curve.series, COLORS, strict=True):
+    for series, color in zip(curve.series, (*COLORS[:3], GREY), strict=True):
         line = "--" if series is curve.series[-1] else "o-" if len(series.counts) <= MARKED else "-"
         axes.plot(*series.points(), line, color=color, linewidth=2, label=series.name, clip_on=False)
     axes.set_ylim(bottom=0.0)
@@ -123,16 +117,6 @@ def figure(curve: Curve) -> Figure:
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(frameon=False, loc="upper left")
     return drawn
-
-
-def saved(drawn: Figure, kind: str) -> bytes:
-    """Return a figure as a reproducible picture in a given format."""
-    from matplotlib import rc_context  # noqa: PLC0415 - heavy
-
-    buffer = BytesIO()
-    with rc_context({"svg.hashsalt": "prag_asp"}):
-        drawn.savefig(buffer, format=kind.removeprefix("."), metadata={DATES[kind]: None})
-    return buffer.getvalue()
 
 
 def page(curve: Curve) -> str:

@@ -1,0 +1,1 @@
+"""Pictures: counts by length, dendrograms of tasks, and maps of tasks."""

@@ -1,0 +1,1 @@
+"""Stratified samples with exact weights."""

@@ -1,0 +1,36 @@
+// Requests to the server. Each has the number of its state: a newer one ends the work on older ones of this window.
+
+const own = crypto.getRandomValues(new Uint32Array(2)).join("-");
+const latest = new Map();
+const running = new Map();
+
+export class Problem extends Error {
+  constructor(lines) {
+    super(lines.join("\n"));
+    this.lines = lines;
+  }
+}
+
+// Begin a new state of a kind of requests, and end those of older states.
+export function begin(kind) {
+  running.get(kind)?.abort();
+  running.set(kind, new AbortController());
+  latest.set(kind, (latest.get(kind) ?? 0) + 1);
+}
+
+// Return the view, or null if a newer state of this kind has begun.
+export async function ask(kind, view, fields = {}) {
+  const number = latest.get(kind) ?? 0;
+  const query = new URLSearchParams({ ...fields, window: `${own}/${kind}`, number });
+  let response, value;
+  try {
+    response = await fetch(`api/${view}?${query}`, { signal: running.get(kind)?.signal });
+    value = await response.json();
+  } catch (error) {
+    if (error.name === "AbortError" || number !== (latest.get(kind) ?? 0)) return null;
+    throw new Problem(["the command does not answer; start prag-asp explore again, and open its new link"]);
+  }
+  if (number !== (latest.get(kind) ?? 0) || response.status === 409) return null;
+  if (!response.ok) throw new Problem(value.lines);
+  return value;
+}

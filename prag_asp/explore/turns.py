@@ -1,0 +1,64 @@
+"""The requests of pages: one computes at a time, and a newer request of a window ends the work on its older ones."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import Lock, local
+
+from prag_asp.errors import LimitReached
+from prag_asp.stop_reason import StopKind, StopReason
+
+WINDOWS = 256
+"""The number of windows whose latest request is remembered."""
+
+POLL = 0.02
+"""Seconds between two checks of a waiting request."""
+
+CANCEL = StopReason(StopKind.CANCEL)
+
+
+class Turns:
+    """The turns of requests. Each window numbers its requests; requests with equal numbers do not end each other."""
+
+    def __init__(self) -> None:
+        self._latest: OrderedDict[str, int] = OrderedDict()
+        self._registering, self._computing = Lock(), Lock()
+        self._current = local()
+        self._closed = False
+
+    def close(self) -> None:
+        """End the work on all requests."""
+        self._closed = True
+
+    def stop(self) -> StopReason | None:
+        """Return why the request of this thread should end, or None; this is a check for `Limits`."""
+        window, number = getattr(self._current, "request", ("", 0))
+        return CANCEL if self._closed or self._latest.get(window, number) > number else None
+
+    @contextmanager
+    def turn(self, window: str, number: int) -> Iterator[None]:
+        """Wait until no other request computes.
+
+        Raises:
+            LimitReached: the window has sent a newer request meanwhile.
+        """
+        self._current.request = (window, number)
+        with self._registering:
+            self._latest[window] = max(number, self._latest.get(window, number))
+            self._latest.move_to_end(window)
+            while len(self._latest) > WINDOWS:
+                self._latest.popitem(last=False)
+        while not self._computing.acquire(timeout=POLL):
+            self._check()
+        try:
+            self._check()
+            yield
+        finally:
+            self._computing.release()
+            self._current.request = ("", 0)
+
+    def _check(self) -> None:
+        if self.stop():
+            raise LimitReached("a newer request of the page ended this one", 0, CANCEL)

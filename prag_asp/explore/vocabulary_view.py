@@ -1,0 +1,45 @@
+"""What conditions can name: the parts from which a page composes them by clicks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from prag_asp.explore.explored_domain import ExploredDomain
+from prag_asp.program.entity_names import action_name
+from prag_asp.space.conditions.keywords import EXAMPLES, WHOLE
+
+
+@dataclass(frozen=True)
+class VocabularyView:
+    """The names of a domain, and the kinds of conditions with an example each.
+
+    `keywords` need nothing else if they are in `whole`. `composites` are the names of the domain's composites.
+    """
+
+    domain: str
+    names: tuple[str, ...]
+    entities: tuple[tuple[str, str], ...]
+    classes: tuple[str, ...]
+    facts: tuple[str, ...]
+    keywords: tuple[tuple[str, str], ...]
+    whole: tuple[str, ...]
+    composites: tuple[str, ...]
+    weighted: bool
+    has_scene: bool
+
+
+def vocabulary_view(explored: ExploredDomain) -> VocabularyView:
+    """Return what conditions on the tasks of a domain can name."""
+    domain, facts = explored.domain, explored.domain.facts
+    return VocabularyView(
+        domain.label,
+        tuple(sorted(set(map(action_name, facts.actions)))),
+        tuple(facts.entity_names.items()),
+        tuple(sorted(map(str, facts.classes))),
+        tuple(map(str, facts.fluents)),
+        tuple(EXAMPLES.items()),
+        tuple(sorted(WHOLE)),
+        tuple(sorted({action_name(composite) for composite in facts.composites})),
+        bool(domain.settings.weights),
+        bool(domain.settings.scene),
+    )

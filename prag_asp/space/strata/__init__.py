@@ -1,0 +1,1 @@
+"""Strata of task spaces, and the allocation of samples to them."""
