@@ -16,7 +16,7 @@ SHOWN_GROUPS, SHOWN_MEMBERS = 5, 3
 
 
 @dataclass(frozen=True)
-class ReportTable:
+class AuditTable:
     """A table with a title: a row of headings, rows of cells, and a sentence about the table."""
 
     title: str
@@ -25,13 +25,13 @@ class ReportTable:
     note: str = ""
 
 
-def audit_tables(audit: BenchmarkAudit, *, full: bool = False) -> Iterator[ReportTable]:
+def audit_tables(audit: BenchmarkAudit, *, full: bool = False) -> Iterator[AuditTable]:
     """Yield the tables of a report; with `full`, all groups, nearest problems and missing combinations."""
     rows = [
         (each.suite, *map(str, (each.files, each.problems, each.goals, each.tasks)))
         for each in ([*audit.suites, audit.total] if len(audit.suites) > 1 else audit.suites)
     ]
-    yield ReportTable(
+    yield AuditTable(
         "distinct tasks", ("suite", "files", "read", "goals", "goals with starts"), tuple(rows),
         "Goals, and goals with initial states, are distinct up to renaming of the objects of a class.",
     )  # fmt: skip
@@ -54,7 +54,7 @@ def audit_tables(audit: BenchmarkAudit, *, full: bool = False) -> Iterator[Repor
         size = (
             f"{plural(len(combinations.classes), 'class', 'classes')} and {plural(len(combinations.targets), 'target')}"
         )
-        yield ReportTable(
+        yield AuditTable(
             "pairs of a moved class and a target",
             ("pairs", "number"),
             tuple(rows),
@@ -70,11 +70,11 @@ def audit_tables(audit: BenchmarkAudit, *, full: bool = False) -> Iterator[Repor
             if (one, other) not in combinations.occurring
         ]
         marks = [(one, other, "yes" if (one, other) in combinations.present else "no") for one, other in missing]
-        yield ReportTable("pairs in no goal", ("class", "target", "in an initial state"), tuple(marks))
+        yield AuditTable("pairs in no goal", ("class", "target", "in an initial state"), tuple(marks))
     yield _finding_table(audit)
 
 
-def _overlap_tables(audit: BenchmarkAudit) -> Iterator[ReportTable]:
+def _overlap_tables(audit: BenchmarkAudit) -> Iterator[AuditTable]:
     names = [each.suite for each in audit.suites]
     cells = {(each.test, each.train): each for each in audit.overlaps}
     for title, kind in (
@@ -86,10 +86,10 @@ def _overlap_tables(audit: BenchmarkAudit) -> Iterator[ReportTable]:
             for test in names
         )
         note = "Rows: problems of this suite with a goal that occurs in the suite of the column."
-        yield ReportTable(title, ("suite", *names), rows, note if kind == "goals" else "")
+        yield AuditTable(title, ("suite", *names), rows, note if kind == "goals" else "")
 
 
-def _nearest_tables(audit: BenchmarkAudit, *, full: bool) -> Iterator[ReportTable]:
+def _nearest_tables(audit: BenchmarkAudit, *, full: bool) -> Iterator[AuditTable]:
     if not audit.nearest:
         return
     suites = list(dict.fromkeys(each.suite for each in audit.nearest))
@@ -97,16 +97,16 @@ def _nearest_tables(audit: BenchmarkAudit, *, full: bool) -> Iterator[ReportTabl
     counts = Counter((each.suite, each.distance) for each in audit.nearest)
     rows = tuple((suite, *(str(counts[suite, distance]) for distance in distances)) for suite in suites)
     note = "Facts that the goals of a problem and of its nearest problem in another suite do not share."
-    yield ReportTable("distance to the nearest goal", ("suite", *map(str, distances)), rows, note)
+    yield AuditTable("distance to the nearest goal", ("suite", *map(str, distances)), rows, note)
     if full:
         listed = (
             (each.problem, each.nearest, str(each.distance), "yes" if each.same_start else "no")
             for each in audit.nearest
         )
-        yield ReportTable("nearest problems", ("problem", "nearest", "distance", "same start"), tuple(listed))
+        yield AuditTable("nearest problems", ("problem", "nearest", "distance", "same start"), tuple(listed))
 
 
-def _same_table(same: Sequence[Sequence[str]], *, full: bool) -> ReportTable:
+def _same_table(same: Sequence[Sequence[str]], *, full: bool) -> AuditTable:
     shown = same if full else same[:SHOWN_GROUPS]
     rows = []
     for group in shown:
@@ -114,15 +114,15 @@ def _same_table(same: Sequence[Sequence[str]], *, full: bool) -> ReportTable:
         more = "" if len(members) == len(group) else " ..."
         rows.append((str(len(group)), ", ".join(members) + more))
     total = plural(len(same), "goal")
-    return ReportTable(
+    return AuditTable(
         "problems with the same goal", ("problems", "names"), tuple(rows), f"{total} of several problems."
     )
 
 
-def _finding_table(audit: BenchmarkAudit) -> ReportTable:
+def _finding_table(audit: BenchmarkAudit) -> AuditTable:
     rows = tuple((each.kind, each.place, each.text) for each in audit.findings)
     note = "" if rows else "None found."
-    return ReportTable("mistakes", ("kind", "place", "mistake"), rows, note)
+    return AuditTable("mistakes", ("kind", "place", "mistake"), rows, note)
 
 
 def audit_text(audit: BenchmarkAudit, *, full: bool = False) -> Iterator[str]:

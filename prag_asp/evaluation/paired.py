@@ -6,7 +6,7 @@ import math
 from fractions import Fraction
 from typing import NamedTuple
 
-from prag_asp.rl.skill_chains import Rate
+from prag_asp.dataset.pass_rates import Rate
 
 
 class Pairs(NamedTuple):

@@ -12,6 +12,7 @@ from typing import Any
 import msgspec
 
 from prag_asp.atom import parse_atom
+from prag_asp.dataset.pass_rates import Rate
 from prag_asp.dataset.store.manifest_file import ManifestFile
 from prag_asp.dataset.strata.stratum_figures import StratumFigures
 from prag_asp.errors import QueryError
@@ -19,7 +20,6 @@ from prag_asp.evaluation.episode import EvaluatedEpisode
 from prag_asp.evaluation.stratified_rates import StratifiedRate, stratified_rate
 from prag_asp.missing import require_pyarrow
 from prag_asp.output import file_in, replace_file
-from prag_asp.rl.skill_chains import Rate
 from prag_asp.safe_reading import read_bytes
 from prag_asp.tables.json_fields import Whole
 from prag_asp.tables.report import shown

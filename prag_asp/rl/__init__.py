@@ -19,6 +19,7 @@ from prag_asp.lazy import names_from
 from prag_asp.rl.registration import register_environments
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.pass_rates import Rate
     from prag_asp.rl.curriculum.bandit import BanditCurriculum
     from prag_asp.rl.curriculum.growing_length import LengthCurriculum
     from prag_asp.rl.curriculum.learning_progress import AdaptiveCurriculum
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from prag_asp.rl.episode_replay import Replay, replay
     from prag_asp.rl.observations import Layout
     from prag_asp.rl.scripted_agent import OraclePolicy, oracle
-    from prag_asp.rl.skill_chains import Rate, Rollout, Rollouts, run
+    from prag_asp.rl.skill_chains import Rollout, Rollouts, run
 
 __all__ = [
     "AdaptiveCurriculum",
@@ -59,7 +60,8 @@ _HOMES = {
     "prag_asp.rl.environment": ("TaskEnv",),
     "prag_asp.rl.observations": ("Layout",),
     "prag_asp.rl.episode_replay": ("Replay", "replay"),
-    "prag_asp.rl.skill_chains": ("Rate", "Rollout", "Rollouts", "run"),
+    "prag_asp.rl.skill_chains": ("Rollout", "Rollouts", "run"),
+    "prag_asp.dataset.pass_rates": ("Rate",),
     "prag_asp.rl.scripted_agent": ("OraclePolicy", "oracle"),
 }
 

@@ -6,20 +6,19 @@ success rate of whole tasks is the product of the rates of their stages.
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import accumulate
-from statistics import NormalDist
-from typing import Any, NamedTuple
+from typing import Any
 
 import gymnasium
 import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.atom import Atom
+from prag_asp.dataset.pass_rates import Rate
 from prag_asp.errors import QueryError
 from prag_asp.physics import Witness
 from prag_asp.rl.environment import STEPS, TaskEnv
@@ -35,44 +34,6 @@ Its method `begin()`, if any, is called whenever it takes over, so that it can r
 """
 
 Tasks = int | Iterable[Task | tuple[Task, Witness]]
-
-
-class Rate(NamedTuple):
-    """A success rate: the number of successes in a number of trials."""
-
-    successes: int
-    trials: int
-
-    @property
-    def share(self) -> Fraction:
-        """The exact share of successes; 0 without trials.
-
-        For tasks of one length, the product of the shares of the stages is the share of whole tasks.
-        """
-        return Fraction(self.successes, self.trials) if self.trials else Fraction(0)
-
-    def interval(self, confidence: float = 0.95) -> tuple[float, float]:
-        """Return Wilson's score interval for the probability of success (Wilson, 1927).
-
-        Raises:
-            QueryError: the confidence is not between 0 and 1.
-        """
-        if not 0.0 < confidence < 1.0:
-            raise QueryError(f"a confidence is above 0 and below 1, such as 0.95; got {confidence!r}")
-        if self.trials == 0:
-            return 0.0, 1.0
-        z, n, p = NormalDist().inv_cdf(0.5 + confidence / 2), self.trials, self.successes / self.trials
-        middle, spread = p + z * z / (2 * n), z * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
-        low, high = (middle - spread) / (1 + z * z / n), (middle + spread) / (1 + z * z / n)
-        # If all or none succeed, the bound is known exactly; floats would miss it.
-        return (0.0 if self.successes == 0 else low), (1.0 if self.successes == n else high)
-
-    def __str__(self) -> str:
-        """Return the share in percent, with its 95 % interval and the counts."""
-        low, high = self.interval()
-        return (
-            f"{100 * float(self.share):.0f} % ({100 * low:.0f} to {100 * high:.0f}; {self.successes} of {self.trials})"
-        )
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,8 @@ def test_mutants_of_all_kinds_are_answered_as_they_have_to_be(tmp_path: Path, ch
 
 def test_a_mutant_of_a_number_is_the_same_each_time_and_all_kinds_are_among_few() -> None:
     found = [mutant(number, 3) for number in range(50)]
-    assert found == [mutant(number, 3) for number in range(50)] != [mutant(number, 4) for number in range(50)]
+    first = found[:15]
+    assert first == [mutant(number, 3) for number in range(15)] != [mutant(number, 4) for number in range(15)]
     assert {each.kind for each in found} == set(KINDS)
 
 

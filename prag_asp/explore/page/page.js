@@ -68,7 +68,6 @@ function showPlan(plan) {
   showActions(plan);
   fill("same", ...sameResults([...extra, ...plan.same]));
   fill("empty");
-  showPhysics(plan);
 }
 
 function stepOf(step, place, last) {
@@ -84,7 +83,7 @@ function stepOf(step, place, last) {
   if (place === last) return make("li", {}, head, make("div", { class: "facts" }, ...facts));
   const summary = place ? [...step.changed.map((fact) => `+ ${fact}`), ...step.undone.map((fact) => `- ${fact}`)] : [];
   return make("li", {}, head, make("details", {},
-    make("summary", { class: "quiet" }, summary.join("  ") || `${step.true.length} facts`),
+    make("summary", { class: "quiet" }, summary.join("  ") || `${step.true.length} ${step.true.length === 1 ? "fact" : "facts"}`),
     make("div", { class: "facts" }, ...facts)));
 }
 
@@ -157,7 +156,7 @@ function facetOf(facet) {
   const note = facet.holding === "" ? "count" : `known in ${percent(facet.share)}; leaves ${grouped(facet.chosen)}`;
   return make("li", {},
     choice(term, facet.holding, facet.share || "0", note, { onclick: () => add(facet.choose) }),
-    make("button", { type: "button", onclick: () => add(facet.exclude), "aria-label": `Exclude ${term}`,
+    make("button", { type: "button", onclick: () => add(facet.exclude), "aria-label": `not ${term}`,
       title: facet.excluded === "" ? facet.exclude : `${facet.exclude}: leaves ${grouped(facet.excluded)}` }, "not"));
 }
 
@@ -189,10 +188,6 @@ async function showComparison() {
       row("either", view.either), row("without conditions", view.all)))),
     ...sameResults([view.same]),
     make("button", { type: "button", onclick: () => go(changed((fields) => fields.delete("beside"))) }, "End the comparison"));
-}
-
-function showPhysics() {
-  fill("physics");
 }
 
 // Conditions that are typed or composed

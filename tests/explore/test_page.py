@@ -1,0 +1,147 @@
+"""The page in Chromium: every control, wrong conditions, two windows, and a server that stops."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from threading import Thread
+from typing import Any
+
+import pytest
+
+from prag_asp import TaskSpace, load_domain
+from prag_asp.explore.explored_domain import ExploredDomain
+from prag_asp.explore.page_server import PageServer
+from prag_asp.explore.space_pages import PAGE, space_views
+from prag_asp.explore.turns import Turns
+from prag_asp.space.limits import Limits
+
+playwright = pytest.importorskip("playwright.sync_api")
+CHROMIUM = shutil.which("chromium")
+
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="needs Chromium")
+
+PATIENCE = 60_000
+"""Milliseconds to wait for a change of the page."""
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    with playwright.sync_playwright() as started:
+        browser = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture
+def server() -> Iterator[PageServer]:
+    turns = Turns()
+    limits = Limits(stop=turns.stop)
+    explored = ExploredDomain(load_domain("kitchen"), ("kitchen",), "load_domain('kitchen')", limits=limits)
+    with PageServer(PAGE, space_views(explored), turns) as server:
+        thread = Thread(target=server.serve_forever, args=(0.01,))
+        thread.start()
+        yield server
+        server.shutdown()
+        thread.join()
+
+
+@pytest.fixture
+def messages() -> list[str]:
+    return []
+
+
+def opened(browser: Any, link: str, messages: list[str]) -> Any:
+    page = browser.new_page(viewport={"width": 1440, "height": 900})
+    page.set_default_timeout(PATIENCE)
+    page.on("console", lambda message: messages.append(message.text))
+    page.on("pageerror", lambda error: messages.append(str(error)))
+    page.goto(link)
+    page.wait_for_selector("#facets li")
+    return page
+
+
+def test_every_control_of_the_page_works(  # noqa: PLR0915
+    browser: Any, server: PageServer, messages: list[str]
+) -> None:
+    space = TaskSpace(load_domain("kitchen"), 7)
+    page = opened(browser, f"{server.link}?length=7", messages)
+    playwright.expect.set_options(timeout=PATIENCE)
+    number, plan = page.locator("#number"), page.locator("#plan > li")
+
+    def shows(count: int, steps: int = 0) -> None:
+        playwright.expect(plan).to_have_count(steps + 1)
+        playwright.expect(number).to_contain_text(f"{count:,} ")
+
+    shows(space.count())
+    first = str(space[0].actions[0])
+    page.focus("#actions button >> nth=0")
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("ArrowUp")
+    page.keyboard.press("Enter")
+    shows(space.count(prefix=[first]), 1)
+    page.keyboard.press("Backspace")
+    shows(space.count())
+    page.go_back()
+    shows(space.count(prefix=[first]), 1)
+    page.click("#undo")
+    page.fill("#condition", "usess cup_1")
+    playwright.expect(page.locator("#typed")).to_contain_text("did you mean uses")
+    page.fill("#condition", "uses cup_1")
+    playwright.expect(page.locator("#typed")).to_have_text(f"leaves {space.where('uses cup_1').count():,}")
+    page.click("text=Add")
+    shows(space.where("uses cup_1").count())
+    page.fill("#condition", "nontrivial")
+    page.click("#beside")
+    both = space.where("uses cup_1", "nontrivial").count("plan")
+    playwright.expect(page.locator("#comparison")).to_contain_text(f"{both:,}")
+    page.click("text=End the comparison")
+    playwright.expect(page.locator("#comparison")).to_be_hidden()
+    page.click("[aria-label='Remove uses cup_1']")
+    shows(space.count())
+    page.select_option("#keyword", "has at least")
+    page.select_option("#name", "grasp")
+    playwright.expect(page.locator("#condition")).to_have_value("has at least 1 grasp")
+    page.fill("#rank", "5")
+    page.click("text=Go to rank")
+    shows(1, 7)
+    assert page.locator("#plan code").all_inner_texts() == list(map(str, space[5].actions))
+    playwright.expect(page.locator("#tree")).to_contain_text("reading")
+    page.click("text=Start over")
+    page.uncheck("#weighted")
+    page.click("text=Sample from what is left")
+    shows(1, 7)
+    page.click("text=Back to here >> nth=0")
+    page.check("#apart")
+    shows(space.count("plan"))
+    page.uncheck("#apart")
+    page.click("#facets button >> nth=1")
+    playwright.expect(page.locator("#conditions li")).to_have_count(1)
+    page.click("#conditions button")
+    page.fill("#length", "2")
+    page.press("#length", "Enter")
+    shows(space.at(2).count())
+    page.goto(f"{server.link}?length=7&where=has+at+least+9+grasp")
+    playwright.expect(page.locator("#empty")).to_contain_text("exclude every task")
+    theme = page.get_attribute("html", "data-theme")
+    page.click("#theme")
+    assert page.get_attribute("html", "data-theme") != theme
+    assert [message for message in messages if "422" not in message] == []
+
+
+def test_two_windows_do_not_disturb_each_other_and_a_server_that_does_not_answer_is_told(
+    browser: Any, server: PageServer, messages: list[str]
+) -> None:
+    one, other = (opened(browser, f"{server.link}?length={length}", messages) for length in (5, 7))
+    space = TaskSpace(load_domain("kitchen"), 5)
+    for page in (one, other):
+        page.click("#actions button >> nth=0")
+    for page, length in ((one, 5), (other, 7)):
+        first = str(space.at(length)[0].actions[0])
+        left = f"{space.at(length).count(prefix=[first]):,} "
+        playwright.expect(page.locator("#plan > li")).to_have_count(2, timeout=PATIENCE)
+        playwright.expect(page.locator("#number")).to_contain_text(left, timeout=PATIENCE)
+    assert messages == []
+    other.context.set_offline(True)
+    other.click("#undo")
+    playwright.expect(other.locator("#problem")).to_contain_text("does not answer", timeout=PATIENCE)
