@@ -56,6 +56,13 @@ class FrozenDict(dict[Key, Value]):
     clear = pop = popitem = setdefault = update = _refuse
 
 
+KNOWN_VALUES = {True: "true", False: "false", None: ""}
+"""The values of a fluent in a table; an unknown value is left out."""
+
+SHOWN_ROWS, SHOWN_STATES = 100, 25
+"""Maximum numbers of rows and of states that a notebook shows."""
+
+
 class KnownDomain(Protocol):
     """An object that knows the classes and the interchangeable entities of tasks, such as a task space."""
 
@@ -100,6 +107,30 @@ class Task:
     def trivial(self) -> bool:
         """Whether the initial and final states have the same known facts, so that doing nothing achieves the goal."""
         return not self.states or dict(self.states[-1]) == dict(self.initial)
+
+    def _repr_html_(self) -> str:
+        """Return the task for a notebook: its plan with the effects of each action, and a table of its states."""
+        from prag_asp.html import element, fragment, scroll_table  # noqa: PLC0415 - a task alone needs no page
+
+        def effects(facts: State, value: bool) -> str:
+            return ", ".join(str(fluent) for fluent, known in facts.items() if known is value)
+
+        steps = zip(self.actions, self.subgoals, strict=True)
+        plan = [
+            (str(number), str(action), effects(facts, True), effects(facts, False))
+            for number, (action, facts) in enumerate(steps, 1)
+        ]
+        states = (self.initial, *self.states)[:SHOWN_STATES]
+        fluents = sorted({fluent for state in states for fluent, value in state.items() if value}, key=str)
+        values = [(str(fluent), *(KNOWN_VALUES[state.get(fluent)] for state in states)) for fluent in fluents]
+        heads = ("true in the state", "initial", *(f"after {number}" for number in range(1, len(states))))
+        table = scroll_table(heads, values, label="States", most=SHOWN_ROWS)
+        return fragment(
+            element("p", element("strong", f"A task of {self.domain}"), f", {len(self)} actions"),
+            scroll_table(("step", "action", "makes true", "makes false"), plan, label="Plan", most=SHOWN_ROWS),
+            element("p", f"Goal: {effects(self.goal, True) or 'no true fact'}"),
+            element("details", element("summary", "States"), table),
+        )
 
     def distance(
         self, other: Trace, metric: str = "combined", *, within: KnownDomain | None = None, up_to: UpTo = "names"

@@ -62,7 +62,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "integers": frozenset(),
     "exact_numbers": frozenset(["errors", "integers"]),
     "atom": frozenset(["errors", "integers"]),
-    "task": frozenset(["errors", "atom", "integers", "similarity"]),
+    "task": frozenset(["errors", "atom", "integers", "similarity", "html"]),
     "similarity": GROUND - {"task"},
     "program": GROUND - {"task"},
     "scene": GROUND - {"task"},
@@ -74,11 +74,11 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "bddl": (GROUND - {"task"}) | {"program", "pddl"},
     "domain": (GROUND - {"task"}) | {"program", "scene", "lint", "pddl", "reduction"},
     "logic": (GROUND - {"task"}) | {"program", "domain"},
-    "models": (GROUND - {"task"}) | {"program", "logic"},
+    "models": (GROUND - {"task"}) | {"html", "program", "logic"},
     "planners": GROUND | {"program", "domain", "logic"},
-    "space": GROUND | {"program", "reduction", "domain", "logic", "similarity"},
-    "physics": GROUND | {"program", "scene", "domain"},
-    "dataset": GROUND | {"program", "scene", "grammar", "domain", "space", "physics", "versions"},
+    "space": GROUND | {"html", "program", "reduction", "domain", "logic", "similarity"},
+    "physics": GROUND | {"html", "program", "scene", "domain"},
+    "dataset": GROUND | {"html", "program", "scene", "grammar", "domain", "space", "physics", "versions"},
     "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
     "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
     "analysis": GROUND | {"html", "program", "domain", "logic", "space", "similarity"},
@@ -196,7 +196,7 @@ def imported(module: str, *, texts: bool) -> list[str]:
 
 @cache
 def faces(module: str) -> dict[str, str]:
-    """Return where the names live that a face hands on; a module that is no face hands on none."""
+    """Return where the names live that a face hands on; a module that is not a face hands on none."""
     for node in ast.parse(module).body:
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "_HOMES":
             homes: dict[str, tuple[str, ...]] = ast.literal_eval(node.value)

@@ -35,6 +35,9 @@ AnswerSet = tuple[clingo.Symbol, ...]
 
 Tell = Callable[[str], None]
 
+LONG_COUNT = 10**60
+"""The first number that is too long for a table of a notebook."""
+
 COUNTERS = {"ganak": GANAK, "d4": D4}
 """The engines that only count, using the clauses."""
 
@@ -105,6 +108,22 @@ class AnswerSets:
     optimum: Optimum | None = None
     tell: Tell | None = None
     progress: Progress | None = None
+
+    def _repr_html_(self) -> str:
+        """Return what is known of the answer sets for a notebook; nothing is counted or solved."""
+        from prag_asp.html import element, fragment, scroll_table  # noqa: PLC0415 - counting needs no page
+
+        rows = [("engine", self.engine), ("counts", "shown symbols once" if self.project else "every answer set")]
+        rows += [("optimum", str(self.optimum))] if self.optimum is not None else []
+        rows += [("weights", f"{len(self.stated)} atoms")] if self.stated else []
+        diagram = self.__dict__.get("_compiled")
+        if diagram is not None and diagram.has_diagram:
+            total = diagram.diagram.unweighted().total
+            rows += [("answer sets", f"{total:,}")] if total < LONG_COUNT else []
+        return fragment(
+            element("p", element("strong", "The answer sets of a logic program")),
+            scroll_table(("property", "value"), rows, label="Answer sets"),
+        )
 
     @cached_property
     def _compiled(self) -> CompiledProgram:

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from prag_asp.errors import QueryError
 from prag_asp.physics.demonstration.demonstration import Demonstration
+from prag_asp.physics.demonstration.footage_strip import strip_url
 from prag_asp.physics.witness import Witness
 from prag_asp.tables.json_fields import Whole, read, require_complete
 
@@ -132,6 +133,29 @@ class Verdict:
     def feasible(self) -> bool:
         """Whether a witness was found."""
         return self.status == "feasible"
+
+    def _repr_html_(self) -> str:
+        """Return the verdict for a notebook: its status, the effort, and why attempts failed."""
+        from prag_asp.html import element, fragment, scroll_table  # noqa: PLC0415 - a verdict alone needs no page
+
+        rows = [("status", self.status.replace("_", " ")), ("budget", str(self.budget))]
+        rows += [("reason", self.reason)] if self.reason else []
+        rows += [("most often", self.detail)] if self.detail else []
+        rows += [("nearest", self.nearest)] if self.nearest else []
+        rows += [("initial states tried", str(self.restarts)), ("seed, index", f"{self.seed}, {self.index}")]
+        if self.witness is not None:
+            rows.append(("witness", f"{len(self.witness.moments)} states with poses and joint angles"))
+        if self.demonstration is not None:
+            rows.append(("demonstration", "succeeded" if self.demonstration.success else "failed"))
+        causes = [(cause, str(count)) for cause, count in sorted(self.causes.items(), key=lambda pair: -pair[1])]
+        failed = scroll_table(("cause of failed attempts", "attempts"), causes, label="Failed attempts")
+        table = scroll_table(("verdict", ""), rows, label="Verdict")
+        footage = None if self.demonstration is None else self.demonstration.footage
+        url = None if footage is None else strip_url(footage)
+        strip = [] if url is None else [element("img", src=url, alt="The first image and the last one of each subgoal")]
+        return fragment(
+            table, *strip, *([element("details", element("summary", "Failed attempts"), failed)] if causes else [])
+        )
 
     @property
     def detail(self) -> str:

@@ -90,6 +90,10 @@ class DomainEngines:
                 f"{what} reads the logic program, which does not state the condition shortest; leave it out"
             )
 
+    def known_count(self, by: Level, length: int) -> int | None:
+        """Return the number of words if it has been counted already, without computing anything."""
+        return self._counts.get((by, length, ()))
+
     def estimate(self, by: Level, length: int, prefix: Letters, tolerance: Tolerance, seed: int) -> Estimate:
         """Return an estimate of the number of words, computed by ApproxMC."""
         from prag_asp.logic.formula.approximate import Estimate

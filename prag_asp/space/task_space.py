@@ -42,6 +42,9 @@ if TYPE_CHECKING:
     from prag_asp.space.task_sampling import TaskSampling
     from prag_asp.space.weights.temperature import Temperature
 
+SHOWN_LENGTHS, LONG_COUNT = 50, 10**60
+"""Maximum number of lengths, and the first number that is too long, in a table of a notebook."""
+
 GivenWeights = Mapping[str, Number] | Weights | None
 """Weights by action names, pairs (``grasp>move``), entities and classes; None means the weights of the domain."""
 
@@ -68,7 +71,7 @@ class TaskSpace:
         limits: Limits = UNLIMITED,
     ) -> None:
         if not isinstance(domain, Domain):
-            raise QueryError(f"{domain!r} is no domain; give load_domain({domain!r})")
+            raise QueryError(f"{domain!r} is not a domain; give load_domain({domain!r})")
         self.engines = DomainEngines(DomainLogic(domain), engine, progress, limits)
         self.domain = domain
         self.lengths = parse_lengths(length)
@@ -129,6 +132,22 @@ class TaskSpace:
         length = self.lengths[0] if len(self.lengths) == 1 else spelled_lengths(self.lengths)
         where = "".join(f".where({str(clause)!r})" for clause in self.condition.clauses)
         return f"TaskSpace({self.domain.label!r}, length={length!r}){where}"
+
+    def _repr_html_(self) -> str:
+        """Return the space for a notebook: its domain, lengths and conditions, and the counts that are known."""
+        from prag_asp.html import element, fragment, scroll_table
+
+        known = [(length, self.engines.known_count("task", length)) for length in self.lengths]
+        rows = [(str(length), f"{number:,}") for length, number in known if number is not None and number < LONG_COUNT]
+        clauses = (element("li", element("code", str(clause))) for clause in self.condition.clauses)
+        lengths = f", length {spelled_lengths(self.lengths)}, engine {self.engines.name}"
+        return fragment(
+            element("p", element("strong", f"The tasks of {self.domain.label}"), lengths),
+            *([element("ul", *clauses)] if self.condition else []),
+            scroll_table(("length", "tasks"), rows, label="Counts", most=SHOWN_LENGTHS)
+            if rows
+            else element("p", "count() counts them.", class_="note"),
+        )
 
     def at(self, length: int) -> TaskSpace:
         """Return the space of a single length, which this space need not have, with the same conditions and engines."""

@@ -23,7 +23,7 @@ GENERATE = DOCS / "generate"
 
 
 def generated(name: str) -> ModuleType:
-    """Return a module of docs/generate, which is no package."""
+    """Return a module of docs/generate, which is not a package."""
     spec = importlib.util.spec_from_file_location(f"docs.generate.{name}", GENERATE / f"{name}.py")
     assert spec is not None
     assert spec.loader is not None
@@ -86,9 +86,12 @@ def test_a_picture_is_what_its_script_draws(name: str) -> None:
     assert max(difference) < 1.0, f"draw it again: python docs/generate/pictures.py {name}"
 
 
-def test_the_pictures_are_those_of_the_script_and_small() -> None:
+def test_the_pictures_are_those_of_the_script_or_screenshots_of_a_page_and_small() -> None:
     pictures = generated("pictures")
     found: dict[str, Path] = {path.stem: path for path in pictures.PICTURES.iterdir()}
-    assert found.keys() == {*pictures.STRIPS, "curve", "cameras", "first_dataset", "demonstration"}
+    drawn = {*pictures.STRIPS, "curve", "cameras", "first_dataset", "demonstration"}
+    assert drawn <= found.keys()
+    pages = "".join(page.read_text(encoding="utf-8") for page in (ROOT / "docs").rglob("*.md"))
+    assert [name for name in found.keys() - drawn if f"pictures/{found[name].name}" not in pages] == [], "screenshots"
     assert found.pop("demonstration").stat().st_size < 2_000_000
     assert all(path.stat().st_size < 300_000 for path in found.values())

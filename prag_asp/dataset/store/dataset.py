@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import chain
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from prag_asp.dataset.store.domain_snapshot import load_snapshot
 from prag_asp.dataset.store.entry import DatasetEntry, entry_of, task_of
 from prag_asp.dataset.store.manifest import DATASET, NAME, Manifest, PartManifest
-from prag_asp.errors import QueryError
+from prag_asp.errors import PragError, QueryError
 from prag_asp.integers import number_of
 from prag_asp.missing import require_pyarrow
 from prag_asp.safe_reading import is_inside
@@ -27,6 +28,10 @@ if TYPE_CHECKING:
     from prag_asp.physics import Demonstration, Witness
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.task import Task
+
+
+SHOWN_TASKS, LARGEST_SHOWN = 5, 30_000_000
+"""Number of tasks that a notebook shows of a dataset, and the maximum size in bytes of an episode that it shows."""
 
 
 @dataclass(frozen=True)
@@ -73,6 +78,39 @@ class Dataset:
             DomainError: the files differ from their record in dataset.json.
         """
         return load_snapshot(self.folder, self.manifest.domain, trust=self.trust)
+
+    def _repr_html_(self) -> str:
+        """Return the dataset for a notebook: its parts and its first tasks, from dataset.json and one row group."""
+        from prag_asp.html import element, fragment, scroll_table
+
+        about = self.manifest
+        rows = [(note.name, f"{note.rows('tasks'):,}", f"{number_of(note.size):,}", f"{note.draws:,}")
+                for note in self._notes]  # fmt: skip
+        tasks: list[tuple[str, str, str]] = []
+        if not self.conditions:
+            numbers = range(min(SHOWN_TASKS, self.count()))
+            entries = [self.entry(number) for number in numbers]
+            tasks = [(each.part, str(each.task), each.instruction["default"]) for each in entries]
+        where = "".join(f", where {clause}" for clause in self.conditions)
+        url = self._strip_url() if tasks and about.spec.staging is not None and about.spec.staging.cameras else None
+        strip = [] if url is None else [element("img", src=url, alt="The first task: the end of each subgoal")]
+        return fragment(
+            element("p", element("strong", f"{self.folder}"), f": tasks of {about.domain.name}{where}"),
+            scroll_table(("part", "tasks", "of", "sampled"), rows, label="Parts"),
+            *([scroll_table(("part", "plan", "instruction"), tasks, label="First tasks")] if tasks else []),
+            *strip,
+        )
+
+    def _strip_url(self) -> str | None:
+        """Return camera images of the first episode as a data URL; None if its file is missing, damaged or large."""
+        from prag_asp.physics.demonstration.footage_strip import strip_url
+
+        with suppress(PragError, OSError):
+            file = self._start("recordings", 0, 0)["file"]
+            if (self.folder / file).stat().st_size <= LARGEST_SHOWN:
+                footage = self._recording(file).footage
+                return None if footage is None else strip_url(footage)
+        return None
 
     def part(self, name: str) -> Dataset:
         """Return the tasks of one part.

@@ -75,5 +75,12 @@ class Condition:
     def __bool__(self) -> bool:
         return bool(self.clauses)
 
+    def _repr_html_(self) -> str:
+        """Return the clauses as a list, for a notebook."""
+        from prag_asp.html import element, fragment
+
+        items = (element("li", element("code", str(clause))) for clause in self.clauses)
+        return fragment(element("ul", *items) if self else element("p", "every task"))
+
     def __str__(self) -> str:
         return "\n".join(map(str, self.clauses))
