@@ -31,7 +31,7 @@ def parse_number(what: str, number: Number) -> Fraction:
             raise QueryError(f"{what}: {shortened(str(number))} is out of range; write a number up to 1e{MAX_EXPONENT}")
         return Fraction(number)
     except (ValueError, ZeroDivisionError, TypeError, OverflowError):
-        raise QueryError(f"{what}: {number!r} is no exact number; write 2, '0.5' or '1/3'") from None
+        raise QueryError(f"{what}: {number!r} is not an exact number; write 2, '0.5' or '1/3'") from None
 
 
 def _exponent(number: Number) -> int:

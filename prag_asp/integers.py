@@ -80,7 +80,7 @@ def number_of(digits: str) -> int:
     if len(digits) <= PLAIN_DIGITS:
         return int(digits)
     if not (digits.isascii() and digits.isdecimal()):
-        raise ValueError("it is no whole number")
+        raise ValueError("it is not a whole number")
     import decimal  # noqa: PLC0415 - as above
 
     with decimal.localcontext() as context:

@@ -196,7 +196,7 @@ def imported(module: str, *, texts: bool) -> list[str]:
 
 @cache
 def faces(module: str) -> dict[str, str]:
-    """Return where the names live that a face hands on; a module that is no face hands on none."""
+    """Return where the names live that a face hands on; a module that is not a face hands on none."""
     for node in ast.parse(module).body:
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "_HOMES":
             homes: dict[str, tuple[str, ...]] = ast.literal_eval(node.value)

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from base64 import b64decode
 from html.parser import HTMLParser
+from io import BytesIO
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from prag_asp import TaskSpace, answer_sets, load_domain
 from prag_asp.dataset import generate
 from prag_asp.html.markup import VOID
 from prag_asp.physics import Budget, Verdict
+from prag_asp.physics.demonstration.footage_strip import strip_url
 from prag_asp.space.domain_engines import DomainEngines
 
 
@@ -92,3 +97,16 @@ def test_answer_sets_show_their_number_once_they_are_compiled() -> None:
     assert "answer sets" not in shown(answers)
     assert answers.count() == 2**40
     assert shown(answers)[-2:] == ["answer sets", f"{2**40:,}"]
+
+
+def test_an_episode_shows_the_first_image_and_the_end_of_each_subgoal() -> None:
+    image_of = pytest.importorskip("PIL.Image")
+    rgb = np.zeros((6, 20, 400, 3), dtype=np.uint8)
+    rgb[:] = np.arange(6, dtype=np.uint8)[:, None, None, None]
+    footage = SimpleNamespace(videos={"front": SimpleNamespace(rgb=rgb)}, subgoals=np.array([0, 0, 0, 1, 1, 1]))
+    url = strip_url(footage)  # type: ignore[arg-type]
+    assert url is not None
+    image = image_of.open(BytesIO(b64decode(url.partition(",")[2])))
+    assert image.size == (3 * (134 + 4), 7)
+    assert [image.getpixel((column * 138, 0))[0] for column in range(3)] == [0, 2, 5]
+    assert strip_url(SimpleNamespace(videos={})) is None  # type: ignore[arg-type]

@@ -72,7 +72,7 @@ def serve(folder: str) -> None:
     from tests.sharing import logic_shared, small_pictures
 
     warm()
-    sys.path.remove("")  # what lies in the folder of a command is no module for it
+    sys.path.remove("")  # what lies in the folder of a command is not a module for it
     with small_pictures(), logic_shared(), socket.socket(socket.AF_UNIX) as asked:
         for name in OFTEN:
             TaskSpace(load_domain(name), 1).sample(1, seed=0)

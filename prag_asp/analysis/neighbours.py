@@ -87,7 +87,7 @@ def count_neighbours(space: TaskSpace, task: Plan, up_to: int = 3, metric: Metri
     numbers are added up.
 
     Raises:
-        QueryError: the radius or the metric is wrong, or the task contains something that is no action of the domain.
+        QueryError: the radius or the metric is wrong, or the task contains an action that the domain does not have.
         LimitReached: a limit was reached, or too many rows of edits do not fit into the memory.
     """
     if metric not in METRICS or not 0 <= up_to <= FARTHEST:

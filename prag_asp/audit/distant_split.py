@@ -206,7 +206,7 @@ def _wrong_tasks(
         try:
             rank = space.index(plan)
         except PragError as error:
-            yield Finding(file, row, f"is no task: {error}")
+            yield Finding(file, row, f"is not a task: {error}")
             continue
         if row < len(part.ranks) and digits_of(rank) != part.ranks[row]:
             yield Finding(file, row, f"has rank {digits_of(rank)}; {NAME} says {part.ranks[row]}")
@@ -214,11 +214,11 @@ def _wrong_tasks(
             yield Finding(file, row, "is a task that was there before")
         seen.add(rank)
         if later is None and plan not in first:
-            yield Finding(file, row, f"is no task of {part.name}")
+            yield Finding(file, row, f"is not a task of {part.name}")
         elif later is not None and distance > 1 and (near := nearest_task(first, plan).distance) < distance:
             yield Finding(file, row, f"is {plural(near, 'edit')} from the first part, not {distance}")
         elif later is not None and next(space.tasks_of_plans([plan])) not in later:
-            yield Finding(file, row, f"is no task of {part.name}")
+            yield Finding(file, row, f"is not a task of {part.name}")
 
 
 def _wrong_coverage(

@@ -51,7 +51,7 @@ PI = re.compile(r"(?P<sign>[-+]?)(?:(?P<times>[0-9.]+)\*)?(?:np\.|math\.)?pi(?:(
 """A multiple of pi, because LIBERO evaluates a yaw as a Python expression."""
 
 DOMAIN_FILE = re.compile(rb"(?:\s|;[^\n]*\n)*\(\s*define\s*\(\s*domain\b", re.IGNORECASE)
-"""The beginning of a file that is no problem, but declares the predicates of a dialect."""
+"""The beginning of a file that is not a problem, but declares the predicates of a dialect."""
 
 LONGEST_HEAD = 10_000
 """The number of bytes that are searched for the beginning of a domain, after comments."""
@@ -135,7 +135,7 @@ class _Reading:
                 sections[head] = each
             else:
                 hint = did_you_mean(head, SECTIONS, "remove it")
-                self.remarks.append((each.line, f"({head or '('} ...) is no section of BDDL and is ignored; {hint}"))
+                self.remarks.append((each.line, f"({head or '('} ...) is not a section of BDDL and is ignored; {hint}"))
         if not name:
             raise self.error(whole.line, "the problem has no name; write (define (problem NAME)")
         if ":goal" not in sections:

@@ -60,7 +60,7 @@ def ground_problem(problem: BddlProblem, path: object = "<bddl>") -> GroundProbl
         if name not in kinds and not name.startswith("?")
     }
     for name, line in undeclared.items():
-        raise DomainError(f"{path}:{line}: {name} is no object, fixture or region of the problem; declare it")
+        raise DomainError(f"{path}:{line}: {name} is not an object, fixture or region of the problem; declare it")
     in_rooms = {classes.get(fact.terms[0]) for fact, _ in problem.initial if fact.predicate == ROOM and fact.terms}
     in_rooms -= {
         kinds[each.fact.arguments[0]]

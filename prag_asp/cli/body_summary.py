@@ -63,7 +63,9 @@ def solid_containers(domain: Domain, scene: Scene) -> Iterator[Problem]:
             several = filled.setdefault(shape, [])
             several += [arguments[-1]] if arguments[-1] not in several else []
     for entities in filled.values():
-        text = f"{', '.join(entities)} is no container: its file has no cavity; give it one, or a floor without holes"
+        text = (
+            f"{', '.join(entities)} is not a container: its file has no cavity; give it one, or a floor without holes"
+        )
         yield Problem(domain.settings.path, _shape_line(domain, entities[0]), text, "no-cavity")
 
 

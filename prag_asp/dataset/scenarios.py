@@ -69,7 +69,7 @@ class Scenarios:
         engines = (whole if len(word) in whole.lengths else whole.at(len(word))).engines
         rank = WordSet(engines, "task", len(word)).engine.rank(word)
         if rank is None:
-            raise QueryError(f"{task} is no task that the ranks of {space.title} number, so it has no scenario")
+            raise QueryError(f"{task} is not a task that the ranks of {space.title} number, so it has no scenario")
         return self.ranked(_clauses(space.whole), len(word), rank, start)
 
     def check(self, scenario: Scenario) -> None:

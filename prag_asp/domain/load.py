@@ -164,8 +164,10 @@ def _find_domain(
     if named and len(files) > 1:
         listing = " ".join(str(each.path if isinstance(each, Source) else each) for each in files)
         if any(Path(each).suffix == PDDL for each in names if not isinstance(each, Source)):
-            raise DomainError(f"{listing}: {named[0]} is no file that ends in .pddl; {BOTH}")
-        raise DomainError(f"{listing}: {named[0]} is no file that ends in .lp; give one name or folder, or files alone")
+            raise DomainError(f"{listing}: {named[0]} is not a file that ends in .pddl; {BOTH}")
+        raise DomainError(
+            f"{listing}: {named[0]} is not a file that ends in .lp; give one name or folder, or files alone"
+        )
     if named:
         folder = domain_folder(named[0])
         return folder.resolve().name, folder, [folder / "domain.lp"], ()

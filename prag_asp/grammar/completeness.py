@@ -66,7 +66,7 @@ def check_forms(entry: TableEntry, words: Words) -> None:
     contractions = table.get("contractions", {})
     for long, short in contractions.items():
         if not isinstance(short, str) or not short.strip() or not long.strip():
-            entry.at("contractions").add(f'what {long!r} becomes is no word; write "zu dem" = "zum"')
+            entry.at("contractions").add(f'what {long!r} becomes is not a word; write "zu dem" = "zum"')
         elif list(contractions.values()).count(short) > 1 or short in contractions:
             entry.at("contractions").add(f"{short} stands for several; nobody could read it back: leave one out")
     _check_texts(entry, table)

@@ -156,8 +156,10 @@ def _check_ambiguity(language: TableEntry, reader: GrammarReader) -> None:
         overlap = all(arguments[one][i] & arguments[other][j] for i, j in pairs)
         if overlap and (one[0], other[0]) not in reported:
             reported.add((one[0], other[0]))
-            like = f"a sentence is like one of {one[0]}" if one != other else "two sentences are alike"
-            entries[other[0]].add(f"{like}; nobody could distinguish them: change one", "sounds-alike")
+            like = f"a sentence is also used for {one[0]}" if one != other else "two sentences are equal"
+            entries[other[0]].add(
+                f"{like}, so the actions cannot be distinguished; change one of the sentences", "sounds-alike"
+            )
     for signature, template in spelled:
         places = enumerate(arguments[signature])
         omitted = [index for index, values in places if len(values) > 1 and index not in template.arguments]
@@ -166,7 +168,7 @@ def _check_ambiguity(language: TableEntry, reader: GrammarReader) -> None:
         alike = [each.arguments for each in reader.states.declared_actions if each.match(*signature)]
         if len({tuple(str(each[index]) for index in template.arguments) for each in alike}) < len(alike):
             reported.add((signature[0], ""))
-            text = f"a sentence leaves {{{omitted[0]}}} open, so that two actions sound alike; name it"
+            text = f"a sentence omits {{{omitted[0]}}}, so two actions have the same sentence; mention it"
             entries[signature[0]].add(text, "sounds-alike")
 
 

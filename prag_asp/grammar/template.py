@@ -108,7 +108,7 @@ def parse_template(
             places = ", ".join(f"{{{index}}}" for index in range(arity)) or "no braces"
             raise QueryError(f"has braces that name no argument; use {places}")
         if case and case not in cases:
-            raise QueryError(f"has {{{name}:{case}}}, which is no case; cases are {', '.join(cases)}")
+            raise QueryError(f"has {{{name}:{case}}}, which is not a case; cases are {', '.join(cases)}")
         slots.append(Slot(int(name), case or ""))
         texts.append("")
     if any(not text_between for text_between in texts[1:-1]):

@@ -155,11 +155,11 @@ class _AspifLine:
             clingo.parse_term(text, logger=lambda *_: None)
         except RuntimeError as error:
             require_memory(error)
-            raise _Malformed(f"{text!r} is no ground term; correct it, or its length") from None
+            raise _Malformed(f"{text!r} is not a ground term; correct it, or its length") from None
 
     def _literal(self) -> None:
         if not self.number("a literal", -LARGEST):
-            raise _Malformed("0 is no literal; write an atom, negative if it is negated")
+            raise _Malformed("0 is not a literal; write an atom, negative if it is negated")
 
 
 def _field(what: str, least: int = 0, most: int = LARGEST) -> Callable[[_AspifLine], object]:

@@ -51,7 +51,7 @@ def stated_weights(ground: GroundModels, program: Program) -> dict[clingo.Symbol
             raise DomainError(f"{place_of(symbol, program)}{symbol} depends on other atoms; a weight has to be a fact")
         weight = _fraction(value)
         if weight is None:
-            raise DomainError(f"{place_of(symbol, program)}{symbol}: {value} is no weight; {ADVICE}")
+            raise DomainError(f"{place_of(symbol, program)}{symbol}: {value} is not a weight; {ADVICE}")
         if weights.setdefault(weighed, weight) != weight:
             raise DomainError(f"{place_of(symbol, program)}{symbol}: {weighed} has another weight too; state one")
     if not weights:

@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from prag_asp.errors import QueryError
 from prag_asp.physics.demonstration.demonstration import Demonstration
+from prag_asp.physics.demonstration.footage_strip import strip_url
 from prag_asp.physics.witness import Witness
 from prag_asp.tables.json_fields import Whole, read, require_complete
 
@@ -149,7 +150,12 @@ class Verdict:
         causes = [(cause, str(count)) for cause, count in sorted(self.causes.items(), key=lambda pair: -pair[1])]
         failed = scroll_table(("cause of failed attempts", "attempts"), causes, label="Failed attempts")
         table = scroll_table(("verdict", ""), rows, label="Verdict")
-        return fragment(table, *([element("details", element("summary", "Failed attempts"), failed)] if causes else []))
+        footage = None if self.demonstration is None else self.demonstration.footage
+        url = None if footage is None else strip_url(footage)
+        strip = [] if url is None else [element("img", src=url, alt="The first image and the last one of each subgoal")]
+        return fragment(
+            table, *strip, *([element("details", element("summary", "Failed attempts"), failed)] if causes else [])
+        )
 
     @property
     def detail(self) -> str:

@@ -278,7 +278,7 @@ class TaskEnv(GoalEnv):
         try:
             start, moves, attributes = state["start"], list(state["moves"]), {name: state[name] for name in EPISODE}
         except (KeyError, TypeError) as error:
-            raise QueryError(f"this is no state of an episode ({error!r:.60}); give that of save_state") from None
+            raise QueryError(f"this is not a state of an episode ({error!r:.60}); give that of save_state") from None
         self.__dict__.update(attributes)
         self._moves = moves
         self._resume(start)

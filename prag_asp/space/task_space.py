@@ -71,7 +71,7 @@ class TaskSpace:
         limits: Limits = UNLIMITED,
     ) -> None:
         if not isinstance(domain, Domain):
-            raise QueryError(f"{domain!r} is no domain; give load_domain({domain!r})")
+            raise QueryError(f"{domain!r} is not a domain; give load_domain({domain!r})")
         self.engines = DomainEngines(DomainLogic(domain), engine, progress, limits)
         self.domain = domain
         self.lengths = parse_lengths(length)

@@ -112,8 +112,8 @@ def test_the_same_start_is_recognized_under_other_numbers(tmp_path: Path) -> Non
     ("kind", "text", "message"),
     [
         ("unreadable", "(define (problem p)", "p.bddl:1: the file ends while 1 '.' is open"),
-        ("unreadable", problem("(on cup_1 plate_1)"), "cup_1 is no object, fixture or region"),
-        ("remark", problem("(on mug_1 plate_1)").replace("(:init", "(:lens a)\n(:init"), "p.bddl:6: .:lens .... is no"),
+        ("unreadable", problem("(on cup_1 plate_1)"), "cup_1 is not an object, fixture or region"),
+        ("remark", problem("(on mug_1 plate_1)").replace("(:init", "(:lens a)\n(:init"), "p.bddl:6: .:lens .... is n"),
         ("contradictory-start", problem("(on mug_1 plate_1)", more="(on mug_1 bowl_1)"), "mug_1 is at 2 places"),
         ("contradictory-start", problem("(on mug_1 plate_1)", more="(not (on mug_2 plate_1))"), "and its negation"),
         ("contradictory-start", problem("(on mug_1 plate_1)", second="mug_2"), "mug_2 is on mug_2"),

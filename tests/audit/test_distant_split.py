@@ -69,9 +69,12 @@ def with_size(folder: Path) -> None:
         (with_lines(lambda lines: [*lines, lines[0]]), "test.txt: row 20: is a task that was there before"),
         (
             with_lines(lambda lines: [*lines, "fly(a)"]),
-            "test.txt: row 20: is no task: no action 'fly(a)'",
+            "test.txt: row 20: is not a task: no action 'fly(a)'",
         ),
-        (with_lines(lambda lines: [*lines[:-1], str(TEST[0])], "train.txt"), "train.txt: row 19: is no task of train"),
+        (
+            with_lines(lambda lines: [*lines[:-1], str(TEST[0])], "train.txt"),
+            "train.txt: row 19: is not a task of train",
+        ),
         (with_size, "split.json: parts, test: size is 7, but there are"),
         (lambda folder: (folder / "train.txt").unlink(), "train.txt: cannot be read"),
         (lambda folder: (folder / "domain" / "domain.lp").write_text(""), "differs from its record in split.json"),

@@ -185,8 +185,8 @@ def test_a_problem_with_few_predicates_has_no_warnings(fact: str, tmp_path: Path
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("(define (problem p) (:goal (on a b)))", "one.bddl:1: a is no object, fixture or region"),
-        (TIDY.replace("(On mug_2 ", "(On mug_3 "), "one.bddl:33: mug_3 is no object"),
+        ("(define (problem p) (:goal (on a b)))", "one.bddl:1: a is not an object, fixture or region"),
+        (TIDY.replace("(On mug_2 ", "(On mug_3 "), "one.bddl:33: mug_3 is not an object"),
     ],
 )
 def test_what_a_problem_does_not_declare_is_refused_with_its_line(text: str, message: str, tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ def test_explain_reads_what_task_reads(told: Told) -> None:
     assert told("explain", "prag", *actions[:1], " ".join(actions[1:])) == "a plan of prag\n"
     for command in (("explain", "prag"), ("task", "prag", "-n", "3", "--rank-of")):
         assert "is not a list of terms" in told(*command, "grasp(panda,can_1),,drop", code=2)
-    assert "is no action" in told("explain", "prag", "  ", code=2)
+    assert "is not an action" in told("explain", "prag", "  ", code=2)
     assert told("explain", "prag") == "a plan of prag\n"
     assert told("task", "prag", "-n", "0", "--rank-of", "") == "0\n"
 

@@ -45,5 +45,5 @@ def test_check_counts_the_grasps_of_a_bowl_and_names_its_cavity(tmp_path: Path) 
 def test_check_warns_of_a_ring_into_which_the_logic_puts_things(tmp_path: Path) -> None:
     result = checked(tmp_path, "ring")
     assert result.exit_code == 0
-    assert "domain.toml:6: warning: thing_1 is no container: its file has no cavity" in result.output
+    assert "domain.toml:6: warning: thing_1 is not a container: its file has no cavity" in result.output
     assert result.output.count("no-cavity") == 1

@@ -152,7 +152,7 @@ def test_a_pipe_and_python_m_run_the_command(folder: Path) -> None:
 
 def test_words_that_are_no_domain_are_told(told: Told) -> None:
     assert told("count", "hanoi", "prag", "-n", "2", code=2) == (
-        "hanoi prag: hanoi is no file that ends in .lp; give one name or folder, or files alone\n"
+        "hanoi prag: hanoi is not a file that ends in .lp; give one name or folder, or files alone\n"
     )
     assert "did you mean press?" in told("explain", "lamps.lp", "actions.lp", "pres", code=2)
     assert "Missing argument 'DOMAIN..." in told("count", "-n", "2", code=64)

@@ -23,7 +23,7 @@ GENERATE = DOCS / "generate"
 
 
 def generated(name: str) -> ModuleType:
-    """Return a module of docs/generate, which is no package."""
+    """Return a module of docs/generate, which is not a package."""
     spec = importlib.util.spec_from_file_location(f"docs.generate.{name}", GENERATE / f"{name}.py")
     assert spec is not None
     assert spec.loader is not None

@@ -108,8 +108,8 @@ def test_mistakes_are_reported_with_the_file_and_the_line(folder: Path, monkeypa
     ("given", "message"),
     [
         ((), "no domain; give a shipped name, a folder, files that end in .lp, two of PDDL, or a text"),
-        (("prag", "lamps.lp"), "prag lamps.lp: prag is no file that ends in .lp; give one name or folder, or files"),
-        (("lamps.lp", "hanoi", "prag"), "lamps.lp hanoi prag: hanoi is no file that ends in .lp; give one name"),
+        (("prag", "lamps.lp"), "prag lamps.lp: prag is not a file that ends in .lp; give one name or folder, or files"),
+        (("lamps.lp", "hanoi", "prag"), "lamps.lp hanoi prag: hanoi is not a file that ends in .lp; give one name"),
         (("missing.lp",), "missing.lp:1: cannot be read: No such file or directory"),
         (("notes.txt",), "notes.txt: a file, but its name does not end in .lp; rename it, or give the domain's folder"),
         (("tabeltop",), "tabeltop: no such domain; did you mean tabletop?"),

@@ -145,7 +145,7 @@ class Mounted:
         return self.frames(joints, 0.0)[LEFT - 1] @ moved(0.0, 0.0, self.robot.tool)
 
     def fits(self, joints: tuple[float, ...], width: float) -> bool:
-        """Tell whether joints and gripper are within their limits; what is no number is not."""
+        """Tell whether joints and gripper are within their limits; what is not a number is not."""
         angles = np.array(joints, dtype=float)
         if angles.shape != self.robot.lower.shape:
             return False

@@ -83,8 +83,8 @@ def test_there_is_nothing_to_draw_from_nothing() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{a}.\nweight(a,-1).", "^<text>:2: .* -1 is no weight"),
-        ('{a(1..2)}. weight(a(1),2).\nweight(a(X),"1/0") :- X = 2..2.', "^<text>:2: .* is no weight"),
+        ("{a}.\nweight(a,-1).", "^<text>:2: .* -1 is not a weight"),
+        ('{a(1..2)}. weight(a(1),2).\nweight(a(X),"1/0") :- X = 2..2.', "^<text>:2: .* is not a weight"),
         ("{a;b}. weight(b,2).\nweight(a,2) :- a.", "^<text>:2: .* has to be a fact"),
         ("{a}. weight(a,2).\nweight(a,3).", "^<text>:2: .* another weight too"),
         ("{a}.", "states no weight"),

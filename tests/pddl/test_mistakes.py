@@ -40,7 +40,7 @@ PROBLEM = "(define (problem e)\n (:domain d)\n (:objects o - b)\n (:init (q k o)
         ("a b - c", "a - b b - c c - a", "domain.pddl:3: types form a cycle"),
         ("(q ?x ?y))\n (", "(p ?x))\n (", "domain.pddl:5: the predicate p is declared twice"),
         ("(:action act", "(:durative-action act", "pddl:7: :durative-action: .* be imported; give --untimed"),
-        ("(increase (total-cost) 1)", "(increase (total-cost) 1.2.3)", "domain.pddl:11: 1.2.3 is no number; write one"),
+        ("(increase (total-cost) 1)", "(increase (total-cost) 1.2.3)", "domain.pddl:11: 1.2.3 is not a number; write"),
         ("(increase (total-cost) 1)", "(increase (total-cost) (fat k))", "domain.pddl:11: unknown function fat; did"),
         ("(increase (total-cost) 1)", "(probabilistic 1/2 (p k))", "domain.pddl:11: probabilistic: effects by chance"),
         ("(increase (total-cost) 1)", "(oneof (p k) k)", "domain.pddl:11: oneof has 1 effect and something else"),
@@ -63,7 +63,7 @@ PROBLEM = "(define (problem e)\n (:domain d)\n (:objects o - b)\n (:init (q k o)
         ("(q k o)", "(q k oo)", "problem.pddl:4: unknown object oo; did you mean o?"),
         ("(q k o)", "(q k)", "problem.pddl:4: q takes 2 arguments, not 1"),
         ("(q k o)", "(qq k)", "problem.pddl:4: unknown predicate qq; did you mean q?"),
-        ("(q k o)", "(= (far k) 1.2.3)", "problem.pddl:4: 1.2.3 is no number; write one such as 2 or 0.5"),
+        ("(q k o)", "(= (far k) 1.2.3)", "problem.pddl:4: 1.2.3 is not a number; write one such as 2 or 0.5"),
         ("(q k o)", "(= (far k) 1) (= (far k) 2)", r"problem.pddl:4: .far k. has two values; state one"),
         ("(q k o)", "(q k o) (not (q k o))", r"problem.pddl:4: .q k o. is both true and false at the start; state one"),
         ("(q k o)", "(at 5 (q k o))", "problem.pddl:4: "),
@@ -210,7 +210,7 @@ def test_a_domain_is_two_files_in_their_order(tmp_path: Path) -> None:
     with pytest.raises(DomainError, match=r"missing.pddl:1: cannot be read: No such file"):
         load_domain(domain, tmp_path / "missing.pddl")
     for files in ((domain, tmp_path), (tmp_path, problem)):
-        with pytest.raises(DomainError, match=rf"{tmp_path} is no file that ends in .pddl; give a domain, then"):
+        with pytest.raises(DomainError, match=rf"{tmp_path} is not a file that ends in .pddl; give a domain, then"):
             load_domain(*files)
 
 

@@ -106,7 +106,7 @@ IN_BIN = ["inside(brick_1,bin_1)", "inside(brick_2,bin_1)", "inside(cube_1,bin_1
         ({}, ["on_top(cube_1,cube_2)"], ["on_top(cube_2,cube_1)"], "along z form a circle"),
         ({"cube_2": Shape("sphere", (0.05,) * 3)}, [], ["on_top(cube_1,cube_2)"], "which is a ball"),
         ({}, ["holding(panda,cube_1)"], ["holding(panda,cube_2)"], "the gripper cannot hold cube 1 and cube 2 at once"),
-        ({}, [], ["left_of(tray_1,bin_1)"], "cannot hold, for nothing of it can move"),
+        ({}, [], ["left_of(tray_1,bin_1)"], "because none of these bodies can move"),
         ({}, ["left_of(can_1,bin_1)", "right_of(can_1,tray_1)"], ["on_top(cube_1,table_1)"],
          "there is no room along y for the row tray 1, can 1, bin 1"),
         (LARGE, ["right_of(brick_1,tray_1)"], ["right_of(can_1,brick_1)", "reachable(panda,can_1)"],
@@ -130,7 +130,7 @@ def test_impossible_tasks_are_proved_infeasible_and_others_never(tabletop, shape
     [
         ([], "holding(panda,cube_1)", "no arm configuration at the object"),
         (["behind(brick_1,bin_1)", "behind(brick_2,brick_1)", "behind(can_1,brick_2)"], "on_top(cube_1,table_1)",
-         "no room where the relations want the object"),
+         "no room where the relations require the object"),
         (IN_BIN, "inside(can_1,bin_1)", "objects collide"),
     ],
 )  # fmt: skip

@@ -105,7 +105,7 @@ CASES = {
         "holds(f,true,t) :- holds(level,high,t-1), occurs(a,t). changed(f,t) :- holds(level,high,t-1), occurs(a,t).",
         [1, 2, 4],
     ),
-    "a change of what is no fluent": (
+    "a change of what is not a fluent": (
         START + "\n#program step(t).\nchanged(ghost,t) :- occurs(a,t). "
         "holds(f,true,t) :- changed(ghost,t). changed(f,t) :- changed(ghost,t).",
         [1, 2, 4],

@@ -17,7 +17,7 @@ PRAG = TaskSpace(load_domain("prag"), 3)
 
 def test_with_other_conditions_the_tasks_are_those_of_a_list(chance: Chance) -> None:
     kept = 0
-    for case, space, _ in orbit_spaces(chance, chance.examples(10), 2):
+    for case, space, _ in orbit_spaces(chance, chance.examples(6), 2):
         search, shortest = PlanSearch(space.engines.model), space.where("shortest")
         found = [search.solve(task.initial, task.goal, 2, UNLIMITED.begin()) for task in space]
         expected = [task for task, plans in zip(space, found, strict=True) if plans and plans.length == 2]
@@ -31,17 +31,16 @@ def test_with_other_conditions_the_tasks_are_those_of_a_list(chance: Chance) -> 
 def test_ranks_samples_and_lengths_of_shortest_tasks_agree() -> None:
     shortest = PRAG.where("shortest")
     tasks = list(shortest)
-    assert [shortest.index(task) for task in tasks] == list(range(shortest.count())) and len(tasks) > 100
+    assert [shortest.index(task) for task in tasks[::10]] == list(range(0, shortest.count(), 10)) and len(tasks) > 100
     assert {str(task) for task in shortest.sample(50, seed=1, by="plan")} <= {
         *map(" ".join, shortest.enumerate("plan"))
     }
     assert len({str(task) for task in shortest.sample(len(tasks), seed=2, distinct=True)}) == len(tasks)
-    assert shortest.at(0).count() == 1 and shortest.at(3) is not shortest
-    several = TaskSpace(load_domain("prag"), "0..3").where("shortest")
-    assert several.count() == sum(shortest.at(length).count() for length in range(4))
-    longer = shortest.at(5)
-    grasps = sum(task.skeleton.count("grasp") >= 1 for task in longer)
-    assert longer.where("has at least 1 grasp").count() == grasps > 0
+    assert shortest.at(0).count() == 1
+    several = TaskSpace(load_domain("prag"), "0..2").where("shortest")
+    assert several.count() == sum(shortest.at(length).count() for length in range(3))
+    grasps = sum("grasp" in task.skeleton for task in tasks)
+    assert shortest.where("has at least 1 grasp").count() == grasps > 0
 
 
 def test_what_the_program_alone_cannot_answer_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

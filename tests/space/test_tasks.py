@@ -266,7 +266,7 @@ def orbit_of_apples(plan: Plan) -> frozenset[Plan]:
 @pytest.mark.parametrize(
     ("ask", "told"),
     [
-        (lambda: TaskSpace("prag", 3), "'prag' is no domain; give load_domain('prag')"),
+        (lambda: TaskSpace("prag", 3), "'prag' is not a domain; give load_domain('prag')"),
         (lambda: TaskSpace(load_domain("blocks"), "3-4"), "length '3-4': write a whole number, such as 4, A..B"),
         (lambda: TaskSpace(load_domain("blocks"), 2.5), "length 2.5: give a whole number"),
         (lambda: TaskSpace(load_domain("blocks"), 1).at(True), "length True: give a whole number"),

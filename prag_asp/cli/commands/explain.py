@@ -95,7 +95,7 @@ def _explain_plan(request: DomainOptions, words: tuple[str, ...]) -> None:
     names, texts = domain_and_others(words)
     actions = [str(parse_atom(text)) for text in split_actions(*texts)]
     if texts and not actions:
-        raise QueryError(f"{texts[0]!r} is no action; write actions, such as grasp(panda,apple_1), or none")
+        raise QueryError(f"{texts[0]!r} is not an action; write actions, such as grasp(panda,apple_1), or none")
     domain = replace(request, names=names).domain()
     explanation = explain_actions(domain, actions)
     if explanation is None:

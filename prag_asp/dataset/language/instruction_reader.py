@@ -254,8 +254,8 @@ class InstructionReader:
                     if problem:
                         return problem
                     if not any(self.sentence(view, part, None, of_actions=each) for each in (True, False)):
-                        return f"{shortened(part)!r} is no sentence {known}; write one as sample does"
-        return f"{shortened(text)!r} is no instruction {known}; write one as sample does"
+                        return f"{shortened(part)!r} is not a sentence {known}; write one as sample does"
+        return f"{shortened(text)!r} is not an instruction {known}; write one as sample does"
 
     def _parts(self, text: str, kind: str) -> list[str]:
         """Return the parts of a text between joints, the longest joint at each place."""

@@ -253,7 +253,9 @@ def instruction_writer_of(
     """
     for entity, color in (colors or {}).items():
         if entity not in domain.facts.entity_names or not COLOR.fullmatch(color):
-            raise QueryError(f"{entity} = {color!r} is no colour of an entity; write one of {domain.name} and #rrggbb")
+            raise QueryError(
+                f"{entity} = {color!r} is not a colour of an entity; write one of {domain.name} and #rrggbb"
+            )
     return InstructionWriter(domain, language, colors, phrasings)
 
 

@@ -116,7 +116,9 @@ class SentenceWriter:
             return found
         domain, language = self._lexicon.domain.name, self._lexicon.language
         if not sentences.known:
-            raise QueryError(f"{atom} is no {'fluent' if fact else 'action'} of {domain}; give tasks of that domain")
+            raise QueryError(
+                f"{atom} is not {'a fluent' if fact else 'an action'} of {domain}; give tasks of that domain"
+            )
         raise QueryError(
             f"no unambiguous sentence for {atom}; write one that names all its arguments "
             f"under [language.{language}.{'facts' if fact else 'actions'}]"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import chain
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from prag_asp.dataset.store.domain_snapshot import load_snapshot
 from prag_asp.dataset.store.entry import DatasetEntry, entry_of, task_of
 from prag_asp.dataset.store.manifest import DATASET, NAME, Manifest, PartManifest
-from prag_asp.errors import QueryError
+from prag_asp.errors import PragError, QueryError
 from prag_asp.integers import number_of
 from prag_asp.missing import require_pyarrow
 from prag_asp.safe_reading import is_inside
@@ -29,8 +30,8 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 
-SHOWN_TASKS = 5
-"""Number of tasks that a notebook shows of a dataset."""
+SHOWN_TASKS, LARGEST_SHOWN = 5, 30_000_000
+"""Number of tasks that a notebook shows of a dataset, and the maximum size in bytes of an episode that it shows."""
 
 
 @dataclass(frozen=True)
@@ -91,11 +92,25 @@ class Dataset:
             entries = [self.entry(number) for number in numbers]
             tasks = [(each.part, str(each.task), each.instruction["default"]) for each in entries]
         where = "".join(f", where {clause}" for clause in self.conditions)
+        url = self._strip_url() if tasks and about.spec.staging is not None and about.spec.staging.cameras else None
+        strip = [] if url is None else [element("img", src=url, alt="The first task: the end of each subgoal")]
         return fragment(
             element("p", element("strong", f"{self.folder}"), f": tasks of {about.domain.name}{where}"),
             scroll_table(("part", "tasks", "of", "sampled"), rows, label="Parts"),
             *([scroll_table(("part", "plan", "instruction"), tasks, label="First tasks")] if tasks else []),
+            *strip,
         )
+
+    def _strip_url(self) -> str | None:
+        """Return camera images of the first episode as a data URL; None if its file is missing, damaged or large."""
+        from prag_asp.physics.demonstration.footage_strip import strip_url
+
+        with suppress(PragError, OSError):
+            file = self._start("recordings", 0, 0)["file"]
+            if (self.folder / file).stat().st_size <= LARGEST_SHOWN:
+                footage = self._recording(file).footage
+                return None if footage is None else strip_url(footage)
+        return None
 
     def part(self, name: str) -> Dataset:
         """Return the tasks of one part.

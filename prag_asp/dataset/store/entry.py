@@ -65,7 +65,7 @@ def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) ->
     with _row_errors(row):
         rank, verdict = row["rank"], None
         if len(rank) > MOST_DIGITS or not rank.isascii() or not rank.isdecimal():
-            raise ValueError("the rank is no number")
+            raise ValueError("the rank is not a number")
         if row["verdict"] is not None:
             causes = {each["cause"]: each["count"] for each in row["verdict"]["causes"]}
             verdict = Verdict.from_json({**row["verdict"], "causes": causes, "witness": None})

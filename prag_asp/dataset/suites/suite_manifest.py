@@ -61,7 +61,7 @@ class SuiteManifest(msgspec.Struct):
             raise QueryError("parts: needs some, each once; copy the suite once more")
         for name in names:
             if not name or name.startswith(".") or Path(name).name != name:
-                raise QueryError(f"parts: {name!r} is no name of a part; copy the suite once more")
+                raise QueryError(f"parts: {name!r} is not a valid name of a part; copy the suite once more")
 
 
 SUITE = ManifestFile(NAME, SuiteManifest, "prag_asp suite", 1, "suite")

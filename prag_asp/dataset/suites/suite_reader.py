@@ -215,7 +215,7 @@ class _SuiteReader:
         """
         report, keys = self._report, ("parts", name)
         if not NAME.fullmatch(name):
-            report.add(keys, "is no name of a part; write one of letters, digits and _, such as train")
+            report.add(keys, "is not a valid name of a part; write one of letters, digits and _, such as train")
         lengths = self._lengths(name, table)
         if lengths is None:
             return None

@@ -100,7 +100,7 @@ def _wrong_files(folder: Path, note: SuiteManifest) -> Iterator[Finding]:
     expected = {*KNOWN, *UNSEEN, *(part.name for part in note.parts)}
     for path in sorted(folder.iterdir()):
         if path.name not in expected:
-            yield Finding(path.name, None, "is no file of the suite")
+            yield Finding(path.name, None, "is not a file of the suite")
     try:
         card = read_bytes(folder / CARD, within=folder)
     except OSError as error:

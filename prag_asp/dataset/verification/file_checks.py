@@ -39,7 +39,7 @@ def wrong_files(folder: Path, manifest: Manifest, recordings: Set[str]) -> Itera
     for path in sorted(folder.rglob("*")):
         name = path.relative_to(folder).as_posix()
         if name.split("/")[0] not in UNSEEN and name not in expected and (path.is_symlink() or not path.is_dir()):
-            yield Finding(name, None, "is no file of the dataset")
+            yield Finding(name, None, "is not a file of the dataset")
 
 
 def wrong_file(

@@ -107,7 +107,7 @@ class InitialStateChecks:
                 record = Record(tasks[row["task"]], None, decoded(row["witness"]))
                 initial_state = row["task"], initial_state_key(read_witness(record, self._scene))
             except PragError as error:
-                yield Finding(file, place, f"is no witness: {error}")
+                yield Finding(file, place, f"is not a witness: {error}")
                 continue
             if initial_state in seen:
                 yield Finding(file, place, "begins in an initial state that another witness of its task has")
@@ -138,7 +138,7 @@ class InitialStateChecks:
                 recording = Demonstration.load(path)
                 faults = check_demonstration(task, recording, self._scene) + check_footage(recording, self._scene)
             except PragError as error:
-                yield Finding(row["file"], None, f"is no recording: {error}")
+                yield Finding(row["file"], None, f"is not a recording: {error}")
                 continue
             durations = (row["frames"], row["seconds"], row["ends"])
             if durations != (len(recording.times), float(recording.times[-1]), recording.ends.tolist()):

@@ -74,7 +74,7 @@ class PddlSource:
     def number(self, text: Word) -> Fraction:
         """Return a number."""
         if not NUMBER.fullmatch(text):
-            self.refuse(text.line, f"{text} is no number; write one such as 2 or 0.5")
+            self.refuse(text.line, f"{text} is not a number; write one such as 2 or 0.5")
         return Fraction(text)
 
     def typed_words(

@@ -23,7 +23,7 @@ def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
     """Yield reasons why a fact can never hold."""
     predicate = fact.predicate
     if fact.value and len(set(fact.arguments)) < len(fact.arguments):
-        yield f"it cannot be that {fact.sentence()}, for nothing is in a relation to itself"
+        yield f"it cannot be that {fact.sentence()}, because nothing is in a relation to itself"
         return
     if fact.value and predicate.impossible is not None:
         yield from predicate.impossible(scene, fact.arguments)
@@ -32,7 +32,7 @@ def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
     still = [entity for entity, kind in traits.items() if kind.body and not kind.furniture]
     situation = Situation(scene, {entity: fixed_pose(scene, entity) for entity in still})
     if entities and all(entity in still for entity in entities) and not fact.is_satisfied(situation):
-        yield f"{fact.sentence()} cannot hold, for nothing of it can move"
+        yield f"it cannot be that {fact.sentence()}, because none of these bodies can move"
 
 
 def gap_reasons(true: Sequence[Fact]) -> Iterator[str]:
@@ -92,7 +92,7 @@ def reach_reasons(true: Sequence[Fact], scene: Scene, gaps: Sequence[Iterable[Ga
 def _never_together(facts: Iterable[Fact]) -> str:
     """Return the sentence which states that facts exclude each other."""
     *others, last = [fact.sentence() for fact in facts]
-    return f"{', '.join(others)} and {last} exclude each other" if others else f"{last} is never so"
+    return f"it cannot be that {', '.join(others)} and {last}" if others else f"it cannot be that {last}"
 
 
 def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:

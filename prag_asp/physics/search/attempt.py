@@ -18,7 +18,7 @@ from prag_asp.scene.geometry import Pose
 from prag_asp.scene.robots import Joints, Robot
 from prag_asp.scene.scene import Scene
 
-EMPTY_VOLUME = "no room where the relations want the object"
+EMPTY_VOLUME = "no room where the relations require the object"
 RELATION = "a relation of the state does not hold"
 OBJECTS_COLLIDE = "objects collide"
 UNSUPPORTED = "an object would fall"

@@ -34,7 +34,7 @@ def require_constants_in_range(statements: Iterable[Statement]) -> None:
             try:
                 number = compute(read_expression(term), values)
             except Undefined:
-                continue  # it needs a constant that comes later, or is no number
+                continue  # it needs a constant that comes later, or is not a number
             values.setdefault(statement.node.name, clingo.Number(number))
             waiting.remove(statement)
             found = True

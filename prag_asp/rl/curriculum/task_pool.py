@@ -200,7 +200,9 @@ def parse_share(what: str, number: Number | float, *, positive: bool = False) ->
     """
     share = parse_number(what, str(number))
     if not 0 <= share <= 1 or (positive and not share):
-        raise QueryError(f"{what}: {number} is no share; give a number {'above 0' if positive else 'from 0'} up to 1")
+        raise QueryError(
+            f"{what}: {number} is not a share; give a number {'above 0' if positive else 'from 0'} up to 1"
+        )
     return share
 
 

@@ -174,7 +174,9 @@ class EpisodeSampler:
             raise QueryError(f"a task is a Task, a witness that of a task; got {task!r:.80} and {witness!r:.80}")
         for action in task.actions:
             if skill(action, self._scene) not in self._layout.skills:
-                raise QueryError(f"{action} is no action of the domain {self._domain.name}; give a task of that domain")
+                raise QueryError(
+                    f"{action} is not an action of the domain {self._domain.name}; give a task of that domain"
+                )
         if witness is None:
             return Assignment(task, self.finder.required(task))
         return self._once(lambda: assign_witness(task, witness, self._scene), task, witness)

@@ -68,7 +68,7 @@ class TaskOrigin:
             (self.part, RankedTasks, 'a part of the space, such as space.split({"train": 0.8, "test": 0.2})["train"]'),
         ):
             if value is not None and not isinstance(value, kinds):
-                raise QueryError(f"{value!r:.80} is no origin of tasks; give {example}")
+                raise QueryError(f"{value!r:.80} is not an origin of tasks; give {example}")
         if self.part is not None and self.space is None:
             raise QueryError("a part is one of a space; give the space, too")
         if self.part is not None and isinstance(self.space, TaskSpace) and not self.space.same_tasks(self.part.space):
@@ -77,7 +77,9 @@ class TaskOrigin:
             raise QueryError("a split divides a whole space; give that alone, or a part of it without a split")
         for each in self._curricula:
             if isinstance(each, type) or not (hasattr(each, "task_sampler") or hasattr(each, "subgoal_sampler")):
-                raise QueryError(f"{each!r:.80} is no curriculum; give one of prag_asp.rl, such as LengthCurriculum()")
+                raise QueryError(
+                    f"{each!r:.80} is not a curriculum; give one of prag_asp.rl, such as LengthCurriculum()"
+                )
         if self.space is None and self._curriculum_with("task_sampler"):
             raise QueryError("a curriculum of tasks needs a space; give that, or ReverseCurriculum() alone")
         self._curriculum_with("subgoal_sampler")

@@ -276,5 +276,5 @@ class _ExpressionParser:
 
     def _wrong(self, what: str) -> QueryError:
         return QueryError(
-            f"{self._text!r} is no expression: {what}; write it like 'approach (grasp . drop)* withdraw?'"
+            f"{self._text!r} is not an expression: {what}; write it like 'approach (grasp . drop)* withdraw?'"
         )

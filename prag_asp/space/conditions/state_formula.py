@@ -109,5 +109,5 @@ class _FormulaParser:
 
     def _wrong(self, what: str) -> QueryError:
         return QueryError(
-            f"{self._text!r} is no formula: {what}; write it like holding(panda,apple_1) or not open(panda)"
+            f"{self._text!r} is not a formula: {what}; write it like holding(panda,apple_1) or not open(panda)"
         )

@@ -247,7 +247,9 @@ def test_a_task_of_another_domain_is_told_in_one_line() -> None:
     with pytest.raises(QueryError, match=r"^prag has no entity .*; did you mean .*\?$"):
         writer("prag").instructions(task)
     other = replace(task, actions=(parse_atom("fly(panda,can_1)"), *task.actions[1:]))
-    with pytest.raises(QueryError, match=r"^fly\(panda,can_1\) is no action of tabletop; give tasks of that domain$"):
+    with pytest.raises(
+        QueryError, match=r"^fly\(panda,can_1\) is not an action of tabletop; give tasks of that domain$"
+    ):
         writer("tabletop").instructions(other)
     assert writer("tabletop").captions(other)[1][0] == "1. fly panda can 1"
 

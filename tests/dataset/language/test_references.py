@@ -101,5 +101,5 @@ def test_things_go_by_the_colours_that_a_picture_shows_them_in() -> None:
     assert "the green cube" in painted.instructions(task).default
     alike = instruction_writer_of(shipped("tabletop"), colors={"cube_1": "#2e86ab"})
     assert alike.instructions(task).named == ("cube_1",)
-    with pytest.raises(QueryError, match="cube_9 = '#20a040' is no colour of an entity; write one of tabletop"):
+    with pytest.raises(QueryError, match="cube_9 = '#20a040' is not a colour of an entity; write one of tabletop"):
         instruction_writer_of(shipped("tabletop"), colors={"cube_9": "#20a040"})

@@ -178,7 +178,7 @@ def edited(name: str, change: Callable[[str], str]) -> Callable[[Path], object]:
 
 
 FORGERIES: Mapping[str, tuple[Callable[[Path], object], str]] = {
-    "a file more": (lambda folder: (folder / "more.txt").write_text("x"), "more.txt: is no file of the suite"),
+    "a file more": (lambda folder: (folder / "more.txt").write_text("x"), "more.txt: is not a file of the suite"),
     "the card": (edited("README.md", lambda text: text.replace("Apart", "Alike")), "README.md: does not match"),
     "a size": (
         with_json("suite.json", lambda value: value["parts"][1].update(size="7")),
@@ -234,7 +234,7 @@ MISTAKES: Mapping[str, tuple[str, str]] = {
     "interchangeable": (f'{HEAD}unseen = "cup_1"\n', r":5: .*interchangeable"),
     "wrong start": (f'{HEAD}unseen = "starts juggling"\n', r":5: .*juggling"),
     "several starts": (f'{HEAD}unseen = "starts at(cup_1,high), at(cup_2,high)"\n', r":5: .*several fluents"),
-    "wrong name": ('domain = "shelves"\nlengths = 2\n[parts."a/b"]\ntasks = 1\n', r":3: parts.a/b: is no name"),
+    "wrong name": ('domain = "shelves"\nlengths = 2\n[parts."a/b"]\ntasks = 1\n', r":3: parts.a/b: is not a valid"),
     "no tasks": (
         'domain = "shelves"\nlengths = 2\n[parts.train]\ntasks = 0\n',
         r":4: parts.train.tasks: needs a whole number from 1; got 0",

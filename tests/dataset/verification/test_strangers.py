@@ -80,8 +80,8 @@ FOUND: dict[str, tuple[Change, str]] = {
     "a path with two lines": (rows(path="a\x1b[2J\nb"), r"a\x1b[2J\nb: cannot be read: No such file or directory"),
     "no path": (rows(path="a\0b"), r"a\x00b: leads out of the dataset"),
     "a long path": (rows(path="a" * 9000), "aaaa"),
-    "a name with two lines": (lambda folder: (folder / "a\x1b[2J\nok").touch(), r"a\x1b[2J\nok: is no file of the d"),
-    "a link to a folder": (lambda folder: (folder / "proc").symlink_to("/proc"), "proc: is no file of the dataset"),
+    "a name with two lines": (lambda folder: (folder / "a\x1b[2J\nok").touch(), r"a\x1b[2J\nok: is not a file of"),
+    "a link to a folder": (lambda folder: (folder / "proc").symlink_to("/proc"), "proc: is not a file of the dataset"),
 }  # fmt: skip
 
 

@@ -103,7 +103,7 @@ FILES: dict[str, tuple[Change, str]] = {
     "a file missing": (lambda folder: (folder / TEST).unlink(), rf"{TEST}: cannot be read: No such file"),
     "a file too many": (
         lambda folder: shutil.copy(folder / TRAIN, folder / "data/train-00009.parquet"),
-        r"data/train-00009.parquet: is no file of the dataset",
+        r"data/train-00009.parquet: is not a file of the dataset",
     ),
     "a link out of the folder": (linked, rf"{TEST}: leads out of the dataset"),
     "an edited domain": (with_bytes("domain/domain.lp", lambda text: text + b"\n"), r"domain/domain.lp: has"),
@@ -183,7 +183,7 @@ STARTS: dict[str, tuple[Change, str]] = {
     "a first state left out": (
         forged(lambda rows: rows[1].update(start=2), "witnesses"), rf"{WITNESSES}: row 1: is of the initial state 2;"
     ),
-    "no witness": (forged(lambda rows: rows[1].update(witness="{"), "witnesses"), rf"{WITNESSES}: row 1: is no wit"),
+    "no witness": (forged(lambda rows: rows[1].update(witness="{"), "witnesses"), rf"{WITNESSES}: row 1: is not a wit"),
     "a witness for nothing": (
         forged(lambda rows: rows[-1].update(task=99), "witnesses"), rf"{WITNESSES}: row \d: is of a task 99"
     ),
@@ -258,7 +258,7 @@ def test_recordings_are_the_files_that_were_written_and_show_their_tasks(
     monkeypatch.setattr(row_checks.RowChecks, "wrong", lambda *_: iter(()))
     found = [str(finding) for finding in verify(folder)]
     assert any("demonstrations/train/000001.npz: is not the file" in line for line in found)
-    assert any("demonstrations/train/000002.npz: is no recording" in line for line in found)
+    assert any("demonstrations/train/000002.npz: is not a recording" in line for line in found)
 
 
 def test_a_command_prints_what_is_wrong_and_says_so_by_its_code(copied: Path, tmp_path: Path) -> None:

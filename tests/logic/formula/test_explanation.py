@@ -1,4 +1,4 @@
-"""Why a sequence is no plan, compared with all plans of the definition."""
+"""Why a sequence is not a plan, compared with all plans of the definition."""
 
 from __future__ import annotations
 

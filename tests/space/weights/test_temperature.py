@@ -21,7 +21,7 @@ def test_one_leaves_weights_below_one_sharpens_them_and_infinity_makes_them_alik
     sharp = tempered(weights, "1/3")
     assert sharp.names == {"grasp": 27, "drop": 0} and sharp.pairs == {("grasp", "move"): Fraction(1, 8)}
     alike = tempered(weights, "inf")
-    assert alike.names == {"drop": 0} and not alike.pairs and not alike.entities  # 1 is no weight
+    assert alike.names == {"drop": 0} and not alike.pairs and not alike.entities  # 1 is not a weight
 
 
 @given(st.fractions(Fraction(1, 50), 50).filter(bool), st.integers(2, 4))
