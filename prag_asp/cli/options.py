@@ -15,8 +15,7 @@ from prag_asp.processes.machine import SHARE
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
-    from prag_asp.space.strata.allocation import Stratification
-    from prag_asp.space.strata.stratum import StratifiedBy
+    from prag_asp.space.strata.allocation import Stratification, StratifiedBy
 
 Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]

@@ -16,7 +16,7 @@ from prag_asp.integers import digits_of, number_of
 from prag_asp.physics.filming.episode_options import Staging
 from prag_asp.physics.verdict import Budget, Tier
 from prag_asp.space.sampling.sharding import ALL, Deal
-from prag_asp.space.strata.stratum import StratifiedBy
+from prag_asp.space.strata.allocation import StratifiedBy
 from prag_asp.tables.json_fields import Whole
 
 if TYPE_CHECKING:

@@ -52,7 +52,8 @@ function symbol(series, number, x, y) {
 }
 
 // Series differ by colour and by shape.
-function dot(series, number, x, y, extra = "") {
+function dot(series, number, across, up, extra = "") {
+  const [x, y] = [Number(across), Number(up)];
   const size = 4;
   const shapes = [
     `<circle cx="${x}" cy="${y}" r="${size}"`,
@@ -169,7 +170,8 @@ function mapSvg(plot, width) {
     series.places.map((place, at) => {
       const [x, y] = [12 + (place - x0) * scale, height - 12 - (series.heights[at] - y0) * scale];
       const task = series.tasks ? `data-task="${series.tasks[at]}"` : "";
-      return `<circle cx="${x.toFixed(1)}" cy="${y.toFixed(1)}" r="4" fill="${colour(number)}" fill-opacity="0.75" ${task} class="${series.ringed?.[at] ? "ringed" : ""}"/>`;
+      const ring = series.ringed?.[at] ? 'class="ringed"' : "";
+      return dot(series, number, x.toFixed(1), y.toFixed(1), `fill-opacity="0.75" ${task} ${ring}`);
     }).join(""),
   );
   return svg(plot, size, height, parts.join(""));

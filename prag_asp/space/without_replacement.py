@@ -23,7 +23,8 @@ from prag_asp.space.parts.shuffle import Shuffle
 from prag_asp.space.sampling.rank_order import EvenOrder, RankOrder, RemainingOrder, ShareOrder
 from prag_asp.space.sampling.samplers import Over
 from prag_asp.space.sampling.sharding import ALL, Deal
-from prag_asp.space.strata.stratum import StratifiedBy, strata_of
+from prag_asp.space.strata.allocation import StratifiedBy
+from prag_asp.space.strata.stratum import strata_of
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.weights.weights import Weights
 from prag_asp.space.word_set import WordSet

@@ -183,3 +183,16 @@ def test_the_vocabulary_composes_conditions(domains: dict[str, ExploredDomain]) 
     for keyword in found.whole:
         assert Condition.parse(keyword)
     assert "counts" not in asdict(found)
+
+
+def test_a_whole_task_of_a_domain_with_a_scene_names_the_commands_of_physics(
+    domains: dict[str, ExploredDomain],
+) -> None:
+    tabletop = explored("tabletop")
+    state = parse_query(to_rank(tabletop, PageState(1), "0").query)
+    same = plan_view(tabletop, state).same
+    (physics,) = (each for each in same if "physics" in each.what)
+    assert "--index 0 --format jsonl > task.jsonl && prag-asp validate task.jsonl" in physics.shell
+    assert "validate_task(space[0], load_scene(space.domain), seed=0)" in physics.python
+    whole = parse_query(to_rank(domains["blocks"], PageState(1), "0").query)
+    assert not any("physics" in each.what for each in plan_view(domains["blocks"], whole).same)

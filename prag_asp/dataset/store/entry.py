@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 from prag_asp.atom import parse_atom
 from prag_asp.dataset.store.draw_results import TRIVIAL
-from prag_asp.dataset.store.instructions import TaskTexts
 from prag_asp.dataset.store.manifest import MOST_DIGITS
 from prag_asp.errors import QueryError
 from prag_asp.integers import number_of
@@ -17,6 +16,7 @@ from prag_asp.task import FrozenDict, Task
 
 if TYPE_CHECKING:
     from prag_asp.atom import Atom
+    from prag_asp.dataset.store.instructions import TaskTexts
     from prag_asp.physics.verdict import Verdict
 
 
@@ -44,6 +44,8 @@ class DatasetEntry:
     @property
     def texts(self) -> TaskTexts:
         """The texts of the task."""
+        from prag_asp.dataset.store.instructions import TaskTexts
+
         return TaskTexts(tuple(self.instruction.items()), self.subgoals, self.named)
 
     @property

@@ -6,19 +6,33 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from math import floor
-from typing import TYPE_CHECKING
+from typing import Literal, Protocol
 
 from prag_asp.errors import QueryError
 from prag_asp.exact_numbers import Number, parse_number
 from prag_asp.wording import plural, unknown
 
-if TYPE_CHECKING:
-    from prag_asp.space.strata.stratum import StratifiedBy, Stratum
+StratifiedBy = Literal["length", "skeleton", "goal"]
+STRATIFIED_BY: tuple[StratifiedBy, ...] = ("length", "skeleton", "goal")
 
 FEWEST = 2
 """The minimum number of tasks of a stratum, unless it has fewer: the variance in a stratum needs two."""
 
 PROPORTIONAL, EQUAL = "proportional", "equal"
+
+
+class NamedSize(Protocol):
+    """A stratum, as an allocation sees it."""
+
+    @property
+    def name(self) -> str:
+        """The name of the stratum."""
+        ...
+
+    @property
+    def size(self) -> int:
+        """The number of its tasks."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -59,7 +73,7 @@ class Stratification:
             return self.allocation
         return ",".join(f"{name}={number}" for name, number in sorted(self.allocation.items()))
 
-    def counts(self, strata: Sequence[Stratum], count: int) -> list[int]:
+    def counts(self, strata: Sequence[NamedSize], count: int) -> list[int]:
         """Return the number of tasks of each stratum in a sample of `count` tasks.
 
         Each stratum has at least two tasks, or all that it has. Otherwise, the numbers are proportional to the sizes of

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import partial
-from typing import Literal
 
 from prag_asp.errors import QueryError
 from prag_asp.program.entity_names import action_name
@@ -16,11 +15,9 @@ from prag_asp.random_bits import SeededBits
 from prag_asp.space.distinct_sampling import RankedDraw, TaskOrder, UniformOrder, distinct_order, nonempty_sets
 from prag_asp.space.engines.engine import Letters
 from prag_asp.space.sampling.samplers import GoalSampler, Over, SkeletonSampler
+from prag_asp.space.strata.allocation import STRATIFIED_BY, StratifiedBy
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.word_set import WordSet
-
-StratifiedBy = Literal["length", "skeleton", "goal"]
-STRATIFIED_BY: tuple[StratifiedBy, ...] = ("length", "skeleton", "goal")
 
 _OVER: dict[StratifiedBy, Over] = {"skeleton": "skeletons", "goal": "goals"}
 

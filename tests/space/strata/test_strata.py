@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from prag_asp import QueryError, Task, TaskSpace, load_domain
-from prag_asp.space.strata.allocation import Stratification, allocate
-from prag_asp.space.strata.stratum import StratifiedBy, strata_of
+from prag_asp.space.strata.allocation import Stratification, StratifiedBy, allocate
+from prag_asp.space.strata.stratum import strata_of
 from tests.chance import examples
 
 KEYS: dict[StratifiedBy, Callable[[Task], object]] = {
