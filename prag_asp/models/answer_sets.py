@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import islice
@@ -20,9 +20,11 @@ from prag_asp.models.atom_weights import stated_weights, unknown_weights
 from prag_asp.models.compiled_program import CompiledProgram
 from prag_asp.models.compiler import Progress
 from prag_asp.models.counting_race import count_by_race
+from prag_asp.models.diagram import WeightedDiagram
 from prag_asp.models.foundedness import list_models
 from prag_asp.models.ground_program import GroundModels, ground_models
 from prag_asp.models.program_reader import GivenProgram, places_of_costs, read_program
+from prag_asp.models.questions.choices import Choice, conditions_of_symbols, only_chosen, parse_choice
 from prag_asp.models.questions.conflict import Conflict, find_conflict
 from prag_asp.models.questions.facets import Facet, facets_of_diagram, facets_of_lists
 from prag_asp.models.questions.optimum import Optimum, find_optimum, only_optimal
@@ -97,7 +99,8 @@ class AnswerSets:
 
     Iteration is lazy and in a fixed order: of two answer sets, the one that contains the first symbol in which they
     differ, in clingo's order, comes first. If clingo enumerates, its own order is used. With an `optimum`, only the
-    optimal answer sets are included.
+    optimal answer sets are included, and with `choices`, only those that agree with them; `whole` are then the answer
+    sets without choices.
     """
 
     given: GivenProgram
@@ -108,6 +111,33 @@ class AnswerSets:
     optimum: Optimum | None = None
     tell: Tell | None = None
     progress: Progress | None = None
+    choices: tuple[Choice, ...] = ()
+    whole: AnswerSets | None = field(default=None, repr=False, compare=False)
+
+    def where(self, *literals: str) -> AnswerSets:
+        """Return the answer sets that show some symbols and lack others, such as ``p(1)`` and ``not p(2)``.
+
+        If the answer sets are optimal ones, those of them that agree are kept. Once a diagram has been compiled, it
+        answers queries about all choices in time linear in its size.
+
+        Raises:
+            QueryError: a text is not a literal, or no answer set can show its symbol.
+        """
+        known = conditions_of_symbols(self.ground, project=self.project)
+        choices = (*self.choices, *(parse_choice(text, known) for text in literals))
+        whole = self.whole or self
+        return replace(whole, choices=tuple(dict.fromkeys(choices)), whole=whole) if choices else self
+
+    def compile(self, look: Callable[[], None] = lambda: None) -> bool:
+        """Compile the diagram unless that is done; return False if there is none because clingo has to enumerate.
+
+        `look` is called periodically; an exception that it raises ends the compilation.
+        """
+        if self._way() == "clingo":
+            return False
+        if not self._base._compiled.has_diagram:
+            self._compiled.compile(look)
+        return True
 
     def _repr_html_(self) -> str:
         """Return what is known of the answer sets for a notebook; nothing is counted or solved."""
@@ -116,9 +146,10 @@ class AnswerSets:
         rows = [("engine", self.engine), ("counts", "shown symbols once" if self.project else "every answer set")]
         rows += [("optimum", str(self.optimum))] if self.optimum is not None else []
         rows += [("weights", f"{len(self.stated)} atoms")] if self.stated else []
-        diagram = self.__dict__.get("_compiled")
-        if diagram is not None and diagram.has_diagram:
-            total = diagram.diagram.unweighted().total
+        rows += [("choices", ", ".join(map(str, self.choices)))] if self.choices else []
+        base = self._base.__dict__.get("_compiled")
+        if base is not None and base.has_diagram:
+            total = self._diagram.unweighted().total
             rows += [("answer sets", f"{total:,}")] if total < LONG_COUNT else []
         return fragment(
             element("p", element("strong", "The answer sets of a logic program")),
@@ -127,9 +158,30 @@ class AnswerSets:
 
     @cached_property
     def _compiled(self) -> CompiledProgram:
+        ground = self.ground
+        if self.choices:
+            ground = ground_models(self.given)  # the constraints of choices change its control
+            ground = ground if self.optimum is None else only_optimal(ground, self.optimum)
+            ground = only_chosen(ground, self.choices, project=self.project)
         return CompiledProgram(
-            self.given, self.ground, self.project, self.stated, self.optimum, self.progress, self.note
+            self.given, ground, self.project, self.stated, self.optimum, self.progress, self.note, self.choices
         )
+
+    @cached_property
+    def _base(self) -> AnswerSets:
+        """The answer sets whose diagram is used: those without choices if they have been compiled."""
+        compiled = None if self.whole is None else self.whole.__dict__.get("_compiled")
+        return self if self.whole is None or compiled is None or not compiled.has_diagram else self.whole
+
+    @cached_property
+    def _diagram(self) -> WeightedDiagram:
+        base = self._base
+        diagram = base._compiled.diagram
+        if base is self:
+            return diagram
+        literals = dict(base._compiled.formula.printed)
+        chosen = [-literals[each.symbol] if each.excluded else literals[each.symbol] for each in self.choices]
+        return WeightedDiagram(diagram.diagram.given(chosen), diagram.weights)
 
     def count(self) -> int:
         """Return the exact number of answer sets, regardless of weights.
@@ -146,11 +198,11 @@ class AnswerSets:
             counter = COUNTERS[self.engine]
             stage(f"counting models with {counter.name}")
             return count_models(self._compiled.counting_formula.cnf, counter=counter, request=f"engine {self.engine}")
-        if self.engine == "auto" and not self._compiled.has_diagram:
+        if self.engine == "auto" and not self._base._compiled.has_diagram:
             number = count_by_race(self._compiled)
             if number is not None:
                 return number
-        return self._compiled.diagram.unweighted().total
+        return self._diagram.unweighted().total
 
     def estimate(self, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0) -> Estimate:
         """Estimate the number of answer sets, regardless of weights.
@@ -174,7 +226,7 @@ class AnswerSets:
             return Fraction(self.count())
         if self._way() == "clingo":
             return self._compiled.enumeration.total()
-        return self._compiled.diagram.total * self._compiled.weights.scale
+        return self._diagram.total * self._base._compiled.weights.scale
 
     def sample(self, count: int, seed: int = 0) -> Iterator[AnswerSet]:
         """Yield `count` answer sets, sampled exactly in proportion to their weights; a seed always gives the same ones.
@@ -187,8 +239,8 @@ class AnswerSets:
             self._require(total)
             yield from self._compiled.enumeration.sample(seed, count, total)
             return
-        self._require(self._compiled.diagram.total)
-        yield from map(self._print, islice(self._compiled.diagram.sample(seed), count))
+        self._require(self._diagram.total)
+        yield from map(self._printer(self._base._compiled), islice(self._diagram.sample(seed), count))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
         """Return the exact probability that an answer set, sampled by weight, contains each symbol that may be shown.
@@ -201,10 +253,10 @@ class AnswerSets:
             self._require(total)
             sums = self._compiled.enumeration.marginals()
             return {symbol: sums.get(symbol, Fraction(0)) / total for symbol in self._symbols}
-        whole = self._compiled.diagram.total
+        whole, printed = self._diagram.total, self._base._compiled.formula.printed
         self._require(whole)
-        weights = self._compiled.diagram.marginals() | {TRUE: whole}
-        return {symbol: Fraction(weights.get(literal, 0), whole) for symbol, literal in self._compiled.formula.printed}
+        weights = self._diagram.marginals() | {TRUE: whole}
+        return {symbol: Fraction(weights.get(literal, 0), whole) for symbol, literal in printed}
 
     def facets(self) -> dict[clingo.Symbol, Facet]:
         """Return the share of each symbol that may be shown and, if it is a facet, how much it narrows the answer sets.
@@ -216,16 +268,19 @@ class AnswerSets:
         if self.stated:
             raise QueryError("facets are counted, not weighed; leave out --weighted, or ask for marginals")
         if self._way() == "clingo":
-            found = facets_of_lists(self._symbols, self)
+            found = facets_of_lists(self._symbols, (printed for printed, _ in self._compiled.enumeration.reported()))
             self._require(any(facet.share for facet in found.values()) or self.count())
             return found
-        diagram = self._compiled.diagram.unweighted()
+        diagram, printed = self._diagram.unweighted(), self._base._compiled.formula.printed
         self._require(diagram.total)
-        return facets_of_diagram(diagram.diagram, self._compiled.formula.printed, diagram.marginals(), diagram.total)
+        return facets_of_diagram(diagram.diagram, printed, diagram.marginals(), diagram.total)
 
     def explain(self) -> Conflict | None:
-        """Return lines of the program that together exclude every answer set, or None if the program has one."""
-        return find_conflict(self.given, self.ground)
+        """Return lines of the program that together exclude every answer set, or None if the program has one.
+
+        Choices count as lines, with their numbers from 1. Optimisation is ignored.
+        """
+        return find_conflict(self.given, self.ground, self.choices, project=self.project)
 
     def __iter__(self) -> Iterator[AnswerSet]:
         if self._way() == "clingo":
@@ -237,17 +292,25 @@ class AnswerSets:
         if not formula.whole:
             order += formula.cnf.shown
         else:
-            order += [formula.completion.value(atom) for _, atom in self.ground.names]
+            order += [formula.completion.value(atom) for _, atom in self._compiled.ground.names]
             order += map(formula.completion.value, formula.completion.values)
-        yield from map(self._print, list_models(formula, order))
+        yield from map(self._printer(self._compiled), list_models(formula, order))
 
-    def _print(self, literals: Sequence[Literal]) -> AnswerSet:
-        """Return the shown symbols of a model, given its true literals."""
-        places, always = self._places
-        shown = [*always]
-        for literal in literals:
-            shown += places.get(literal, ())
-        return tuple([self._symbols[place] for place in sorted(shown)])
+    def _printer(self, compiled: CompiledProgram) -> Callable[[Sequence[Literal]], AnswerSet]:
+        """Return a function that returns the shown symbols of a model, given its true literals in a formula."""
+        symbols = [symbol for symbol, _ in compiled.formula.printed]
+        places: dict[Literal, list[int]] = {}
+        for place, (_, literal) in enumerate(compiled.formula.printed):
+            places.setdefault(literal, []).append(place)
+        always = places.pop(TRUE, [])
+
+        def printed(literals: Sequence[Literal]) -> AnswerSet:
+            shown = [*always]
+            for literal in literals:
+                shown += places.get(literal, ())
+            return tuple([symbols[place] for place in sorted(shown)])
+
+        return printed
 
     def _way(self, *, counts: bool = False) -> str:
         """Return the engine to use, clingo or the diagram, and note a fallback.
@@ -270,6 +333,8 @@ class AnswerSets:
     @cached_property
     def _reason_to_enumerate(self) -> str:
         """The reason why there is no formula, or ""; with engine auto, the reason is noted."""
+        if self.whole is not None:
+            return self.whole._reason_to_enumerate
         reason = self._compiled.no_clauses
         if reason and self.engine == "auto":
             self.note(f"{reason}: clingo enumerates, which takes time for each answer set")
@@ -277,19 +342,7 @@ class AnswerSets:
 
     @cached_property
     def _symbols(self) -> tuple[clingo.Symbol, ...]:
-        if self._reason_to_enumerate or self.engine == "clingo":
-            by_statement = self.project and self.ground.projected is not None
-            named = (symbol for symbol, atom in self.ground.names if atom in (self.ground.projected or ()))
-            return tuple(named) if by_statement else tuple(symbol for symbol, _ in self.ground.shown)
-        return tuple(symbol for symbol, _ in self._compiled.formula.printed)
-
-    @cached_property
-    def _places(self) -> tuple[dict[Literal, list[int]], list[int]]:
-        """The indices of the symbols that each literal shows, and the indices of the symbols in all answer sets."""
-        places: dict[Literal, list[int]] = {}
-        for place, (_, literal) in enumerate(self._compiled.formula.printed):
-            places.setdefault(literal, []).append(place)
-        return places, places.pop(TRUE, [])
+        return tuple(conditions_of_symbols(self.ground, project=self.project))
 
     def note(self, line: str) -> None:
         """Pass a line to `tell`, if there is one."""

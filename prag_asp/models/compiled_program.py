@@ -17,6 +17,7 @@ from prag_asp.models.enumeration.enumeration import Enumeration
 from prag_asp.models.ground_program import GroundModels
 from prag_asp.models.prepared_formula import PreparedFormula, prepare_formula
 from prag_asp.models.program_reader import GivenProgram
+from prag_asp.models.questions.choices import Choice
 from prag_asp.models.questions.optimum import Optimum
 from prag_asp.models.shifting import is_head_cycle_free
 from prag_asp.processes.progress_events import stage
@@ -26,7 +27,8 @@ from prag_asp.processes.progress_events import stage
 class CompiledProgram:
     """A ground program as a formula, as a diagram of the formula, and as an enumeration by clingo.
 
-    `stated` are the weights of atoms; `note` receives a line before a long compilation.
+    `stated` are the weights of atoms. `ground` has constraints for the `choices`, which `given` does not have. `note`
+    receives a line before a long compilation.
     """
 
     given: GivenProgram
@@ -36,6 +38,7 @@ class CompiledProgram:
     optimum: Optimum | None
     progress: Progress | None
     note: Callable[[str], None]
+    choices: tuple[Choice, ...] = ()
 
     @cached_property
     def no_clauses(self) -> str:
@@ -111,4 +114,6 @@ class CompiledProgram:
             )
             if left:
                 raise projected_away(left[0], self.ground, self.given.program)
-        return Enumeration(self.given, self.ground, self.project, self.stated, self.optimum, self.progress)
+        return Enumeration(
+            self.given, self.ground, self.project, self.stated, self.optimum, self.progress, self.choices
+        )

@@ -7,13 +7,13 @@ models are sampled top-down by choosing each branch in proportion to its total.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from math import prod
 from typing import NamedTuple
 
-from prag_asp.logic.formula.clause_builder import Literal
+from prag_asp.logic.formula.clause_builder import TRUE, Literal
 from prag_asp.random_bits import WORD, SeededBits
 
 MOST_WORDS = 2**18
@@ -32,6 +32,24 @@ class Diagram:
     """Nodes as tuples of branches; the last node is the root. A diagram without nodes has no model."""
 
     nodes: tuple[tuple[Branch, ...], ...]
+
+    def given(self, literals: Iterable[Literal]) -> Diagram:
+        """Return the diagram of the models that contain all given literals; a literal may be ``TRUE`` or ``-TRUE``."""
+        against = {-literal for literal in literals}
+        if TRUE in against:
+            return Diagram(())
+        nodes: list[tuple[Branch, ...]] = []
+        renumbered: list[int] = []  # -1 for a node without models
+        for branches in self.nodes:
+            left = tuple(
+                Branch(branch.literals, tuple(renumbered[child] for child in branch.children))
+                for branch in branches
+                if against.isdisjoint(branch.literals) and all(renumbered[child] >= 0 for child in branch.children)
+            )
+            renumbered.append(len(nodes) if left else -1)
+            if left:
+                nodes.append(left)
+        return Diagram(tuple(nodes) if renumbered and renumbered[-1] >= 0 else ())
 
 
 _Choice = tuple[int, Branch, Branch, Callable[[Iterator[int]], bool]]

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from prag_asp.atom import split_actions
 from prag_asp.cli import options
-from prag_asp.cli.arguments import parse_constant_options
-from prag_asp.cli.domain_options import SPACE, DomainOptions, domain_options
-from prag_asp.cli.terminal import end_progress, progress, say, tell_line
+from prag_asp.cli.arguments import parse_constant_options, parse_length
+from prag_asp.cli.domain_options import DOMAIN, ENGINE, DomainOptions, domain_options
+from prag_asp.cli.page_serving import serve_page
+from prag_asp.cli.terminal import end_progress, progress
 from prag_asp.errors import QueryError
 from prag_asp.safe_reading import STANDARD_INPUT
 
@@ -19,32 +22,90 @@ if TYPE_CHECKING:
     from prag_asp.explore.explored_domain import ExploredDomain
     from prag_asp.space.limits import Limits
 
+OF_TASKS = (
+    "length", "by", "prefix", "settings", "rules", "encodings", "flat", "learned", "strict", "untimed", "cached",
+    "trust",
+)  # fmt: skip
+"""The names of the options that do not fit a program that describes no tasks."""
+
+OF_MODELS = ("project", "optimal")
+"""The names of the options that fit only such a program."""
+
 
 @click.command()
-@domain_options(*SPACE, options.trust)
+@domain_options(
+    *DOMAIN,
+    click.option(
+        "-n", "--length", type=parse_length, metavar="N", help="Number of actions of a task; required without --models."
+    ),
+    *ENGINE,
+    options.trust,
+)
 @click.option(
     "--by", type=click.Choice(["task", "plan"]), default="task", show_default=True,
     help="Show interchangeable entities as one (task), or apart (plan).",
 )  # fmt: skip
 @options.prefix
 @click.option(
+    "--models", is_flag=True,
+    help="DOMAIN... are the files of any clingo program: show its answer sets. --where chooses and excludes atoms.",
+)  # fmt: skip
+@click.option("--project", is_flag=True, help="With --models: as for prag-asp models.")
+@click.option("--optimal", is_flag=True, help="With --models: as for prag-asp models.")
+@click.option(
     "--port", type=options.whole(0, 65535), default=0, metavar="PORT",
     help="Port of the page on this machine.  [default: a free one]",
 )  # fmt: skip
 @click.option("--open", "opens", is_flag=True, help="Also open the page in the browser.")
-def explore(*, request: DomainOptions, by: Any, prefix: str | None, port: int, opens: bool) -> None:
-    """Browse the tasks of length N in a local page.
+def explore(
+    *,
+    request: DomainOptions,
+    by: Any,
+    prefix: str | None,
+    models: bool,
+    project: bool,
+    optimal: bool,
+    port: int,
+    opens: bool,
+) -> None:
+    """Browse the tasks of length N, or the answer sets of a program, in a local page.
 
-    Prints the link of the page, which shows, for each possible next action, the exact number of tasks that remain. Only
-    this machine can open it, and only with the link. Ctrl-C ends the command.
+    Prints the link of the page, which shows, for each possible next action, the exact number of tasks that remain. With
+    --models, it shows, for each atom, the exact number of answer sets that contain it. Only this machine can open the
+    page, and only with the link. Ctrl-C ends the command.
     """
+    if models:
+        _refuse(OF_TASKS, "it is about tasks; leave it out with --models")
+        from prag_asp.cli.models_page import serve_models
+
+        serve_models(request, project=project, optimal=optimal, port=port, opens=opens)
+    else:
+        _refuse(OF_MODELS, "it is about answer sets; add --models")
+        _serve_tasks(request, by, prefix, port=port, opens=opens)
+
+
+def _refuse(names: Sequence[str], reason: str) -> None:
+    """Check that no option with one of these names is given.
+
+    Raises:
+        QueryError: one is given.
+    """
+    context = click.get_current_context()
+    for parameter in context.command.params:
+        if parameter.name in names and context.get_parameter_source(parameter.name) is ParameterSource.COMMANDLINE:
+            raise QueryError(f"{parameter.opts[-1]}: {reason}")
+
+
+def _serve_tasks(request: DomainOptions, by: Any, prefix: str | None, *, port: int, opens: bool) -> None:
     from prag_asp.cli import exit_control
-    from prag_asp.explore.page_server import PageServer
     from prag_asp.explore.page_state import PageState, parse_query
     from prag_asp.explore.plan_view import count_view
-    from prag_asp.explore.space_pages import PAGE, space_views
+    from prag_asp.explore.space_pages import space_views
     from prag_asp.explore.turns import Turns
 
+    if request.length is None:
+        (parameter,) = (each for each in click.get_current_context().command.params if each.name == "length")
+        raise click.MissingParameter(param=parameter)
     turns = Turns()
     limits = replace(exit_control.limits(cached=request.cached), since=None, seconds=None, stop=turns.stop)
     state = PageState(request.one_length, request.conditions(), tuple(split_actions(prefix or "")), (), by)
@@ -53,13 +114,7 @@ def explore(*, request: DomainOptions, by: Any, prefix: str | None, port: int, o
         explored = _explored(request, limits)
         count_view(explored, state)  # a wrong condition or prefix is reported here
     end_progress()
-    with PageServer(PAGE, space_views(explored), turns, port=port, report=tell_line) as server:
-        link = f"{server.link}?{state.query}"
-        say(link)
-        tell_line("open this link in a browser on this machine; Ctrl-C ends")
-        if opens:
-            click.launch(link)
-        server.serve_forever()
+    serve_page(space_views(explored), turns, f"?{state.query}", port=port, opens=opens)
 
 
 def _explored(request: DomainOptions, limits: Limits) -> ExploredDomain:

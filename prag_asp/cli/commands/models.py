@@ -37,6 +37,7 @@ class ProgramOptions:
     weighted: bool
     optimal: bool
     engine: str
+    where: tuple[str, ...]
 
     @contextmanager
     def answer_sets(self) -> Iterator[AnswerSets]:
@@ -56,12 +57,17 @@ class ProgramOptions:
             )
             for line in found.ground.remarks:
                 tell_line(line)
-            yield found
+            yield found.where(*self.where)
 
 
 constant_option = click.option(
     "-c", "--const", "constants", metavar="NAME=VALUE", multiple=True, help="Value of a constant, such as n=8."
 )
+
+where_option = click.option(
+    "--where", metavar="LITERAL", multiple=True,
+    help="Only answer sets that show an atom, such as 'in(1)', or not, such as 'not in(1)'; may be repeated.",
+)  # fmt: skip
 
 program_options = grouped(
     "program", ProgramOptions,
@@ -82,6 +88,7 @@ program_options = grouped(
             help="ganak or d4, model counters (count only); diagram, a compiled decision diagram; clingo, enumeration; "
             "or auto, which tries several of them with limited work.",
         ),
+        where_option,
     ),
 )  # fmt: skip
 """Give a command the options of a program, as one value `program`."""
@@ -202,8 +209,9 @@ def facets(*, program: ProgramOptions, form: str) -> None:
 @models.command()
 @click.argument("files", metavar="FILE...", nargs=-1, required=True, shell_complete=shell_completion.files)
 @constant_option
+@where_option
 @format_option
-def explain(*, files: tuple[str, ...], constants: tuple[str, ...], form: str) -> None:
+def explain(*, files: tuple[str, ...], constants: tuple[str, ...], where: tuple[str, ...], form: str) -> None:
     """Explain why a program has no answer set.
 
     Prints a set of lines of the program that together exclude every answer set, while no proper subset does: lifting
@@ -213,7 +221,7 @@ def explain(*, files: tuple[str, ...], constants: tuple[str, ...], form: str) ->
     from prag_asp.models.questions.conflict import explain_program
 
     with progress():
-        found = explain_program([source_of(file) for file in files], parse_constant_options(constants))
+        found = explain_program([source_of(file) for file in files], parse_constant_options(constants), where)
     lines = () if found is None else found.lines
     if form == "json":
         minimal = None if found is None else found.minimal

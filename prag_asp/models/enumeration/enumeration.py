@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from math import prod
 from time import monotonic
 
@@ -14,6 +15,7 @@ from prag_asp.logic.ground.rules import Condition, GroundRecorder
 from prag_asp.models.atom_weights import weight_of
 from prag_asp.models.ground_program import GroundModels
 from prag_asp.models.program_reader import GivenProgram
+from prag_asp.models.questions.choices import Choice, add_choices
 from prag_asp.models.questions.optimum import Optimum
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.grounding import Grounder
@@ -38,6 +40,7 @@ class Enumeration:
     stated: Mapping[clingo.Symbol, Fraction]
     optimum: Optimum | None = None
     progress: Callable[[str], None] | None = None
+    choices: tuple[Choice, ...] = ()
 
     def __iter__(self) -> Iterator[Printed]:
         return (printed for printed, _ in self._enumerate())
@@ -61,12 +64,12 @@ class Enumeration:
 
     def total(self) -> Fraction:
         """Return the sum of the weights of all answer sets; without weights, their number."""
-        return sum((weight for _, weight in self._enumerate_with_progress()), start=Fraction(0))
+        return sum((weight for _, weight in self.reported()), start=Fraction(0))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
         """Return, for each symbol, the total weight of the answer sets that show it."""
         weights: dict[clingo.Symbol, Fraction] = {}
-        for printed, weight in self._enumerate_with_progress():
+        for printed, weight in self.reported():
             for symbol in printed:
                 weights[symbol] = weights.get(symbol, Fraction(0)) + weight
         return weights
@@ -91,19 +94,30 @@ class Enumeration:
                 break
         return samples
 
+    @cached_property
+    def _projected(self) -> frozenset[clingo.Symbol]:
+        """The atoms of ``#project`` if answer sets are projected on them."""
+        projected = (self.ground.projected or ()) if self.project else ()
+        return frozenset(symbol for symbol, atom in self.ground.names if atom in projected)
+
     def _grounder(self, *arguments: str) -> Grounder:
         project = [PROJECT] if self.project else []
         values = [] if self.optimum is None else [str(value) for _, value in self.optimum.values]
         mode = f"--opt-mode={','.join(['enum', *values])}"  # all answer sets at least as good
         recorder = GroundRecorder()
-        grounder = self.given.grounder(*arguments, "0", mode, *project, observer=recorder if self.project else None)
+        observed = self.project or self.choices
+        grounder = self.given.grounder(*arguments, "0", mode, *project, observer=recorder if observed else None)
         grounder.ground([("base", [])])
+        if self.choices:
+            atoms = grounder.control.symbolic_atoms
+            projected = {symbol: ((atom.literal,),) for symbol in self._projected if (atom := atoms[symbol])}
+            add_choices(grounder.control, self.choices, projected or recorder.shown)
         if self.project and recorder.projected is None:
             project_on_shown(grounder.control, recorder.shown.items())
         stage("enumerating answer sets")
         return grounder
 
-    def _enumerate_with_progress(self) -> Iterator[tuple[Printed, Fraction]]:
+    def reported(self) -> Iterator[tuple[Printed, Fraction]]:
         """Yield the answer sets, and report their number periodically."""
         latest = monotonic()
         for number, answer_set in enumerate(self._enumerate(), 1):
@@ -119,7 +133,6 @@ class Enumeration:
     def _enumerate(self) -> Iterator[tuple[Printed, Fraction]]:
         grounder = self._grounder()
         by_statement = self.project and self.ground.projected is not None
-        projected = {symbol for symbol, atom in self.ground.names if atom in (self.ground.projected or ())}
         with grounder.control.solve(yield_=True, async_=True) as handle:
             try:
                 while True:
@@ -130,7 +143,7 @@ class Enumeration:
                     if model is None:
                         return
                     atoms = model.symbols(atoms=True)
-                    shown = projected.intersection(atoms) if by_statement else set(model.symbols(shown=True))
+                    shown = self._projected.intersection(atoms) if by_statement else set(model.symbols(shown=True))
                     printed = tuple(sorted(shown))  # clingo repeats a symbol that is both an atom and a term
                     yield printed, weight_of(self.stated, iter(atoms))
             finally:

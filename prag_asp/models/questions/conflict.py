@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Container, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import count
 from operator import itemgetter
 from pathlib import Path
@@ -19,9 +19,11 @@ import clingo
 from clingo.ast import AST, ASTType, Sign
 
 from prag_asp.logic.formula.liftable import RestrictingLine
+from prag_asp.logic.ground.rules import Condition, GroundRecorder
 from prag_asp.models.aspif import is_aspif
 from prag_asp.models.ground_program import GroundModels, ground_models
 from prag_asp.models.program_reader import GivenProgram, read_program
+from prag_asp.models.questions.choices import Choice, conditions_of_symbols, parse_choice, rules_of_choice
 from prag_asp.models.questions.ground_lines import liftable_text
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.constants import Constant
@@ -40,6 +42,10 @@ CONSTANT = re.compile(r"-?\d+|_*[a-z][\w']*")
 """An argument that is a number or a name."""
 
 
+CHOICES = Path("<where>")
+"""The path of choices, whose lines are numbered from 1."""
+
+
 @dataclass(frozen=True)
 class Conflict:
     """Lines of a program that together exclude every answer set; if `minimal`, no proper subset does.
@@ -51,38 +57,54 @@ class Conflict:
     minimal: bool
 
 
-def explain_program(files: Sequence[str | Path | Source], constants: Mapping[str, Constant]) -> Conflict | None:
+def explain_program(
+    files: Sequence[str | Path | Source], constants: Mapping[str, Constant], where: Sequence[str] = ()
+) -> Conflict | None:
     """Return lines that exclude every answer set of a program, or None if it has one; the program may optimise.
+
+    The literals `where` choose and exclude shown symbols, and count as lines.
 
     Raises:
         DomainError: a file cannot be read or ground.
+        QueryError: a text is not a literal, or no answer set can show its symbol.
     """
     given = read_program(files, constants, optimal=True)
-    return find_conflict(given, ground_models(given))
+    ground = ground_models(given)
+    known = conditions_of_symbols(ground, project=False)
+    return find_conflict(given, ground, [parse_choice(text, known) for text in where])
 
 
-def find_conflict(given: GivenProgram, ground: GroundModels) -> Conflict | None:
-    """Return lines of a program that exclude every answer set, or None if it has one."""
+def find_conflict(
+    given: GivenProgram, ground: GroundModels, choices: Sequence[Choice] = (), *, project: bool = False
+) -> Conflict | None:
+    """Return lines of a program and choices that exclude every answer set, or None if one agrees with the choices."""
+
+    def conflict_of(liftable: _LiftableLines) -> Conflict | None:
+        return liftable.with_choices(choices, ground, project=project).conflict()
+
     for source in given.program.sources:
         if is_aspif(source):
-            conflict = _liftable_ground(given, source, facts=False).conflict()
+            conflict = conflict_of(_liftable_ground(given, source, facts=False))
             return (
                 conflict
                 if conflict is None or conflict.lines
-                else _liftable_ground(given, source, facts=True).conflict()
+                else conflict_of(_liftable_ground(given, source, facts=True))
             )
     data = {_signature(symbol) for symbol, _ in ground.names}
     data -= {_signature(symbol) for symbol, atom in ground.names if atom not in ground.facts}
-    conflict = _liftable_lines(given, ground, data).conflict()
-    return conflict if conflict is None or conflict.lines or not data else _liftable_lines(given, ground, ()).conflict()
+    conflict = conflict_of(_liftable_lines(given, ground, data))
+    return (
+        conflict if conflict is None or conflict.lines or not data else conflict_of(_liftable_lines(given, ground, ()))
+    )
 
 
 def _liftable_ground(given: GivenProgram, source: Source, *, facts: bool) -> _LiftableLines:
     """Return the lines of an aspif program, including facts if `facts`."""
     text, lines, kept = liftable_text(source, facts=facts)
-    grounder = Grounder(given.program, "--opt-mode=ignore", strict=False, text=text)
+    recorder = GroundRecorder()
+    grounder = Grounder(given.program, "--opt-mode=ignore", strict=False, text=text, observer=recorder)
     grounder.ground([("base", [])])
-    return _LiftableLines(grounder.control, lines, kept)
+    return _LiftableLines(grounder.control, lines, kept, recorder.shown)
 
 
 def _liftable_lines(given: GivenProgram, ground: GroundModels, data: Container[Signature]) -> _LiftableLines:
@@ -104,21 +126,44 @@ def _liftable_lines(given: GivenProgram, ground: GroundModels, data: Container[S
     possible = (_possible(symbol, f"{prefix}may") for symbol, _ in ground.names if symbol.name)
     choice = f"{{ {prefix}kept(0..{len(lines) - 1}) }}." if lines else ""
     program = Program((*sources, Source(ADDED, " ".join([choice, *possible]))))
-    grounder = Grounder(program, *given.arguments, "--opt-mode=ignore", strict=False)
+    recorder = GroundRecorder()
+    grounder = Grounder(program, *given.arguments, "--opt-mode=ignore", strict=False, observer=recorder)
     grounder.ground([("base", [])])
     atoms = grounder.control.symbolic_atoms
     symbols = (clingo.Function(f"{prefix}kept", [clingo.Number(place)]) for place in range(len(lines)))
     literals = [atom.literal for atom in map(atoms.__getitem__, symbols) if atom is not None]
-    return _LiftableLines(grounder.control, lines, literals)
+    return _LiftableLines(grounder.control, lines, literals, recorder.shown)
 
 
 @dataclass(frozen=True)
 class _LiftableLines:
-    """Lines of a program that restrict answer sets, each with the literal that keeps it."""
+    """Lines of a program that restrict answer sets, each with the literal that keeps it.
+
+    `_shown` are the conditions under which answer sets show a symbol.
+    """
 
     _control: clingo.Control
     _lines: Sequence[RestrictingLine]
     _literals: Sequence[int]
+    _shown: Mapping[clingo.Symbol, Sequence[Condition]]
+
+    def with_choices(self, choices: Sequence[Choice], ground: GroundModels, *, project: bool) -> _LiftableLines:
+        """Return these lines and choices of the symbols of a ground program; a choice can be lifted like a line."""
+        if not choices:
+            return self
+        by_statement = project and ground.projected is not None
+        lines, literals = [*self._lines], [*self._literals]
+        with self._control.backend() as backend:
+            for number, each in enumerate(choices, 1):
+                atom = self._control.symbolic_atoms[each.symbol] if by_statement else None
+                conditions = ((atom.literal,),) if atom is not None else self._shown.get(each.symbol, ())
+                kept = backend.add_atom()
+                backend.add_rule([kept], choice=True)
+                for rule in rules_of_choice(each, conditions, backend.add_atom):
+                    backend.add_rule(rule.heads, rule.body if rule.heads else (*rule.body, kept))
+                lines.append(RestrictingLine(CHOICES, number, str(each)))
+                literals.append(kept)
+        return replace(self, _lines=lines, _literals=literals)
 
     def conflict(self) -> Conflict | None:
         """Return lines that exclude every answer set, or None if the program has one."""

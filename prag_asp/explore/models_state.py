@@ -1,0 +1,71 @@
+"""The state of a page of answer sets, which is the query of its link."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
+from urllib.parse import parse_qsl, urlencode
+
+from prag_asp.errors import QueryError
+from prag_asp.explore.page_state import MOST_FIELDS
+from prag_asp.wording import unknown
+
+Sorting = Literal["name", "significance", "share"]
+"""The orders of facets: by clingo's order of symbols, or the largest numbers first."""
+
+LARGEST_SEED = 2**63 - 1
+
+FIELDS = ("where", "find", "sort", "seed")
+
+
+@dataclass(frozen=True)
+class ModelsState:
+    """What a page shows of a program: the answer sets that agree with the literals `where`, in the order of choosing.
+
+    The facets whose text contains `find` are listed. With a `seed`, a sample is shown.
+    """
+
+    where: tuple[str, ...] = ()
+    find: str = ""
+    sort: Sorting = "name"
+    seed: int | None = None
+
+    @property
+    def query(self) -> str:
+        """The query of the link."""
+        fields = [("where", text) for text in self.where]
+        fields += [("find", self.find)] if self.find else []
+        fields += [("sort", self.sort)] if self.sort != "name" else []
+        return urlencode([*fields, *([] if self.seed is None else [("seed", str(self.seed))])])
+
+    def choosing(self, *literals: str) -> ModelsState:
+        """Return the state with further choices, and without the sample."""
+        return replace(self, where=(*self.where, *literals), seed=None)
+
+
+def parse_models_query(query: str) -> ModelsState:
+    """Return the state that a query states.
+
+    Raises:
+        QueryError: a field is unknown, repeated or wrong.
+    """
+    try:
+        fields = parse_qsl(query, keep_blank_values=True, max_num_fields=MOST_FIELDS)
+    except ValueError:
+        raise QueryError(f"the link has more than {MOST_FIELDS} fields; open a shorter one") from None
+    values: dict[str, list[str]] = {name: [] for name in FIELDS}
+    for name, value in fields:
+        if name not in values:
+            raise QueryError(unknown(name, FIELDS, "field of a link"))
+        values[name].append(value)
+    for name in FIELDS[1:]:
+        if len(values[name]) > 1:
+            raise QueryError(f"a link has {name} at most once; leave one out")
+    sorts: dict[str, Sorting] = {name: name for name in get_args(Sorting)}
+    sort, seed = (values["sort"] or ["name"])[0], (values["seed"] or [""])[0].strip()
+    if sort not in sorts:
+        raise QueryError(unknown(sort, sorts, "order of facets"))
+    if seed and not (seed.isascii() and seed.isdigit() and len(seed) < 20 and int(seed) <= LARGEST_SEED):
+        raise QueryError(f"seed {seed[:30]!r}: write a whole number from 0 to {LARGEST_SEED}")
+    find = (values["find"] or [""])[0].strip()
+    return ModelsState(tuple(dict.fromkeys(values["where"])), find, sorts[sort], int(seed) if seed else None)

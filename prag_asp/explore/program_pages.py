@@ -1,0 +1,21 @@
+"""The views of the page of a program by name, as functions of the fields of a request."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from prag_asp.explore.explored_program import ExploredProgram
+from prag_asp.explore.models_state import parse_models_query
+from prag_asp.explore.models_view import models_conflict_view, models_view
+from prag_asp.explore.page_server import View
+
+MODELS_PAGE = "models.html"
+"""The file of the page, in the folder of all pages."""
+
+
+def program_views(explored: ExploredProgram) -> Mapping[str, View]:
+    """Return the views of a program; the field ``state`` of a request is the query of the page's link."""
+    return {
+        "models": lambda fields: models_view(explored, parse_models_query(fields.get("state", ""))),
+        "conflict": lambda fields: models_conflict_view(explored, parse_models_query(fields.get("state", ""))),
+    }
