@@ -239,8 +239,9 @@ class AnswerSets:
             self._require(total)
             yield from self._compiled.enumeration.sample(seed, count, total)
             return
-        self._require(self._diagram.total)
-        yield from map(self._printer(self._base._compiled), islice(self._diagram.sample(seed), count))
+        diagram = self._compiled.diagram  # not that of the whole, so that a seed gives the same in every case
+        self._require(diagram.total)
+        yield from map(self._printer(self._compiled), islice(diagram.sample(seed), count))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
         """Return the exact probability that an answer set, sampled by weight, contains each symbol that may be shown.
