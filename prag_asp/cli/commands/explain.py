@@ -46,7 +46,7 @@ GOAL = re.compile(r"\bgoal\(")
 @click.option("--smallest", is_flag=True, help="With --length: name as few lines as possible, which takes longer.")
 @click.option(
     "--fewest-changes", "changes", is_flag=True,
-    help="With --length: name the lines whose removal alone leaves a task, or else a smallest set to remove.",
+    help="With --length: name each line whose removal alone leaves a task, or else a smallest set of lines to remove.",
 )  # fmt: skip
 def explain(
     *, request: DomainOptions, words: tuple[str, ...], number: int | None, action: str | None, step: int | None,
