@@ -27,7 +27,7 @@ MOST_BYTES = 4 * 10**9
 """The largest matrix that is kept in memory."""
 
 SUFFIXES = (".npz", ".parquet")
-"""The extensions of files of distances."""
+"""The extensions of files with distances."""
 
 
 @dataclass(frozen=True)

@@ -75,7 +75,7 @@ def compare_frequencies(
 
 
 def frequency_test(found: Moments, whole: Moments) -> FrequencyTest:
-    """Compare the frequencies in some tasks with those in a space, given the second moments of one feature of both."""
+    """Compare the frequencies in some tasks with those in a space, given the second moments of one feature in both."""
     values = tuple(sorted({*found.values, *whole.values}))
     observed, total = _occurrences(found, values), _occurrences(whole, values)
     frequencies = tuple(

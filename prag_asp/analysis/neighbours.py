@@ -52,7 +52,7 @@ class NearestTask:
 
 @dataclass(frozen=True)
 class Target:
-    """A given plan under each renaming, shape (images, actions), as numbers of letters; other actions are -1."""
+    """A given plan under each renaming, shape (images, actions), as numbers of letters, or -1 for unused ones."""
 
     images: NDArray[np.int64]
     metric: Metric

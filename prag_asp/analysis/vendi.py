@@ -68,7 +68,7 @@ def vendi_score(
 
 
 def score_of(moments: Moments, *, bag: bool = False) -> VendiScore:
-    """Return the Vendi score for some second moments."""
+    """Return the Vendi score, computed from second moments."""
     matrix = moments.products if bag else moments.joint
     trace = int(np.trace(matrix))
     order_2 = Fraction(trace**2, int((matrix * matrix).sum()))

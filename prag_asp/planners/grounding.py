@@ -215,7 +215,7 @@ def _safe_precondition(
 
 
 def known_values(values: Iterable[tuple[clingo.Symbol, str]]) -> dict[clingo.Symbol, bool]:
-    """Return the values of the contract as Booleans."""
+    """Return fluents whose truth values are given as text, as in the contract, with Booleans."""
     return {fluent: value == "true" for fluent, value in values}
 
 

@@ -1,4 +1,4 @@
-"""Combinations of factors that training can do without, and still cover all combinations of one factor less."""
+"""Combinations of factors that training can do without while still covering all combinations of one factor fewer."""
 
 from __future__ import annotations
 

@@ -108,7 +108,7 @@ class AutoEngine:
             raise limit_error(reached.reason, counted, level, length) from None
 
     def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
-        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
+        """Return, for each letter that can follow `prefix`, the number of words that continue with it."""
         return self._answer(length, lambda engine: engine.following(length, prefix))
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
