@@ -81,7 +81,7 @@ def novelty(
     computed by `nearest_task`.
 
     Raises:
-        QueryError: there is no given task, or `pair_distances` raises the error.
+        QueryError: no task is given, or `pair_distances` raises the error.
         SimilarityMissingError: the metric needs rapidfuzz, which is not installed.
     """
     if not given:

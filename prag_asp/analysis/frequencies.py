@@ -68,7 +68,7 @@ def compare_frequencies(
     ``pairs`` (of consecutive names).
 
     Raises:
-        QueryError: there is no task, a task has another length, or the space is empty or has several lengths.
+        QueryError: there is no task, a task has a different length, or the space is empty or has several lengths.
         LimitReached: a limit ended the exploration.
     """
     return frequency_test(task_moments(space, tasks, feature), space_moments(space, feature))

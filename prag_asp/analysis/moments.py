@@ -113,8 +113,8 @@ def task_moments(space: TaskSpace, tasks: Iterable[Task | Sequence[str]], featur
     Interchangeable entities get their canonical names in the space. A task that occurs twice counts twice.
 
     Raises:
-        QueryError: there is no task, or a task has another length or contains something that is not an action of the
-        domain.
+        QueryError: there is no task, or a task has a different length or contains something that is not an action of
+            the domain.
     """
     actions, rows = space.engines.actions, []
     values = dict(zip(actions, texts_of(space, _single(feature), "task", tuple(actions)), strict=True))

@@ -155,7 +155,7 @@ def _find_domain(
     The arguments are one name or folder, or any number of files and at most one text.
 
     Raises:
-        DomainError: the domain does not exist, the arguments are of several kinds, or PDDL files cannot be imported.
+        DomainError: the domain does not exist, the arguments mix several kinds, or PDDL files cannot be imported.
     """
     files = list(dict.fromkeys([*names, *([] if text is None else [text_source("text", text)])]))
     if not files:

@@ -96,7 +96,7 @@ def read_costs(path: str | Path, tasks: Iterable[Trace], background: Background)
 
 @dataclass(frozen=True)
 class _CostReader:
-    """The checks of the values of a file; errors name the file and the line."""
+    """Checks the values in a file; errors name the file and the line."""
 
     path: Path
     text: str

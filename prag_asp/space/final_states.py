@@ -35,7 +35,7 @@ FEW_EDGES, MANY_EDGES = 200_000, 2_000_000
 
 @dataclass(frozen=True)
 class Ending:
-    """The number of words after which one of some facts is known to hold, and after which one may hold.
+    """The number of words after which one of the given facts is known to hold, and the number after which one may.
 
     In an open world, values may be unknown. The condition that a word ends with one of the facts leaves the `possible`
     words.

@@ -1,8 +1,8 @@
 """The engine of the condition ``shortest``: the words of tasks to whose goal no shorter plan leads.
 
-Whether there is a shorter plan depends on the whole plan, but only through what it makes known of its initial state and
-of its final state. The states of the automaton are refined by both (``encodings/conditions/shortest.lp``); then a state
-decides, for plans of one length that end in it, whether it accepts.
+Whether there is a shorter plan depends on the whole plan, but only through what it makes known about its initial state
+and its final state. The states of the automaton are refined by both (``encodings/conditions/shortest.lp``); then a
+state decides, for plans of one length that end in it, whether it accepts.
 """
 
 from __future__ import annotations
@@ -133,7 +133,7 @@ class ShortestEngine:
 
     @property
     def letters(self) -> Letters:
-        """The texts of the letters, in their order."""
+        """The texts of the letters, in order."""
         model, level, *_ = self._request
         return tuple(all_letters(model, level))
 

@@ -28,7 +28,7 @@ STRONGEST = 8
 
 @dataclass(frozen=True)
 class Coverage:
-    """The reachable combinations of one strength, and those that are covered by the tasks in question."""
+    """The reachable combinations of one strength, and those that the given tasks cover."""
 
     strength: int
     reachable: frozenset[Combination]
@@ -71,7 +71,8 @@ def reachable_combinations(space: TaskSpace, strength: int) -> frozenset[Combina
     """Return the combinations that occur in some task of a space: exactly those on the edges of its automaton.
 
     Raises:
-        QueryError: the strength is wrong, the space has several lengths, or its states are too many to be listed.
+        QueryError: the strength is out of range, the space has several lengths, or its states are too many to be
+            listed.
         LimitReached: a limit ended the exploration.
     """
     return frozenset().union(*letter_combinations(space, layered_words(space, "task"), strength))
@@ -81,7 +82,8 @@ def coverage(tasks: Iterable[Task], space: TaskSpace, strength: int) -> Coverage
     """Return which of the reachable combinations of a space are covered by some tasks.
 
     Raises:
-        QueryError: the strength is wrong, the space has several lengths, or its states are too many to be listed.
+        QueryError: the strength is out of range, the space has several lengths, or its states are too many to be
+            listed.
         LimitReached: a limit ended the exploration.
     """
     reachable, classes = reachable_combinations(space, strength), space.domain.facts.entity_names

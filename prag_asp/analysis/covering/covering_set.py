@@ -39,7 +39,8 @@ def covering_set(space: TaskSpace, strength: int) -> CoveringSet:
     need not be the smallest.
 
     Raises:
-        QueryError: the strength is wrong, the space has several lengths, or its states are too many to be listed.
+        QueryError: the strength is out of range, the space has several lengths, or its states are too many to be
+            listed.
         LimitReached: a limit was reached.
     """
     words = layered_words(space, "task")

@@ -117,7 +117,7 @@ def _names(statements: Iterator[str]) -> Iterator[tuple[int, str]]:
 
 
 def _output(text: str) -> tuple[str, tuple[int, ...]]:
-    """Return the term and the condition of an output; both are empty for another statement."""
+    """Return the term and the condition of an output; both are empty for any other statement."""
     kind, _, rest = text.partition(" ")
     if kind != str(OUTPUT):
         return "", ()

@@ -185,7 +185,7 @@ class ShuffledWords:
 
 
 def _beside_each(ways: Sequence[Ways], left: int) -> dict[Ways, list[int]]:
-    """Return the factor of each part in the completions of the product, for each length of the word of this part.
+    """Return, for each part and each length of its word, the factor that the other parts contribute.
 
     The factor is the weight of the shuffles of one word from each other part, times the number of ways to shuffle them
     with the word of the part into `left` letters. Parts with equal completions have equal factors.

@@ -87,7 +87,7 @@ class AutoEngine:
 
     @property
     def letters(self) -> Letters:
-        """The texts of the letters, in their order."""
+        """The texts of the letters, in order."""
         return self._listing.letters
 
     def count(self, length: int, prefix: Letters = ()) -> int:
@@ -138,7 +138,7 @@ class AutoEngine:
         return self._answer(length, lambda engine: engine.weighed(length, weights, goals=goals, plain=plain))
 
     def _answer(self, length: int, ask: Callable[[Engine], Answer]) -> Answer:
-        """Return the answer of the automaton engine, or of diagrams if the automaton has too many states."""
+        """Return the answer from the automaton engine, or from diagrams if the automaton has too many states."""
         if self._exceeded is None or length < self._exceeded[0]:
             try:
                 return ask(self._listing)

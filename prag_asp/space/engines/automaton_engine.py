@@ -88,7 +88,7 @@ class AutomatonEngine:
 
     @cached_property
     def letters(self) -> tuple[str, ...]:
-        """The texts of the letters, in their order."""
+        """The texts of the letters, in order."""
         if self._reached is not None:
             return self._reached.letters
         if self._level == "skeleton":

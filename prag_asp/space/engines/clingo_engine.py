@@ -36,7 +36,7 @@ Ask = Callable[[], "int | None"]
 """Return the count of another process, or None until it is finished."""
 
 Beside = Callable[[int, Letters], AbstractContextManager[Ask]]
-"""Count the words of a given length that begin with a prefix in parallel with clingo; the first to finish answers."""
+"""In parallel with clingo, count the words of a given length that begin with a prefix; the first to finish answers."""
 
 
 class ClingoEngine:
@@ -331,5 +331,5 @@ class _UnrolledPlans:
 
 
 _in_use: WeakValueDictionary[tuple[int, int, EncodingPredicate], _UnrolledPlans] = WeakValueDictionary()
-"""The ground programs in use, by program, length and shown predicate; without interchangeable entities, the levels
-plan and task share one."""
+"""The ground programs in use, keyed by program, length and shown predicate; without interchangeable entities, the
+levels plan and task share one."""

@@ -92,7 +92,7 @@ class NoWords:
 
     @property
     def letters(self) -> Letters:
-        """The texts of the letters, in their order."""
+        """The texts of the letters, in order."""
         return tuple(all_letters(self.model, self.level))
 
     def count(self, length: int, prefix: Letters = ()) -> int:

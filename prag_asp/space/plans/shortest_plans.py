@@ -1,7 +1,7 @@
 """The shortest plans from the initial state of a task to its goal, counted by a breadth-first search.
 
-A plan solves a task if it is a plan of the domain from the known facts of the initial state to the goal that
-makes nothing more known about the initial state, so that it can be executed wherever the task can. The logic is in
+A plan of the domain solves a task if it leads from the known facts of the initial state to the goal and makes nothing
+more known about the initial state. It can therefore be executed wherever the task can. The logic is in
 ``encodings/rules/same_start.lp``.
 """
 
@@ -87,7 +87,7 @@ class Start:
 
     @classmethod
     def of(cls, program: Program, initial: Iterable[tuple[object, bool]]) -> Start:
-        """Return the initial state of plans of a program in which fluents have these values.
+        """Return the initial state in which fluents have these values, for plans of a program.
 
         Raises:
             DomainError: clingo cannot ground the program.

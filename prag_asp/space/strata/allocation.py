@@ -81,7 +81,7 @@ class Stratification:
         variance (Neyman 1934; Cochran, Sampling Techniques, 1977, section 5.5). They are rounded by largest remainders.
 
         Raises:
-            QueryError: no allocation has this number of tasks, or no stratum has a given name.
+            QueryError: no allocation has this number of tasks, or a name is not that of a stratum.
         """
         sizes, allocation = [stratum.size for stratum in strata], self.allocation
         if isinstance(allocation, str):
