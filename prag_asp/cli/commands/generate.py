@@ -60,7 +60,7 @@ if TYPE_CHECKING:
 @click.option("--skeletons", is_flag=True, help="With --split: parts also share no skeleton.")
 @click.option(
     "--hold-out", "held", metavar="WHAT", shell_complete=shell_completion.names,
-    help="Entity, class, action or pair that occurs only in the part test; that part gets a fifth, or its share of --split.",
+    help="Entity, class, action or pair that occurs only in the part test; it gets a fifth, or its share of --split.",
 )  # fmt: skip
 @click.option(
     "--starts", type=whole(1), default=1, show_default=True, metavar="K",

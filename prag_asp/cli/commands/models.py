@@ -70,7 +70,7 @@ program_options = grouped(
         constant_option,
         click.option(
             "--project", is_flag=True,
-            help="Count answer sets once if they agree on the atoms of #project (without #project, on the shown atoms).",
+            help="Count answer sets once if they agree on the atoms of #project; without #project, on the shown atoms.",
         ),
         click.option("--weighted", is_flag=True, help="Weight answer sets by facts such as weight(in(1),2)."),
         click.option(
