@@ -148,7 +148,7 @@ def _other_lengths(space: TaskSpace) -> Iterator[str]:
     with suppress(EngineError, LimitReached):
         shortest = shortest_length(space)
         if shortest is None:
-            yield f"there is none of any length{where}"
+            yield f"there is no task of any length{where}"
         else:
             yield f"the shortest task{where} has {plural(shortest, 'action')}"
 
