@@ -43,7 +43,7 @@ OF_MODELS = ("project", "optimal")
 )
 @click.option(
     "--by", type=click.Choice(["task", "plan"]), default="task", show_default=True,
-    help="Show interchangeable entities as one (task), or apart (plan).",
+    help="Show interchangeable entities as one (task) or separately (plan).",
 )  # fmt: skip
 @options.prefix
 @click.option(

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option(
     "--cover", type=whole(1, 7), metavar="T",
-    help="Training covers all combinations of T factors of an action; each test task has one of T+1 that it lacks.",
+    help="Training covers all combinations of T factors of an action; each test task has one of T+1 that is new.",
 )  # fmt: skip
 @click.option(
     "--combinations", type=whole(1), metavar="K",

@@ -53,7 +53,7 @@ def task(
     """Print the task of a rank, or the rank of a task.
 
     Tasks are ranked in lexicographic order of their actions, and actions in clingo's order of terms; the ranks depend
-    on the domain only.
+    only on the domain.
     """
     from prag_asp.dataset.jsonl import Record
 
