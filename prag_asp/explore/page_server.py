@@ -40,8 +40,9 @@ KINDS = {
 """The media types of the files of a page."""
 
 HEADERS = {
-    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
-    "media-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; "
+    "img-src 'self' blob:; media-src 'self' blob:; connect-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
     "Cross-Origin-Resource-Policy": "same-origin",
@@ -60,6 +61,13 @@ class Picture:
 
     kind: str
     content: bytes
+
+
+@dataclass(frozen=True)
+class Elsewhere:
+    """A view whose work runs in another process: `work` returns the view while other requests are answered."""
+
+    work: Callable[[], Any]
 
 
 class PageServer(ThreadingHTTPServer):
@@ -157,8 +165,12 @@ class _Handler(BaseHTTPRequestHandler):
     def _answer(self, view: View) -> None:
         try:
             fields = dict(parse_qsl(urlsplit(self.path).query, keep_blank_values=True, max_num_fields=MOST_FIELDS))
-            with self.server.turns.turn(fields.get("window", "")[:64], _number(fields.get("number", "0"))):
+            request = fields.get("window", "")[:64], _number(fields.get("number", "0"))
+            with self.server.turns.turn(*request):
                 found = view(fields)
+            if isinstance(found, Elsewhere):
+                with self.server.turns.turn(*request, elsewhere=True):
+                    found = found.work()
         except LimitReached as error:
             if error.reason.kind is StopKind.CANCEL:
                 self._send_problem(HTTPStatus.CONFLICT, str(error))

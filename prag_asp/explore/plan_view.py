@@ -239,14 +239,6 @@ def _same(explored: ExploredDomain, state: PageState, rank: int) -> tuple[SameRe
     if state.by == "task":
         line = shell_line(explored, "task", state, "--index", str(rank))
         same.append(SameResult("this task", line, f"{space}space[{rank}]"))
-        if explored.domain.settings.scene and len(explored.words) == 1:
-            physics = "prag-asp validate task.jsonl && prag-asp render task.jsonl --output task.png"
-            python = (
-                f"from prag_asp import load_scene\nfrom prag_asp.physics import validate_task\n{space}"
-                f"validate_task(space[{rank}], load_scene(space.domain), seed=0)"
-            )
-            line = f"{line} --format jsonl > task.jsonl && {physics}"
-            same.append(SameResult("its verdict by physics, and its film strip", line, python))
     return (
         *same,
         SameResult("this view", shell_line(explored, "explore", state, *options), f"{space}{chosen} in space"),

@@ -1,4 +1,7 @@
-"""The requests of pages: one computes at a time, and a newer request of a window ends the work on its older ones."""
+"""The requests of pages: one computes at a time, and a newer request of a window ends the work on its older ones.
+
+Work in another process takes a turn of its own, so that the views of a page are answered meanwhile.
+"""
 
 from __future__ import annotations
 
@@ -24,7 +27,7 @@ class Turns:
 
     def __init__(self) -> None:
         self._latest: OrderedDict[str, int] = OrderedDict()
-        self._registering, self._computing = Lock(), Lock()
+        self._registering, self._computing, self._elsewhere = Lock(), Lock(), Lock()
         self._current = local()
         self._closed = False
 
@@ -38,8 +41,8 @@ class Turns:
         return CANCEL if self._closed or self._latest.get(window, number) > number else None
 
     @contextmanager
-    def turn(self, window: str, number: int) -> Iterator[None]:
-        """Wait until no other request computes.
+    def turn(self, window: str, number: int, *, elsewhere: bool = False) -> Iterator[None]:
+        """Wait until no other request computes; `elsewhere`, until no other one has work in another process.
 
         Raises:
             LimitReached: the window has sent a newer request meanwhile.
@@ -50,13 +53,14 @@ class Turns:
             self._latest.move_to_end(window)
             while len(self._latest) > WINDOWS:
                 self._latest.popitem(last=False)
-        while not self._computing.acquire(timeout=POLL):
+        lock = self._elsewhere if elsewhere else self._computing
+        while not lock.acquire(timeout=POLL):
             self._check()
         try:
             self._check()
             yield
         finally:
-            self._computing.release()
+            lock.release()
             self._current.request = ("", 0)
 
     def _check(self) -> None:

@@ -1,6 +1,7 @@
 // The page of a task space. Its state is the query of its link; every view comes from the server.
 
 import { choice, fill, find, grouped, make, percent, sameResults, withArrows } from "./elements.js";
+import { showPhysics, withPhysics } from "./physics.js";
 import { ask, begin, Problem } from "./requests.js";
 import { withTheme } from "./theme.js";
 
@@ -52,7 +53,7 @@ async function show() {
 }
 
 function showPlan(plan) {
-  const noun = plan.level === "plan" ? "plans" : "tasks";
+  const noun = plan.count === "1" ? plan.level : `${plan.level}s`;
   document.title = `${plan.title} - prag-asp explore`;
   fill("title", plan.title);
   const share = plan.count === plan.total ? "" : ` of ${grouped(plan.total)} (${percent(plan.share)})`;
@@ -68,6 +69,8 @@ function showPlan(plan) {
   showActions(plan);
   fill("same", ...sameResults([...extra, ...plan.same]));
   fill("empty");
+  const whole = plan.steps.length - 1 === plan.length && plan.length > 0 && plan.count !== "0";
+  showPhysics(vocabulary.has_scene && whole, state.toString());
 }
 
 function stepOf(step, place, last) {
@@ -304,6 +307,7 @@ async function start() {
     tell(error);
     return;
   }
+  withPhysics(vocabulary);
   find("weighting").hidden = !vocabulary.weighted;
   find("weighted").checked = vocabulary.weighted;
   const kinds = ["", "uses", "uses at least", "avoids", "has at least", "lacks", "ends", "achieves", "matches", ...vocabulary.whole];
