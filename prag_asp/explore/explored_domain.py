@@ -44,6 +44,7 @@ class ExploredDomain:
     """A domain with its task spaces.
 
     `words` name the domain on a command line, and `call` loads it in Python; both are shown beside each view.
+    `progress` receives reports.
     """
 
     domain: Domain
@@ -51,6 +52,7 @@ class ExploredDomain:
     call: str
     engine: str = "auto"
     limits: Limits = UNLIMITED
+    progress: Callable[[str], None] | None = None
     _spaces: Cache = field(default_factory=lambda: Cache(SPACES))
     _following: Cache = field(default_factory=lambda: Cache(PREFIXES))
 
@@ -64,7 +66,7 @@ class ExploredDomain:
         def make() -> TaskSpace:
             if where:
                 return self.space(length).where(*where)
-            return TaskSpace(self.domain, length, engine=self.engine, limits=self.limits)
+            return TaskSpace(self.domain, length, engine=self.engine, progress=self.progress, limits=self.limits)
 
         return self._spaces.get((length, where), make)
 

@@ -141,6 +141,8 @@ class _Handler(BaseHTTPRequestHandler):
         name = urlsplit(self.path).path.removeprefix(f"/{self.server.token}/")
         if name.startswith("api/") and name.removeprefix("api/") in self.server.views:
             self._answer(self.server.views[name.removeprefix("api/")])
+        elif name == "api/doing":  # answered while another request computes
+            self._send_json(HTTPStatus.OK, asdict(self.server.turns.doing))
         elif (name or "index.html") in self.server.files:
             file = name or "index.html"
             self._send(HTTPStatus.OK, KINDS[Path(file).suffix], self.server.files[file])

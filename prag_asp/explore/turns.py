@@ -8,9 +8,11 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from threading import Lock, local
 
 from prag_asp.errors import LimitReached
+from prag_asp.processes.progress_events import Note
 from prag_asp.stop_reason import StopKind, StopReason
 
 WINDOWS = 256
@@ -22,6 +24,14 @@ POLL = 0.02
 CANCEL = StopReason(StopKind.CANCEL)
 
 
+@dataclass(frozen=True)
+class Doing:
+    """What the request that computes is doing, in words; `note` says why it will take long, if that is forecast."""
+
+    words: str = ""
+    note: str = ""
+
+
 class Turns:
     """The turns of requests. Each window numbers its requests; requests with equal numbers do not end each other."""
 
@@ -30,6 +40,7 @@ class Turns:
         self._registering, self._computing, self._elsewhere = Lock(), Lock(), Lock()
         self._current = local()
         self._closed = False
+        self.doing = Doing()
 
     def close(self) -> None:
         """End the work on all requests."""
@@ -39,6 +50,11 @@ class Turns:
         """Return why the request of this thread should end, or None; this is a check for `Limits`."""
         window, number = getattr(self._current, "request", ("", 0))
         return CANCEL if self._closed or self._latest.get(window, number) > number else None
+
+    def tell(self, words: str) -> None:
+        """Record the progress of the request that computes."""
+        note = str(words) if isinstance(words, Note) else self.doing.note
+        self.doing = Doing(self.doing.words if isinstance(words, Note) else str(words), note)
 
     @contextmanager
     def turn(self, window: str, number: int, *, elsewhere: bool = False) -> Iterator[None]:
@@ -58,6 +74,8 @@ class Turns:
             self._check()
         try:
             self._check()
+            if not elsewhere:
+                self.doing = Doing()
             yield
         finally:
             lock.release()

@@ -41,18 +41,19 @@ def explore(*, request: DomainOptions, by: Any, prefix: str | None, port: int, o
     from prag_asp.cli import exit_control
     from prag_asp.explore.page_server import PageServer
     from prag_asp.explore.page_state import PageState, parse_query
-    from prag_asp.explore.plan_view import count_view
     from prag_asp.explore.space_pages import PAGE, space_views
     from prag_asp.explore.turns import Turns
+    from prag_asp.processes.progress_events import hear
 
     turns = Turns()
     limits = replace(exit_control.limits(cached=request.cached), since=None, seconds=None, stop=turns.stop)
     state = PageState(request.one_length, request.conditions(), tuple(split_actions(prefix or "")), (), by)
     parse_query(state.query)
     with progress():
-        explored = _explored(request, limits)
-        count_view(explored, state)  # a wrong condition or prefix is reported here
+        explored = replace(_explored(request, limits), progress=turns.tell)
+        explored.chosen(state)  # a wrong condition or prefix is reported here; the page counts
     end_progress()
+    hear(turns.tell)
     with PageServer(PAGE, space_views(explored), turns, port=port, report=tell_line) as server:
         link = f"{server.link}?{state.query}"
         say(link)

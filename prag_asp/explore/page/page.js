@@ -2,9 +2,10 @@
 
 import { choice, fill, find, grouped, make, percent, sameResults, withArrows } from "./elements.js";
 import { showPhysics, withPhysics } from "./physics.js";
-import { ask, begin, Problem } from "./requests.js";
+import { ask, begin, doing, Problem } from "./requests.js";
 import { withTheme } from "./theme.js";
 
+const WATCHING = 1000; // milliseconds between two looks at what the server is doing
 const TYPING = 150; // milliseconds without a key until a condition is counted
 let state = new URLSearchParams(location.search);
 let vocabulary = null;
@@ -40,6 +41,7 @@ async function show() {
   find("problem").hidden = true;
   showConditions();
   const query = state.toString();
+  const ended = watch();
   try {
     const plan = await ask("page", "plan", { state: query });
     if (plan === null) return;
@@ -49,7 +51,31 @@ async function show() {
     await Promise.all([showComparison(), plan.count === "0" ? showWhy() : showFacets()]);
   } catch (error) {
     tell(error);
+  } finally {
+    ended();
   }
+}
+
+// Show what the server is doing while a view takes long, and why it will; return a function that ends this.
+let watching = null;
+function watch() {
+  clearInterval(watching);
+  fill("doing");
+  fill("note");
+  const own = setInterval(async () => {
+    const { words, note } = await doing();
+    if (own !== watching) return;
+    fill("doing", words === "" ? "" : `The server is ${words} ...`);
+    if (find("note").textContent !== note) fill("note", note);
+  }, WATCHING);
+  watching = own;
+  return () => {
+    if (own !== watching) return;
+    clearInterval(own);
+    watching = null;
+    fill("doing");
+    fill("note");
+  };
 }
 
 function showPlan(plan) {

@@ -31,6 +31,15 @@ export const ask = (kind, view, fields = {}) => answer(kind, view, fields, (resp
 // Return the picture that a view gives as a blob, or null if a newer state of this kind has begun.
 export const askPicture = (kind, view, fields) => answer(kind, view, fields, (response) => response.blob());
 
+// Return what the server is doing, in words; empty texts if it does not answer.
+export async function doing() {
+  try {
+    return await (await fetch("api/doing")).json();
+  } catch {
+    return { words: "", note: "" };
+  }
+}
+
 async function answer(kind, view, fields, read) {
   const number = latest.get(kind) ?? 0;
   const query = new URLSearchParams({ ...fields, window: `${own}/${kind}`, number });
