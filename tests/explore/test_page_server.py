@@ -44,7 +44,7 @@ def server() -> Iterator[PageServer]:
 
 
 def ask(server: PageServer, path: str, method: str = "GET", **headers: str) -> tuple[int, dict[str, str], bytes]:
-    connection = HTTPConnection("127.0.0.1", server.port, timeout=20)
+    connection = HTTPConnection("127.0.0.1", server.port, timeout=180)
     host = {"Host": f"127.0.0.1:{server.port}"}
     connection.request(
         method, path, headers={**host, **{name.replace("_", "-"): text for name, text in headers.items()}}
