@@ -10,7 +10,7 @@ from prag_asp.errors import LimitReached, QueryError
 from prag_asp.explore.explored_domain import Cache, ExploredDomain
 from prag_asp.explore.page_server import Picture
 from prag_asp.explore.same_result import SameResult, python_space, shell_line
-from prag_asp.explore.task_trial import Trial, draw_strip, film, judge
+from prag_asp.explore.task_trial import Trial, draw_film, draw_strip, judge
 from prag_asp.physics.verdict import Budget, Verdict
 from prag_asp.processes.bounded_call import bounded
 from prag_asp.stop_reason import StopKind
@@ -93,7 +93,7 @@ class TaskPhysics:
             ("strip", _key(trial)), lambda: Picture("image/png", self.call(draw_strip, trial, verdict))
         )
 
-    def film(self, trial: Trial) -> Picture:
+    def animation(self, trial: Trial) -> Picture:
         """Return the animation of the robot that executes a feasible task.
 
         Raises:
@@ -101,7 +101,7 @@ class TaskPhysics:
                 or a limit was reached.
         """
         verdict = self._feasible(trial)
-        return self._pictures.get(("film", _key(trial)), lambda: Picture(*self.call(film, trial, verdict)))
+        return self._pictures.get(("film", _key(trial)), lambda: Picture(*self.call(draw_film, trial, verdict)))
 
     def _feasible(self, trial: Trial) -> Verdict:
         verdict = self._verdict(trial)

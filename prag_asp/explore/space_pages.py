@@ -65,6 +65,6 @@ def space_views(explored: ExploredDomain, call: Call | None = None) -> Mapping[s
         "sample": sample,
         "verdict": of_trial(physics.verdict),
         "strip": of_trial(physics.strip),
-        "film": of_trial(physics.film),
+        "film": of_trial(physics.animation),
         "end": lambda fields: Ended(),
     }

@@ -16,9 +16,10 @@ from prag_asp.errors import PicturesMissingError, QueryError
 from prag_asp.explore.explored_domain import ExploredDomain
 from prag_asp.explore.page_state import PageState, parse_query
 from prag_asp.physics import require_physics
-from prag_asp.physics.verdict import Budget, Verdict
+from prag_asp.physics.verdict import TIERS, Budget, Tier, Verdict
 from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
+from prag_asp.wording import unknown
 
 LARGEST_SEED = 2**63 - 1
 
@@ -48,7 +49,10 @@ def trial_of(explored: ExploredDomain, fields: Mapping[str, str]) -> Trial:
         PragError: a field is wrong, the page shows no whole task, or the domain has no scene.
     """
     state, seed = parse_query(fields.get("state", "")), read_seed(fields)
-    budget = replace(Budget.parse(fields.get("budget", "10x10")), tier=fields.get("tier", "kinematics"))
+    budget, tier = Budget.parse(fields.get("budget", "10x10")), fields.get("tier", Tier.KINEMATICS)
+    if tier not in TIERS:
+        raise QueryError(unknown(tier, TIERS, "tier of checks"))
+    budget = replace(budget, tier=Tier(tier))
     state = replace(state, chosen=explored.chosen(state))
     if len(state.chosen) < state.length:
         raise QueryError("physics judges whole tasks; choose the other actions first")
@@ -98,7 +102,7 @@ def draw_strip(trial: Trial, verdict: Verdict) -> bytes:
     return buffer.getvalue()
 
 
-def film(trial: Trial, verdict: Verdict) -> tuple[str, bytes]:
+def draw_film(trial: Trial, verdict: Verdict) -> tuple[str, bytes]:
     """Return the media type and the animation of the robot that executes a feasible task: MP4, or WebP without PyAV.
 
     Raises:

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from prag_asp import LimitReached, QueryError, TaskSpace, load_domain, load_scene
-from prag_asp.errors import PhysicsMissingError
+from prag_asp.errors import PhysicsMissingError, SceneError
 from prag_asp.explore import physics_view
 from prag_asp.explore.explored_domain import ExploredDomain
 from prag_asp.explore.page_state import PageState
@@ -56,17 +56,17 @@ def test_the_verdict_and_its_python_and_command_agree(
 def test_a_feasible_task_has_a_strip_and_a_film_which_are_made_once(physics: TaskPhysics) -> None:
     pillow = pytest.importorskip("PIL.Image")
     trial = trial_of(TABLETOP, {"state": FIRST.query})
-    strip, film = physics.strip(trial), physics.film(trial)
+    strip, film = physics.strip(trial), physics.animation(trial)
     assert pillow.open(BytesIO(strip.content)).format == "PNG"
     assert film.kind in ("video/mp4", "image/webp") and film.content
-    assert physics.strip(trial) is strip and physics.film(trial) is film
+    assert physics.strip(trial) is strip and physics.animation(trial) is film
 
 
 def test_a_task_that_is_not_feasible_has_a_cause_and_no_picture() -> None:
     pytest.importorskip("pybullet")
     state = PageState(1, chosen=("stack(a,b)",))
     explored = ExploredDomain(load_domain("blocks"), ("blocks",), "")
-    with pytest.raises(QueryError, match="scene"):
+    with pytest.raises(SceneError, match="has no \\[scene\\]"):
         trial_of(explored, {"state": state.query})
     trial = trial_of(TABLETOP, {"state": FIRST.query})
     far = replace(trial, scene=_far_away(trial.scene))
@@ -81,7 +81,7 @@ def test_a_task_that_is_not_feasible_has_a_cause_and_no_picture() -> None:
 
 def _far_away(scene: Any) -> Any:
     """Return a scene whose robot stands 5 m away, so that it reaches nothing."""
-    return replace(scene, robots={name: replace(mount, x=mount.x - 5.0) for name, mount in scene.robots.items()})
+    return replace(scene, robots={name: mount._replace(x=mount.x - 5.0) for name, mount in scene.robots.items()})
 
 
 @pytest.mark.parametrize(
@@ -89,9 +89,9 @@ def _far_away(scene: Any) -> Any:
     [
         ({"state": "length=2&do=pick(panda,brick_1,bin_1)"}, "whole tasks"),
         ({"state": FIRST.query, "seed": "-1"}, "seed"),
-        ({"state": FIRST.query, "budget": "0x1"}, "at least 1"),
+        ({"state": FIRST.query, "budget": "0x1"}, "RESTARTSxSAMPLES"),
         ({"state": FIRST.query, "budget": "many"}, "RESTARTSxSAMPLES"),
-        ({"state": FIRST.query, "tier": "magic"}, "unknown tier"),
+        ({"state": FIRST.query, "tier": "magic"}, "tier of checks"),
         ({"state": f"{FIRST.query}&where=lacks+pick"}, "no task of tabletop"),
     ],
 )
