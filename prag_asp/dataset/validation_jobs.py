@@ -51,7 +51,7 @@ class JobResult(NamedTuple):
 
 @dataclass(frozen=True)
 class ValidationSetup:
-    """The options to validate the draws of a part of a dataset, by physics if there is a `scene`.
+    """The options to validate the draws of a part of a dataset, with physics if there is a `scene`.
 
     If draws have to be decoded into tasks, and their texts written, `space` has its domain, lengths and conditions.
     """

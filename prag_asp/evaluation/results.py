@@ -32,7 +32,7 @@ class EvaluationRecord(msgspec.Struct, frozen=True):
     """The contents of evaluation.json: the policy, the scenarios and the options of an evaluation.
 
     `options` are the options of the environment as text; `rejected` counts sampled tasks that physics found infeasible.
-    `strata` are those of a stratified sample; the parts of its episodes are their names.
+    `strata` are those of a stratified sample; the part of each episode is then the name of its stratum.
     """
 
     identity: str

@@ -36,7 +36,7 @@ def _attribute_name(key: str) -> str:
 
 
 def joined(parts: Iterable[str]) -> Markup:
-    """Return the markup of all parts in order; texts that are no `Markup` are escaped."""
+    """Return the markup of all parts in order; texts that are not `Markup` are escaped."""
     return Markup("".join(part if isinstance(part, Markup) else escape(part) for part in parts))
 
 

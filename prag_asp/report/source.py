@@ -119,7 +119,7 @@ def _kind(path: Path) -> str:
     """Return what a path is: ``dataset``, ``evaluation`` or ``tasks``.
 
     Raises:
-        QueryError: it is a folder with neither, or does not exist.
+        QueryError: the path does not exist, or is a folder with neither a dataset nor an evaluation.
     """
     if path.is_dir():
         if (path / DATASET.name).exists():

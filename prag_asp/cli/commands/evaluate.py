@@ -147,7 +147,7 @@ def _source(
     request: DomainOptions, data: str | None, parts: tuple[str, ...], ids: str | None, count: int | None, seed: int,
     budget: str | None, stratification: Stratification | None, *, with_length: bool,
 ) -> ScenarioSource:  # fmt: skip
-    """Return the scenarios of a command line.
+    """Return the scenarios that a command line names.
 
     Raises:
         QueryError: the command line names no scenarios, or contradicts itself.

@@ -63,7 +63,7 @@ def covering_tasks(space: TaskSpace, strength: int) -> CoveringTasks:
 
 
 def far_apart(records: Iterable[Record], count: int, space: TaskSpace) -> Iterator[Record]:
-    """Yield some of the tasks that are far apart, all if there are not more, and print how far they are apart."""
+    """Yield tasks that are far apart, or all tasks if there are no more, and print how far apart they are."""
     from prag_asp.analysis.all_pairs import pair_distances
     from prag_asp.analysis.farthest_first import diverse_choice
 

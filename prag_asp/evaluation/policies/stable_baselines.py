@@ -87,10 +87,10 @@ def algorithm_of(path: Path) -> tuple[str, str]:
 
 
 def maker(text: str) -> PolicyMaker:
-    """Return the maker of the policy of a zip.
+    """Return the maker of the policy in a zip.
 
     Raises:
-        QueryError: the file is not a zip of a known algorithm.
+        QueryError: the file is not a zip with a model from a known algorithm.
     """
     path = Path(text)
     algorithm_of(path)
