@@ -109,7 +109,7 @@ class FreshScenarios:
         """Return the sampled tasks, feasible or not, by stratum if there are strata.
 
         Raises:
-            QueryError: the space is empty, or there are strata, and too few tasks or a condition for them.
+            QueryError: the space is empty; or there are strata, and a stratum has too few tasks or `keep` is given.
         """
         if self.stratification is None:
             tasks = filter(self.keep, self.space.stream(seed=self.seed, weights={}, distinct=True))

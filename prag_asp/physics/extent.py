@@ -1,7 +1,7 @@
 """Compute the extent of a rotated body from the shape of a primitive or the solids of a model.
 
-The bounding box in a model's file says little about a body that is oblique in that file, so everything is measured on
-the convex hull of the solids. Lengths are metres.
+The bounding box of a model along the axes of its file says little about a body that is oblique in that file, so
+everything is measured on the convex hull of the solids. Lengths are metres.
 """
 
 from __future__ import annotations

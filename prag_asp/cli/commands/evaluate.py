@@ -183,7 +183,7 @@ def _source(
 
 
 def _options(texts: tuple[str, ...]) -> dict[str, Any]:
-    """Return the options of the environment in texts; a value is JSON, or a text.
+    """Parse the environment options in texts such as NAME=VALUE; a value is JSON, or else a text.
 
     Raises:
         QueryError: a text is not of the form NAME=VALUE.

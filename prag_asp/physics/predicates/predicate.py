@@ -172,7 +172,7 @@ def words(entity: str) -> str:
 
 
 def states(text: str) -> SentenceFunction:
-    """Return a function that puts arguments for ``{0}`` and ``{1}``, "is" or "is not" for ``{is}`` in a template."""
+    """Return a function that fills in a template: arguments for ``{0}`` and ``{1}``, "is" or "is not" for ``{is}``."""
 
     def sentence(arguments: Arguments, value: bool = True) -> str:
         return text.format(*map(words, arguments), **{"is": "is" if value else "is not"})
