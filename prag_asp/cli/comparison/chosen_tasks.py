@@ -63,7 +63,7 @@ def covering_tasks(space: TaskSpace, strength: int) -> CoveringTasks:
 
 
 def far_apart(records: Iterable[Record], count: int, space: TaskSpace) -> Iterator[Record]:
-    """Yield tasks that are far apart, or all tasks if there are no more, and print how far apart they are."""
+    """Yield `count` tasks that are far apart, or all if there are fewer, and print how far apart they are."""
     from prag_asp.analysis.all_pairs import pair_distances
     from prag_asp.analysis.farthest_first import diverse_choice
 

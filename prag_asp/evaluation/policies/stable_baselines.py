@@ -31,7 +31,7 @@ class StableBaselinesPolicy:
         """Load the model in one thread, so that results do not depend on the machine's number of processors.
 
         Raises:
-            QueryError: the zip cannot be loaded, or its model is for other observations or actions.
+            QueryError: the zip cannot be loaded, or its model is for different observations or actions.
         """
         package, name = algorithm_of(path)
         try:

@@ -98,7 +98,7 @@ def backdrop(
     light: Vector,
     raised: Sequence[LevelPatch] = (),
 ) -> Backdrop:
-    """Return an image of the table, the zones, the rectangles `raised` above it and the background from a camera pose.
+    """Return an image, from a camera pose, of table, zones, the rectangles `raised` above the table, and background.
 
     `table` is the number of the table; `light` is the direction to the light.
     """
