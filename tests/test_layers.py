@@ -18,7 +18,7 @@ import pytest
 import prag_asp
 from prag_asp import TaskSpace, load_domain
 from prag_asp.cli import cli
-from prag_asp.cli.registry import COMMANDS
+from prag_asp.cli.registry import COMMANDS, GROUPS
 
 PACKAGE = Path(prag_asp.__file__).parent
 
@@ -388,3 +388,7 @@ def test_the_public_names_are_these_and_all_exist() -> None:
     assert set(prag_asp.__all__) == PUBLIC
     assert all(getattr(prag_asp, name).__module__.startswith("prag_asp.") for name in PUBLIC - {"__version__"})
     assert set(dir(prag_asp)) == PUBLIC
+
+
+def test_the_help_lists_each_command_once() -> None:
+    assert sorted(name for names in GROUPS.values() for name in names) == sorted(COMMANDS)

@@ -55,9 +55,10 @@ COMMANDS = {
 
 GROUPS = {
     "Define": ("domains", "new", "check", "import", "explain"),
-    "Count and sample": ("count", "explore", "task", "sample", "enumerate", "scenario", "split", "stats", "diversity"),
+    "Count and sample": ("count", "explore", "task", "sample", "enumerate", "scenario", "split", "stats"),
     "Check by physics": ("validate", "learn", "render"),
     "Data": ("generate", "merge", "verify", "report", "suite", "export"),
+    "Compare": ("similarity", "diversity", "audit"),
     "Learn and evaluate": ("evaluate", "compare", "power"),
     "Any program": ("models",),
     "Shell": ("completion",),
