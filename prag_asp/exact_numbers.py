@@ -1,4 +1,4 @@
-"""Parse the exact numbers that authors write into fractions, without expanding huge exponents."""
+"""Parse exact numbers, as authors write them, and return them as fractions, without expanding huge exponents."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How complex a task is by its logic: how long, how constrained, and how far from a shortest plan."""
+"""The logical complexity of a task: how long and how constrained it is, and how far it is from a shortest plan."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ class Complexity:
     """The complexity of a task.
 
     `entities` is the number of entities that its actions mention. `undone` is the number of changes that a later action
-    takes back: an action gives a fluent a value that it did not have, and a later one the other value. `choices` holds,
+    undoes: one action changes the value of a fluent, and a later one changes it back. `choices` holds,
     for each action, the number of actions that could stand in its place and be continued to some plan of the space.
-    `shortest` is the length of the shortest plans of the domain from the initial state of the task to its goal which
-    make nothing more known of the initial state, and `shortest_plans` is their number.
+    `shortest` is the length of the shortest plans of the domain that lead from the initial state of the task to its
+    goal and make nothing more known about the initial state; `shortest_plans` is their number.
     """
 
     length: int
@@ -38,7 +38,7 @@ class Complexity:
 
     @property
     def bits(self) -> float:
-        """The information in the choices, in bits: minus log2 of the probability if each action is chosen uniformly."""
+        """The information in the choices, in bits: minus log2 of the task's probability if choices are uniform."""
         return sum(map(log2, self.choices))
 
     @property
@@ -49,7 +49,7 @@ class Complexity:
 
 @dataclass(frozen=True)
 class ComplexityMeasure:
-    """A measure of the complexity of tasks of a space of one length, which keeps what they share."""
+    """Measures the complexity of tasks from a space with one length, and caches the data that they share."""
 
     space: TaskSpace
 
@@ -103,9 +103,9 @@ def complexity_of(task: Task, within: TaskSpace) -> Complexity:
 
 
 def undone(task: Task) -> int:
-    """Return the number of changes of facts that a later action takes back.
+    """Return the number of changes of facts that a later action undoes.
 
-    An action changes a fluent if it gives it another value than the last one that is known, if any.
+    An action changes a fluent if it gives it a value that differs from its last known value, if any.
     """
     values, changes = dict(task.initial), Counter[Atom]()
     for state in task.states:

@@ -27,7 +27,7 @@ MOST_BYTES = 4 * 10**9
 """The largest matrix that is kept in memory."""
 
 SUFFIXES = (".npz", ".parquet")
-"""The extensions of files of distances."""
+"""The extensions of files with distances."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class SimilarityMatrix:
         """Write the matrix to a .npz with `units` and `denominator`, or to a .parquet with a row for each pair i < j.
 
         Raises:
-            QueryError: the file has a different extension.
+            QueryError: the file has neither extension.
             OutputError: the file cannot be written.
             DatasetsMissingError: the file is a .parquet, and pyarrow is not installed.
         """
@@ -98,7 +98,7 @@ def save_columns(file: str | Path, **columns: NDArray[Any]) -> None:
     """Write columns of one length as the arrays of a .npz or as the columns of a .parquet.
 
     Raises:
-        QueryError: the file has a different extension.
+        QueryError: the file has neither extension.
         OutputError: the file cannot be written.
         DatasetsMissingError: the file is a .parquet, and pyarrow is not installed.
     """
@@ -183,7 +183,7 @@ class NearestNeighbours:
         """Write a row for each task and neighbour: `task`, `other` and `distance`, to a .npz or .parquet.
 
         Raises:
-            QueryError: the file has a different extension.
+            QueryError: the file has neither extension.
             OutputError: the file cannot be written.
             DatasetsMissingError: the file is a .parquet, and pyarrow is not installed.
         """
@@ -224,7 +224,7 @@ class NearDuplicates:
         """Write a row for each pair: `task`, `other` and `distance`, to a .npz or .parquet.
 
         Raises:
-            QueryError: the file has a different extension.
+            QueryError: the file has neither extension.
             OutputError: the file cannot be written.
             DatasetsMissingError: the file is a .parquet, and pyarrow is not installed.
         """

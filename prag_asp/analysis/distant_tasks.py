@@ -45,7 +45,7 @@ def tasks_apart(space: TaskSpace, other: TaskSpace, distance: int) -> RankedTask
 
     Raises:
         QueryError: the distance is not between 1 and 100, or the spaces have different symmetries or several lengths.
-        LimitReached: a limit was reached, or the rows do not fit into the memory.
+        LimitReached: a limit was reached, or the rows do not fit into memory.
     """
     if not 1 <= distance <= FARTHEST:
         raise QueryError(f"a distance of {distance}: give one from 1 to {FARTHEST}")

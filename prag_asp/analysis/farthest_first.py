@@ -1,4 +1,4 @@
-"""Choice of tasks that are far apart, and the distances of new tasks from given ones."""
+"""Choose tasks that are far apart, and measure how far new tasks are from given ones."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def novelty(
     computed by `nearest_task`.
 
     Raises:
-        QueryError: there is no given task, or as for `pair_distances`.
+        QueryError: no task is given, or `pair_distances` raises the error.
         SimilarityMissingError: the metric needs rapidfuzz, which is not installed.
     """
     if not given:

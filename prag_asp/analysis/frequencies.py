@@ -68,14 +68,14 @@ def compare_frequencies(
     ``pairs`` (of consecutive names).
 
     Raises:
-        QueryError: there is no task, a task has another length, or the space is empty or has several lengths.
+        QueryError: there is no task, a task has a different length, or the space is empty or has several lengths.
         LimitReached: a limit ended the exploration.
     """
     return frequency_test(task_moments(space, tasks, feature), space_moments(space, feature))
 
 
 def frequency_test(found: Moments, whole: Moments) -> FrequencyTest:
-    """Compare the frequencies in some tasks with those in a space, given the second moments of one feature of both."""
+    """Compare the frequencies in some tasks with those in a space, given the second moments of one feature in both."""
     values = tuple(sorted({*found.values, *whole.values}))
     observed, total = _occurrences(found, values), _occurrences(whole, values)
     frequencies = tuple(

@@ -159,7 +159,7 @@ class AgreementCount:
         return layers[::-1]
 
     def _forecast(self, layers: Sequence[Sequence[Agreements]]) -> None:
-        """Refuse two consecutive layers that do not fit into the memory.
+        """Refuse two consecutive layers that do not fit into memory.
 
         Raises:
             LimitReached: the memory limit would be exceeded.

@@ -1,4 +1,4 @@
-"""The words of one length as the paths of a smallest automaton with one layer of states for each step.
+"""The words of one length as the paths of the smallest automaton with one layer of states for each step.
 
 States are merged from the last layer to the first if the same words lead from them to the end, which gives the smallest
 automaton of a finite set of words (Revuz 1992). All sums over a space are sums over its layers.

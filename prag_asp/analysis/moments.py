@@ -31,7 +31,7 @@ Feature = Literal["actions", "names", "classes", "pairs"]
 FEATURES: tuple[Feature, ...] = ("actions", "classes", "names", "pairs")
 
 MOST_COLUMNS = 4096
-"""Maximum number of different values at all places together; eigenvalues of so large a matrix take half a minute."""
+"""Maximum number of different values at all places together; eigenvalues of such a large matrix take half a minute."""
 
 SAFE = 2**62
 """Sums below this bound fit into 64 bits."""
@@ -41,8 +41,8 @@ SAFE = 2**62
 class Moments:
     """The numbers of words of a set in which two values occur at two places.
 
-    `columns` are the pairs of a place, from 0, and a value that occur, in order; ``joint[k, l]`` is the number of words
-    with the values of the columns k and l. Each of `words` has one value at each of `places`.
+    `columns` are all occurring pairs of a place, counted from 0, and a value, in order; ``joint[k, l]`` is the number
+    of words with the values of the columns k and l. Each of `words` has one value at each of `places`.
     """
 
     feature: Feature
@@ -113,8 +113,8 @@ def task_moments(space: TaskSpace, tasks: Iterable[Task | Sequence[str]], featur
     Interchangeable entities get their canonical names in the space. A task that occurs twice counts twice.
 
     Raises:
-        QueryError: there is no task, or a task has another length or contains something that is not an action of the
-        domain.
+        QueryError: there is no task, or a task has a different length or contains something that is not an action of
+            the domain.
     """
     actions, rows = space.engines.actions, []
     values = dict(zip(actions, texts_of(space, _single(feature), "task", tuple(actions)), strict=True))

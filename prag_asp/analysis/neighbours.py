@@ -52,7 +52,7 @@ class NearestTask:
 
 @dataclass(frozen=True)
 class Target:
-    """A given plan under each renaming, shape (images, actions), as numbers of letters; other actions are -1."""
+    """A given plan under each renaming, shape (images, actions), as numbers of letters; -1 for none."""
 
     images: NDArray[np.int64]
     metric: Metric
@@ -87,8 +87,9 @@ def count_neighbours(space: TaskSpace, task: Plan, up_to: int = 3, metric: Metri
     numbers are added up.
 
     Raises:
-        QueryError: the radius or the metric is wrong, or the task contains an action that the domain does not have.
-        LimitReached: a limit was reached, or too many rows of edits do not fit into the memory.
+        QueryError: the radius is out of range, the metric is unknown, or the task contains an action that the domain
+            does not have.
+        LimitReached: a limit was reached, or the rows of edits do not fit into memory.
     """
     if metric not in METRICS or not 0 <= up_to <= FARTHEST:
         raise QueryError(f"{metric} up to {up_to}: there are {' and '.join(METRICS)}, up to 0 to {FARTHEST} edits")

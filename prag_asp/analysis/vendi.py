@@ -60,7 +60,7 @@ def vendi_score(
     proportion to its similarity to itself, which is larger if values repeat.
 
     Raises:
-        QueryError: the space has several lengths, no tasks or no places, or a task has another length.
+        QueryError: the space has several lengths, no tasks or no places, or a task has a different length.
         LimitReached: a limit ended the exploration.
     """
     moments = space_moments(space, feature, by) if tasks is None else task_moments(space, tasks, feature)
@@ -68,7 +68,7 @@ def vendi_score(
 
 
 def score_of(moments: Moments, *, bag: bool = False) -> VendiScore:
-    """Return the Vendi score for some second moments."""
+    """Return the Vendi score, computed from second moments."""
     matrix = moments.products if bag else moments.joint
     trace = int(np.trace(matrix))
     order_2 = Fraction(trace**2, int((matrix * matrix).sum()))

@@ -63,9 +63,9 @@ class Domain:
     `program` is the whole logic program (encodings, files of the domain and selected rules), `facts` are those of its
     base part. `folder` is None unless the domain was loaded by its name or folder. Physics runs the Python files of the
     domain only if it is `trusted`. `learned` are the impossible pairs of fluents that only the file of learned
-    invariants states, `constants` the values set for ``#const``s, by name. `reduction` is the small-model reduction of
-    `program`, if any: counts use it, while reading `facts` grounds all entities. `irreducible` is the reason why a
-    domain with many interchangeable entities has no reduction.
+    invariants states, `constants` the values set for ``#const``s, keyed by name. `reduction` is the small-model
+    reduction of `program`, if any: counts use it, while reading `facts` grounds all entities. `irreducible` is the
+    reason why a domain with many interchangeable entities has no reduction.
     """
 
     name: str
@@ -155,7 +155,7 @@ def _find_domain(
     The arguments are one name or folder, or any number of files and at most one text.
 
     Raises:
-        DomainError: the domain does not exist, the arguments are of several kinds, or PDDL files cannot be imported.
+        DomainError: the domain does not exist, the arguments mix several kinds, or PDDL files cannot be imported.
     """
     files = list(dict.fromkeys([*names, *([] if text is None else [text_source("text", text)])]))
     if not files:
@@ -196,7 +196,7 @@ def _whole_program(core: tuple[Source, ...], own: tuple[Source, ...], rules: Ite
     """Join the core encodings, the encodings that a domain's `own` files need, these files, and `rules`.
 
     Raises:
-        DomainError: the rule does not exist, or takes another number of arguments.
+        DomainError: the rule does not exist, or takes a different number of arguments.
     """
     core_paths = {each.path.resolve() for each in core}
     selected = (each for rule in rules for each in _rule_sources(rule, encodings))
@@ -224,7 +224,7 @@ def _rule_sources(rule: str, encodings: Path) -> tuple[Source, ...]:
     """Return the files of a rule; a rule with arguments is also stated as a fact, in an additional source.
 
     Raises:
-        DomainError: the rule does not exist, or takes another number of arguments.
+        DomainError: the rule does not exist, or takes a different number of arguments.
     """
     atom = parse_atom(rule)
     folder = encodings / "rules"

@@ -20,7 +20,7 @@ Symbol = clingo.Symbol
 
 
 class Complaint(NamedTuple):
-    """A problem of a composite: the place, the text that follows its name, and the remedy."""
+    """A problem with a composite: the place, the text that follows its name, and the remedy."""
 
     composite: Symbol
     place: RulePlace
@@ -29,7 +29,7 @@ class Complaint(NamedTuple):
 
 
 def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the problems of composites, stages and free actions; each check requires that the previous ones pass."""
+    """Yield the problems with composites, stages and free actions; each check requires that the previous ones pass."""
     undeclared = list(_undeclared(facts, origins))
     yield from undeclared
     if facts.free and not facts.composites:
@@ -57,7 +57,7 @@ def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def grouped(complaints: Iterable[Complaint], name: str = "") -> Iterator[Problem]:
-    """Yield one problem for all composites with the same name and place; a `name` makes it a warning of that name."""
+    """Yield one problem for all composites with the same name and place; a `name` makes it a warning with that name."""
     alike: dict[tuple[str, RulePlace], list[Complaint]] = {}
     for complaint in complaints:
         alike.setdefault((complaint.composite.name, complaint.place), []).append(complaint)

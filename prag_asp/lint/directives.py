@@ -71,7 +71,7 @@ def directive_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
 
 
 def _part_problems(statement: Statement) -> Iterator[Problem]:
-    """Yield the problem of a program part that is never grounded."""
+    """Yield a problem for a program part that is never grounded."""
     name, count = statement.part, len(statement.parameters)
     if (name == "base" and count == 0) or (name in TIMED_PARTS and count == 1):
         return

@@ -161,7 +161,7 @@ LIMIT = ("at_most", 2)
 def limit_problems(
     control: clingo.Control, facts: Facts, statements: Sequence[Statement], origins: Origins
 ) -> Iterator[Problem]:
-    """Yield limits of unknown actions, limits that are not numbers, and limits that no rule reads."""
+    """Yield limits on unknown actions, limits that are not numbers, and limits that no rule reads."""
     limits = rows(control, *LIMIT)
     names = {action.name for action in facts.actions} if limits else set[str]()
     for name, most in limits:

@@ -22,7 +22,7 @@ Symbol = clingo.Symbol
 
 
 def hierarchy_problems(control: clingo.Control, origins: Origins) -> Iterator[Problem]:
-    """Yield the problems of the classes and entities of a grounded base part."""
+    """Yield the problems with the classes and entities of a grounded base part."""
     tops = {name for (name,) in rows(control, "class", 1)}
     pairs = [(child, parent) for child, parent in rows(control, "class", 2)]
     declared = tops | {child for child, _ in pairs}

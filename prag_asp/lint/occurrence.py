@@ -49,7 +49,7 @@ def action_rejections(rejected: RejectedActions, facts: Facts, origins: Origins)
 
 
 def goal_problems(rejected: RejectedActions, facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the problem of a goal that contradicts a static value."""
+    """Report a goal that contradicts a static value."""
     pair = conflict(entailed(fluent_values(facts.goal), invariant_graph(facts)), rejected.static)
     if pair:
         changed = any(pair[1][0] == fluent for values in facts.postconditions.values() for fluent, _ in values)

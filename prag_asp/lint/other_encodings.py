@@ -2,7 +2,7 @@
 
 Pruning, the refusal of unknown values, explanations, PDDL and physics assume the meaning of the shipped encodings.
 Engines compute from the ground rules; `automaton` and `symbolic` assume only that each step has one action, and refuse
-a copy with another rule for actions (see ``logic/ground/stationary.py``).
+a copy with a different rule for actions (see ``logic/ground/stationary.py``).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ FOLDERS = ("rules", "conditions")
 
 
 def edited_encodings(program: Program, statements: Sequence[Statement]) -> Mapping[Path, int]:
-    """Return files named like a shipped encoding with other statements, each with the line of the first such statement.
+    """Return files named like a shipped encoding but with different statements, each with the line of the first one.
 
     These are files of a copy of the encodings, including those that only the library adds to a program, and files of a
     domain in a folder `rules` or `conditions`. A file that is missing from a copy has line 0. `#defined` is ignored.

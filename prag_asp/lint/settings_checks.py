@@ -1,4 +1,4 @@
-"""Check domain.toml for unknown keys, wrong types, weights of unknown names, and an invalid scene."""
+"""Check domain.toml for unknown keys, wrong types, weights for unknown names, and an invalid scene."""
 
 from __future__ import annotations
 

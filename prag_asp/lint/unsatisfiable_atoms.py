@@ -98,7 +98,7 @@ def demand_problems(control: clingo.Control, statements: Sequence[Statement]) ->
 
 
 def _problem(demand: NameDemand, control: clingo.Control, derivable: set[str]) -> Problem:
-    """Return the problem of a name that no atom has at the demanded place; `derivable` are the names of all atoms."""
+    """Return the problem for a name that no atom has at the demanded place; `derivable` are the names of all atoms."""
     name, arity = demand.name
     rule, line = demand.rule, demand.atom.line
     there: set[Signature] = set()

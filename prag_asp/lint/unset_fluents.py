@@ -46,7 +46,7 @@ BROKEN = f"_broken(F) :- fluent(F), changed(F,{STEP}), not holds(F,true,{STEP}),
 def unset_fluents(
     program: Program, facts: Facts, statements: Sequence[Statement], unsure: Collection[clingo.Symbol]
 ) -> dict[clingo.Symbol, Statement]:
-    """Return the fluents that may become unknown, each with a responsible rule; omit fluents already `unsure`."""
+    """Return the fluents that may become unknown, each with a responsible rule, except those in `unsure`."""
     steps = [each for each in statements if each.own and each.is_rule and each.part == "step"]
     heads = ((each, atom) for each in steps for atom in each.heads if atom.signature == CHANGED and not atom.negated)
     changing = [(each, atom) for each, atom in heads if not _is_set(each, atom, steps)]

@@ -110,7 +110,7 @@ class AnswerSets:
     progress: Progress | None = None
 
     def _repr_html_(self) -> str:
-        """Return what is known of the answer sets for a notebook; nothing is counted or solved."""
+        """Return what is known about the answer sets, for a notebook; nothing is counted or solved."""
         from prag_asp.html import element, fragment, scroll_table  # noqa: PLC0415 - counting needs no page
 
         rows = [("engine", self.engine), ("counts", "shown symbols once" if self.project else "every answer set")]

@@ -49,7 +49,7 @@ def aspif_text(source: Source) -> str:
 def aspif_problems(source: Source, *, optimal: bool) -> Iterator[Problem]:
     """Yield the lines that clingo cannot read, one problem per line, and unsupported statements.
 
-    Minimize statements are supported if `optimal`.
+    Minimize statements are supported if `optimal` is true.
     """
     lines = source.text.rstrip("\n").split("\n")
     header = lines[0].split(" ")

@@ -1,6 +1,6 @@
 """Count answer sets when the fastest engine is unknown: enumerate briefly, then let several engines take turns.
 
-A turn has a limit of processor time. Counters run in their own processes, and are paused after their turns. If no
+A turn has a limit on its processor time. Counters run in their own processes, and are paused after their turns. If no
 engine has finished, the counters continue in parallel, and this process compiles a diagram; the first count is the
 answer.
 """

@@ -60,7 +60,7 @@ def ground_models(given: GivenProgram) -> GroundModels:
     atom, but not if that rule is simplified away, even because of an earlier rule.
 
     Raises:
-        DomainError: clingo cannot ground it.
+        DomainError: clingo cannot ground the program.
     """
     recorder = GroundRecorder()
     grounder = given.grounder(REMARKS, "--opt-mode=ignore", "--stats=2", observer=recorder)

@@ -1,4 +1,4 @@
-"""Read the files of a logic program, and refuse unsupported statements by name and line."""
+"""Read the files of a logic program, and refuse unsupported statements, naming each with its line."""
 
 from __future__ import annotations
 

@@ -87,7 +87,7 @@ class Behaviour:
                 yield f"{predicate}({term}, {pool}, {TRUTH[value]}) :- action({term})."
 
     def _guarded(self, formula: Formula) -> tuple[tuple[Variable, ...], Formula, Literal] | None:
-        """Return a formula as ``forall variables (static guard -> literal)``, or None if it has another form."""
+        """Return a formula as ``forall variables (static guard -> literal)``, or None if it does not have this form."""
         variables: tuple[Variable, ...] = ()
         while isinstance(formula, Quantified) and formula.every:
             variables, formula = (*variables, *formula.variables), formula.part

@@ -51,7 +51,7 @@ class Schema:
 
 @dataclass(frozen=True)
 class Derived:
-    """A rule of a derived predicate, which holds for the parameters that satisfy the formula."""
+    """A rule for a derived predicate, which holds for the parameters that satisfy the formula."""
 
     predicate: str
     parameters: tuple[Variable, ...]

@@ -1,4 +1,4 @@
-"""Formulas of PDDL in negation normal form, with their lines."""
+"""PDDL formulas in negation normal form, with their lines."""
 
 from __future__ import annotations
 

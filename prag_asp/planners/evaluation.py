@@ -62,7 +62,7 @@ class StepFunctions:
 
     @property
     def first(self) -> dict[int, bool]:
-        """The initial values of all propositions, by number."""
+        """The initial values of all propositions, keyed by number."""
         start = self._transition.step.ground.initial
         symbols = self._transition.variables
         return {number: (symbols[variable] in start) == value for variable, (number, value) in enumerate(self._own)}

@@ -30,7 +30,7 @@ MOST = 400
 Values = Mapping[clingo.Symbol, bool]
 
 Outcomes = Mapping[tuple[clingo.Symbol, clingo.Symbol], bool]
-"""The values of unknown effects, by action and fluent."""
+"""The values of unknown effects, keyed by action and fluent."""
 
 
 class _StripsAction(NamedTuple):
@@ -215,7 +215,7 @@ def _safe_precondition(
 
 
 def known_values(values: Iterable[tuple[clingo.Symbol, str]]) -> dict[clingo.Symbol, bool]:
-    """Return the values of the contract as Booleans."""
+    """Return fluents with Boolean values in place of the contract's texts ``true`` and ``false``."""
     return {fluent: value == "true" for fluent, value in values}
 
 

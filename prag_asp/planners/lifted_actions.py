@@ -17,7 +17,7 @@ Clause = tuple[Literal, ...]
 
 
 class PddlCase(NamedTuple):
-    """A case of an action in PDDL names: the precondition, its clauses, and conditional effects."""
+    """A case of an action, written with PDDL names: the precondition, its clauses, and conditional effects."""
 
     precondition: Clause
     clauses: tuple[Clause, ...]
@@ -84,7 +84,7 @@ def _with_variables(instance: Instance) -> tuple[PddlCase, ...]:
 
 
 def lift(instances: Sequence[Instance]) -> tuple[PddlCase, ...] | None:
-    """Return the common cases of some actions with variables, or None if they have no common schema."""
+    """Return the cases that some actions have in common, with variables, or None if they have no common schema."""
     arity = len(instances[0].arguments)
     model = next((instance for instance in instances if len(set(instance.arguments)) == arity), None)
     if model is None:

@@ -34,7 +34,7 @@ def bounded(
     None stands for 80 % of the machine's memory.
 
     Raises:
-        LimitReached: the call exceeds a limit, or its process dies, for example by a stack overflow.
+        LimitReached: the call exceeds a limit, or its process dies, for example from a stack overflow.
         QueryError: the function cannot be found by its name.
         Exception: the function raises it.
     """

@@ -24,7 +24,7 @@ def data_folder(name: str) -> Path:
 
 
 def shipped_domains() -> dict[str, Path]:
-    """Return the folders of the shipped domains by name."""
+    """Return the folders of the shipped domains, keyed by name."""
     return {path.parent.name: path.parent for path in sorted(data_folder("domains").glob("*/domain.lp"))}
 
 
@@ -42,8 +42,8 @@ def domain_folder(name_or_path: str | Path) -> Path:
     """Return the folder of a domain, given a shipped name or a folder path.
 
     Raises:
-        DomainError: there is neither a shipped domain nor a folder of that name, the path is a file, or the folder has
-            no domain.lp.
+        DomainError: there is neither a shipped domain nor a folder with that name, the path is a file, or the folder
+            has no domain.lp.
     """
     shipped = shipped_domains()
     if str(name_or_path) in shipped:
@@ -60,7 +60,7 @@ def domain_folder(name_or_path: str | Path) -> Path:
 
 
 def shipped_suites() -> dict[str, Path]:
-    """Return the files of the shipped suites by name."""
+    """Return the files of the shipped suites, keyed by name."""
     return {path.stem: path for path in sorted(data_folder("suites").glob("*.toml"))}
 
 
@@ -68,7 +68,7 @@ def suite_file(name_or_path: str | Path) -> Path:
     """Return the file of a suite, given a shipped name or a file path.
 
     Raises:
-        QueryError: there is neither a shipped suite nor a file of that name.
+        QueryError: there is neither a shipped suite nor a file with that name.
     """
     shipped = shipped_suites()
     if str(name_or_path) in shipped:

@@ -30,8 +30,8 @@ OPPOSITE = {"true": "false", "false": "true"}
 class Pruning:
     """The actions and composites that can never occur in a domain, and the remaining `facts`.
 
-    `composites` is None if the domain has none, `reach` if reachability is unknown. If the encodings do not read
-    ``_pruned``, all facts remain, and `is_applied` is false.
+    `composites` is None if the domain has none, and `reach` is None if reachability is unknown. If the encodings do not
+    read ``_pruned``, all facts remain, and `is_applied` is false.
     """
 
     facts: Facts

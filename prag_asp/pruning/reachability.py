@@ -26,7 +26,7 @@ ValuedFluent = tuple[clingo.Symbol, str]
 """A fluent with one of its values."""
 
 CONFLICTS = "10000"
-"""The limit of conflicts that clingo spends on the rest of the base part; the relaxed steps need no conflicts."""
+"""The limit on conflicts that clingo spends on the rest of the base part; the relaxed steps need no conflicts."""
 
 
 def relaxed_sources(encodings: Path) -> tuple[Source, ...]:

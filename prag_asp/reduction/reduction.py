@@ -44,9 +44,10 @@ Representatives = Mapping[clingo.Symbol, clingo.Symbol]
 
 @dataclass(frozen=True)
 class EntityBound:
-    """The largest numbers of entities of a group that are named together.
+    """The largest numbers of entities from one group that are named together.
 
-    The numbers are for one action, one invariant or fluent, one fluent, and all facts that one rule reads.
+    `action` is the largest number in one action, `invariant` in one invariant or fluent, `fluent` in one fluent, and
+    `rule` in all facts that one rule reads.
     """
 
     action: int

@@ -67,7 +67,7 @@ class Background:
         No two entities are interchangeable, or, with ``classes``, all entities of a class are.
 
         Raises:
-            QueryError: two tasks have an entity of the same name in different classes, or `up_to` has another value.
+            QueryError: two tasks have an entity with the same name in different classes, or `up_to` is invalid.
         """
         classes: dict[str, str] = {}
         for task in tasks:

@@ -61,7 +61,7 @@ class ClassTree:
         return Fraction(2 + self._paths[self.classes[one]][self.classes[other]], self.diameter)
 
     def common_class(self, one: str, other: str) -> str:
-        """Return the lowest class that has both entities, or "" if only the root has; they must have classes."""
+        """Return the lowest class that contains both entities, or "" if only the root does; both must have classes."""
         above, others = self._above(self.classes[one]), self._above(self.classes[other])
         return min({*above} & {*others}, key=lambda name: (above[name] + others[name], name))
 

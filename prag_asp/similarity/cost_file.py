@@ -28,8 +28,8 @@ Pairs = Mapping[tuple[str, str], Fraction]
 class AuthorCosts:
     """Costs of edits of actions.
 
-    Inserting or deleting an action costs `insert`. Replacing it costs the cost of the pair of names plus the costs of
-    the pairs of arguments that differ, at most `replace`, which is also the cost of pairs that are not listed. Pairs of
+    Inserting or deleting an action costs `insert`. The cost of replacing it is the cost of the pair of names plus the
+    costs of the pairs of different arguments, but at most `replace`, which is also the cost of unlisted pairs. Pairs of
     arguments are looked up by the arguments themselves, then by their classes.
     """
 
@@ -62,13 +62,13 @@ class AuthorCosts:
 
 
 def read_costs(path: str | Path, tasks: Iterable[Trace], background: Background) -> Metric:
-    """Return the edit distance with the costs of a file between the actions of some tasks.
+    """Return the edit distance with the costs that a file gives for the actions of some tasks.
 
     If the costs are not a metric, `axioms` is False, and `summary` names the actions that show it.
 
     Raises:
-        QueryError: the file cannot be read, has other keys or values than costs, names what the tasks do not have, or
-            distinguishes interchangeable entities.
+        QueryError: the file cannot be read, has keys or values that are not costs, names something that the tasks lack,
+            or distinguishes interchangeable entities.
     """
     path, given = Path(path), tuple(tasks)
     try:
@@ -96,7 +96,7 @@ def read_costs(path: str | Path, tasks: Iterable[Trace], background: Background)
 
 @dataclass(frozen=True)
 class _CostReader:
-    """The checks of the values of a file; errors name the file and the line."""
+    """Checks the values in a file; errors name the file and the line."""
 
     path: Path
     text: str

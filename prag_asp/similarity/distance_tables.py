@@ -116,7 +116,7 @@ class EditTable:
 
     @classmethod
     def of(cls, features: Sequence[Feature], cost: Cost) -> EditTable:
-        """Return the table of some features."""
+        """Return the table for some features."""
         symbols, codes = coded(features)
         costs = CostTable.of(symbols, cost)
         return cls(costs, codes, codes.sums(costs.costs[-1]))
@@ -154,7 +154,7 @@ class PlaceTable:
 
     @classmethod
     def of(cls, features: Sequence[Feature], cost: Cost) -> PlaceTable:
-        """Return the table of some features.
+        """Return the table for some features.
 
         Raises:
             QueryError: their lengths differ.
@@ -199,7 +199,7 @@ class StateTable:
 
     @classmethod
     def of(cls, features: Sequence[Feature]) -> StateTable:
-        """Return the table of some features."""
+        """Return the table for some features."""
         states, codes = coded(features)
         return cls(SetTable.of([tuple(state) for state in states]).members, codes)
 
@@ -235,7 +235,7 @@ class StateTable:
 
 @dataclass(frozen=True)
 class SetTable:
-    """Symmetric differences of sets; `members` has shape (features, elements)."""
+    """Symmetric differences between sets; `members` has shape (features, elements)."""
 
     members: NDArray[np.bool_]
     denominator: int = 1
@@ -249,7 +249,7 @@ class SetTable:
 
     @classmethod
     def of(cls, features: Sequence[Feature]) -> SetTable:
-        """Return the table of some features."""
+        """Return the table for some features."""
         elements, codes = coded(features)
         members = np.zeros((len(features), len(elements)), dtype=np.bool_)
         for row, each, length in zip(members, codes.codes, codes.lengths, strict=True):
@@ -258,7 +258,7 @@ class SetTable:
 
     @property
     def largest(self) -> int:
-        """The number of elements of the two largest sets."""
+        """The total number of elements in the two largest sets."""
         return 2 * int(self.sizes.max(initial=0))
 
     def block(self, rows: Numbers, columns: Numbers) -> Values:
@@ -279,7 +279,7 @@ class SetTable:
 
 @dataclass(frozen=True)
 class StringTable:
-    """Distances of texts; if `bounded`, they are floats between 0 and 1."""
+    """Distances between texts; if `bounded`, they are floats between 0 and 1."""
 
     texts: list[str]
     function: StringDistance
@@ -288,7 +288,7 @@ class StringTable:
 
     @classmethod
     def of(cls, features: Sequence[Feature], function: StringDistance, *, bounded: bool) -> StringTable:
-        """Return the table of some features."""
+        """Return the table for some features."""
         return cls(spelled(*features), function, bounded)
 
     @property
@@ -298,7 +298,7 @@ class StringTable:
 
     @property
     def largest(self) -> int:
-        """The length of the two longest texts."""
+        """The total length of the two longest texts."""
         return 1 if self.bounded else 2 * max(map(len, self.texts), default=0)
 
     def block(self, rows: Numbers, columns: Numbers) -> Values:

@@ -50,7 +50,7 @@ def weighted_edit_distances(rows: Codes, columns: Codes, costs: NDArray[np.int64
 
 
 def unit_edit_distances(rows: Codes, columns: Codes, symbols: int) -> Distances:
-    """Return Levenshtein distances with unit costs, by bit vectors (Myers 1999, as in Hyyrö 2003).
+    """Return Levenshtein distances with unit costs, using bit vectors (Myers 1999, as in Hyyrö 2003).
 
     A bit of `up` or `down` is set if the table grows or shrinks by 1 from one row to the next; the distance is the
     width plus the difference of the numbers of bits in the last column. Sequences longer than the number of bits of a

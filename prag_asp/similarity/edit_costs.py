@@ -19,7 +19,7 @@ Cost = Callable[[Symbol, Symbol], Fraction]
 """The cost of replacing one symbol by another; None in place of a symbol stands for an insertion or a deletion."""
 
 LARGEST = 2**62
-"""Bound of costs in integer units, so that sums of two distances fit in 64 bits."""
+"""Bound on costs in integer units, so that sums of two distances fit in 64 bits."""
 
 
 def unit_cost(background: Background) -> Cost:
@@ -28,7 +28,7 @@ def unit_cost(background: Background) -> Cost:
 
 
 def class_cost(background: Background) -> Cost:
-    """Return the cost of replacing an action: the distance of its arguments in the tree of classes.
+    """Return the cost of replacing an action: the mean distance between the arguments in the tree of classes.
 
     Inserting, deleting, and replacing by an action with another name cost 1.
     """
@@ -57,7 +57,7 @@ def effect_cost(background: Background) -> Cost:
 
 
 def state_cost(one: Symbol, other: Symbol) -> Fraction:
-    """Return the number of facts in which two states differ; inserting or deleting a state costs its facts plus 1.
+    """Return the number of facts in which two states differ; an insertion or deletion costs 1 plus the number of facts.
 
     This is a metric: a state is a set with one more element than its facts, and nothing is the empty set.
     """

@@ -149,7 +149,7 @@ METRICS = {
         ),
     )
 }  # fmt: skip
-"""All metrics by name."""
+"""All metrics, keyed by name."""
 
 
 def metric_of(name: str) -> Metric:

@@ -1,7 +1,7 @@
 """String metrics of the paper's code and similar ones, on sequences of symbols; rapidfuzz computes all except one.
 
-The code of the paper compares sequences by Levenshtein, Hamming, Jaro-Winkler, the longest common subsequence and the
-longest common substring.
+The code of the paper compares sequences by the distances of Levenshtein, Hamming and Jaro-Winkler, by the longest
+common subsequence and by the longest common substring.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ PREFIX_WEIGHT = 0.1
 
 
 def rapidfuzz_distance() -> ModuleType:
-    """Import the module of distances of rapidfuzz.
+    """Import rapidfuzz's module of distances.
 
     Raises:
         SimilarityMissingError: rapidfuzz is not installed.

@@ -46,7 +46,7 @@ def renamed_term(term: str, names: Mapping[str, str]) -> str:
 
 
 def entities_in(symbol: Symbol, entities: Collection[str]) -> Iterator[str]:
-    """Yield the entities in a symbol, in the order of its text within sets; they may repeat."""
+    """Yield the entities in a symbol, which may repeat; the elements of sets are ordered by their texts."""
     if isinstance(symbol, Atom):
         for term in symbol.arguments:
             yield from _entities_of_term(term, entities)

@@ -42,7 +42,7 @@ class TaskComparison:
 
     @property
     def parts(self) -> Mapping[str, TaskComparison]:
-        """The parts of a mixture by their names, under the same renaming; nothing for any other metric."""
+        """The parts of a mixture, keyed by name, under the same renaming; empty for any other metric."""
         if not isinstance(self.measure, MixedMeasure):
             return {}
         parts = zip(COMBINED, self.measure.parts, self.one, self.other, strict=True)

@@ -1,7 +1,7 @@
 """Sampling without replacement: distinct tasks in an order whose prefixes are the samples of each size.
 
 The order depends only on the request and the seed. Uniform sampling shuffles ranks, so that the k-th task can be
-computed without the tasks before it. Sampling by weight, or over skeletons or goals, chooses each task by its
+computed without the tasks before it. Sampling by weight, or over skeletons or goals, chooses each task with its
 probability among the remaining tasks (successive sampling).
 """
 
@@ -92,7 +92,7 @@ class UniformOrder:
 
 
 class _Source(NamedTuple):
-    """Remaining words of one length: the place of the length, their set, and the factor of their weights."""
+    """The remaining words of one length, with the index of the length, the whole set, and a factor for the weights."""
 
     place: int
     own: WordSet
@@ -102,7 +102,7 @@ class _Source(NamedTuple):
 
 @dataclass(frozen=True)
 class WeightedOrder:
-    """Tasks of some lengths, each sampled by its probability among the remaining ones.
+    """Tasks of some lengths, each sampled with its probability among the remaining ones.
 
     Repeated draws are rejected; after `MISSES` misses in a row, tasks are sampled exactly from the remaining words.
     Both give the same distribution. Tasks of weight 0 are never sampled.
@@ -111,8 +111,8 @@ class WeightedOrder:
     whether a word belongs to the order, given the index of its set and the word; None accepts all words.
 
     Raises:
-        QueryError: no task weighs more than 0, or weights distinguish interchangeable entities; from `pick`: over more
-            than `MOST_GROUPS` skeletons or goals, `MISSES` draws in a row had no new task.
+        QueryError: no task weighs more than 0, or weights distinguish interchangeable entities; or, from `pick`,
+            `MISSES` draws in a row yielded no new task and there are more than `MOST_GROUPS` skeletons or goals.
     """
 
     sampling: TaskSampling

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from prag_asp.space.reduced_count import ReducedCounter
 
 ONE_STEP, CLINGO, SHORTEST = (AUTO, "automaton", "symbolic"), "clingo", "shortest"
-"""The engines that ground one step for all steps, the engine that grounds each step, and that of a condition."""
+"""The engines that ground one step for all steps, the one that grounds each step, and the one for ``shortest``."""
 
 Value = TypeVar("Value")
 
@@ -34,8 +34,8 @@ Value = TypeVar("Value")
 class DomainEngines:
     """The engines of a domain under some conditions, one for each level and length.
 
-    No plan has fewer than `fewest_actions` actions; shorter lengths need no engine. With `shortest`, only plans to
-    whose goal no shorter plan leads are words: the program has more plans.
+    No plan has fewer than `fewest_actions` actions; shorter lengths need no engine. With `shortest`, the
+    words are only those plans of the program whose goal no shorter plan reaches.
     """
 
     model: DomainLogic

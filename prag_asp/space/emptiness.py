@@ -79,8 +79,9 @@ def fewest_changes(
 ) -> tuple[tuple[RestrictingLine, ...], ...]:
     """Return the single lines of the domain whose removal makes an empty space nonempty; all its conditions stay.
 
-    If no single line suffices, the result is one smallest set of lines; if all lines together do not suffice, it is
-    empty. For a nonempty space, its only element is the empty set of lines. For `action` and `step`, see `why_empty`.
+    If no single line suffices, the result is one smallest set of lines; if all lines together do not suffice, the
+    result is empty. For a nonempty space, the only element of the result is the empty set of lines. For `action` and
+    `step`, see `why_empty`.
 
     Raises:
         QueryError: there is no such action or step.
@@ -94,7 +95,7 @@ def fewest_changes(
 
 
 def shortest_length(space: TaskSpace) -> int | None:
-    """Return the smallest number of actions, from 1, of a task with the conditions of a space; None if there is none.
+    """Return the smallest number of actions, from 1, of a task that satisfies a space's conditions, or None.
 
     The length of the space does not matter. Found by breadth-first search in the automaton of all lengths.
 

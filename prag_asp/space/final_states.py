@@ -1,4 +1,4 @@
-"""How many words of one length end in a state with certain facts, after any prefix.
+"""Count the words of one length that begin with a given prefix and end in a state with certain facts.
 
 The weights of the paths from the state after the prefix are summed up edge by edge; those of the last edges are then
 added up by the known values of the final state. Numbers are exact.
@@ -35,7 +35,7 @@ FEW_EDGES, MANY_EDGES = 200_000, 2_000_000
 
 @dataclass(frozen=True)
 class Ending:
-    """The number of words after which one of some facts is known to hold, and after which one may hold.
+    """The number of words after which one of the given facts is known to hold, and the number after which one may.
 
     In an open world, values may be unknown. The condition that a word ends with one of the facts leaves the `possible`
     words.
@@ -47,7 +47,7 @@ class Ending:
 
 @dataclass(frozen=True)
 class FinalStates:
-    """The known values of `fluents`, given by number, in the final states of the words of one length.
+    """The known values of `fluents`, given by their numbers, in the final states of the words of one length.
 
     The words are the paths of `automaton` with `length` edges; `goals` numbers the known values after each edge, shape
     (edges,), and `values` holds them, shape (fluents, goals). `letters` are the texts of the letters.
@@ -61,9 +61,9 @@ class FinalStates:
     fluents: tuple[int, ...]
 
     def count(self, prefix: Letters, facts: Sequence[Collection[int]]) -> list[Ending | None]:
-        """Return how many words begin with `prefix` and end with a fact of each set of `facts`, numbers of fluents.
+        """Return, for each set of `facts`, how many words begin with `prefix` and end with a fact from the set.
 
-        It is None for a set with a fact that is not counted.
+        Facts are numbers of fluents. The result is None for a set with a fact that is not counted.
         """
         numbers = self._by_goal(prefix)
         found = np.flatnonzero(numbers)
@@ -80,7 +80,7 @@ class FinalStates:
         return endings
 
     def _by_goal(self, prefix: Letters) -> Numbers:
-        """Return the number of words that begin with `prefix`, by the values of their final state; shape (goals,)."""
+        """Return, for each goal number, how many words begin with `prefix` and end with its values; shape (goals,)."""
         automaton, left = self.automaton, self.length - len(prefix)
         total = np.zeros(self.values.shape[1], dtype=object)
         if left < 0 or not self.length or not automaton.states:

@@ -1,8 +1,8 @@
 """The engine of the condition ``shortest``: the words of tasks to whose goal no shorter plan leads.
 
-Whether there is a shorter plan depends on the whole plan, but only through what it makes known of its initial state and
-of its final state. The states of the automaton are refined by both (``encodings/conditions/shortest.lp``); then a state
-decides, for plans of one length that end in it, whether it accepts.
+Whether there is a shorter plan depends on the whole plan, but only through what it makes known about its initial state
+and its final state. The states of the automaton are refined by both (``encodings/conditions/shortest.lp``); then a
+state decides, for plans of one length that end in it, whether it accepts.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ MOST_STARTS = 5000
 
 @dataclass(frozen=True)
 class ShortestExplorer(Explorer):
-    """An explorer whose states accept a plan of `length` actions only if no shorter plan has its start and its goal."""
+    """An explorer whose states accept plans of `length` actions only if no shorter plan has the same start and goal."""
 
     length: int = 0
 
@@ -114,7 +114,7 @@ def _reached(automaton: Automaton, length: int) -> NDArray[np.bool_]:
 
 
 class ShortestEngine:
-    """The engine of a level of tasks without a detour: an automaton for each length.
+    """The engine of one level for tasks without detours, with one automaton for each length.
 
     Raises:
         EngineError: another engine is requested, or the step is not a function of the state and the action.
@@ -133,7 +133,7 @@ class ShortestEngine:
 
     @property
     def letters(self) -> Letters:
-        """The texts of the letters, in their order."""
+        """The texts of the letters, in order."""
         model, level, *_ = self._request
         return tuple(all_letters(model, level))
 
@@ -146,7 +146,7 @@ class ShortestEngine:
         return self._engine(length).count(length, prefix)
 
     def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
-        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
+        """Return, for each letter that can follow `prefix`, the number of words that continue with it."""
         return self._engine(length).following(length, prefix)
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:

@@ -46,7 +46,7 @@ SHOWN_LENGTHS, LONG_COUNT = 50, 10**60
 """Maximum number of lengths, and the first number that is too long, in a table of a notebook."""
 
 GivenWeights = Mapping[str, Number] | Weights | None
-"""Weights by action names, pairs (``grasp>move``), entities and classes; None means the weights of the domain."""
+"""Weights keyed by action names, pairs (``grasp>move``), entities and classes; None means the weights of the domain."""
 
 
 class TaskSpace:
@@ -150,7 +150,7 @@ class TaskSpace:
         )
 
     def at(self, length: int) -> TaskSpace:
-        """Return the space of a single length, which this space need not have, with the same conditions and engines."""
+        """Return the space of a single length, even one that this space lacks, with the same conditions and engines."""
         space = copy(self)
         space.lengths = (checked_length(length),)
         if self._longest is not None and length > self._longest:
@@ -178,7 +178,7 @@ class TaskSpace:
         return space
 
     def _restrict_engines(self, engines: DomainEngines) -> None:
-        """Create the engines of the condition, from engines of this domain under other conditions."""
+        """Create the engines for the condition from engines of this domain under other conditions."""
         condition = self.condition.up_to(max(self.lengths))
         self.engines = engines.under(condition, self._part_of.engines.model if self._part_of else None)
         self._longest = None if condition == self.condition else max(self.lengths)
@@ -425,7 +425,7 @@ class TaskSpace:
         temperature: Temperature = 1,
         over: Over | None = None,
     ) -> TaskSampling:
-        """Return the distribution that `sample` samples: draws as texts and arrays, total weight, statistics.
+        """Return the distribution from which `sample` draws: draws as texts and arrays, total weight, statistics.
 
         Raises:
             QueryError: there is no such level, or a weight matches nothing in the domain.

@@ -54,7 +54,7 @@ class DealtOrder:
 
 @dataclass(frozen=True)
 class Division:
-    """A division of tasks into parts: by `shares` of tasks or of whole skeletons, by a held-out feature, or strata.
+    """A division of tasks: by `shares` of tasks or of whole skeletons, by a held-out feature, or into strata.
 
     The shares of `strata` are those of a sample.
     """
@@ -253,7 +253,7 @@ def _acceptance(
 
 
 def _is_in(order: RankOrder, place: int, rank: int | None) -> bool:
-    """Return whether the order has the word of a rank, if any, in the set at a place."""
+    """Return whether the order contains the word with a given rank, if any, in the set at a place."""
     return rank is not None and order.number(place, rank) is not None
 
 
@@ -263,7 +263,7 @@ def _excluded_words(
     """Return the place and the word of each excluded task of the lengths of `whole`.
 
     Raises:
-        QueryError: there is no task of a rank.
+        QueryError: there is no task with a given rank.
     """
     places = {words.length: place for place, words in enumerate(whole)}
     found = []

@@ -52,7 +52,7 @@ class WordSet:
         """Return the rank of a word.
 
         Raises:
-            QueryError: the set does not have the word.
+            QueryError: the set does not contain the word.
         """
         rank = self.rank(word)
         if rank is None:

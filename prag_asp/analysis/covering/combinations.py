@@ -1,6 +1,6 @@
 """Combinations of the factors of an action, as in covering arrays (Kuhn, Kacker and Lei 2013).
 
-Factor 0 of an action is its name; factor i is the class of the i-th argument, or the argument itself if it is no
+Factor 0 of an action is its name; factor i is the class of the i-th argument, or the argument itself if it is not an
 entity. A combination of strength t holds the values of t factors of one action. An action with fewer factors has one
 combination, of all its factors.
 """
@@ -28,7 +28,7 @@ STRONGEST = 8
 
 @dataclass(frozen=True)
 class Coverage:
-    """The reachable combinations of a strength, and those of them that some tasks cover."""
+    """The reachable combinations of one strength, and those that the given tasks cover."""
 
     strength: int
     reachable: frozenset[Combination]
@@ -68,20 +68,22 @@ def letter_combinations(space: TaskSpace, words: LayeredAutomaton, strength: int
 
 
 def reachable_combinations(space: TaskSpace, strength: int) -> frozenset[Combination]:
-    """Return the combinations that occur in some task of a space, exactly: those of the edges of its automaton.
+    """Return the combinations that occur in some task of a space: exactly those on the edges of its automaton.
 
     Raises:
-        QueryError: the strength is wrong, the space has several lengths, or its states are too many to be listed.
+        QueryError: the strength is out of range, the space has several lengths, or its states are too many to be
+            listed.
         LimitReached: a limit ended the exploration.
     """
     return frozenset().union(*letter_combinations(space, layered_words(space, "task"), strength))
 
 
 def coverage(tasks: Iterable[Task], space: TaskSpace, strength: int) -> Coverage:
-    """Return which of the reachable combinations of a space some tasks cover.
+    """Return which of the reachable combinations of a space are covered by some tasks.
 
     Raises:
-        QueryError: the strength is wrong, the space has several lengths, or its states are too many to be listed.
+        QueryError: the strength is out of range, the space has several lengths, or its states are too many to be
+            listed.
         LimitReached: a limit ended the exploration.
     """
     reachable, classes = reachable_combinations(space, strength), space.domain.facts.entity_names

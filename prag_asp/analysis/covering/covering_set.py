@@ -1,4 +1,4 @@
-"""Few tasks that together cover all reachable combinations of a space."""
+"""Find a small set of tasks that together cover all reachable combinations of a space."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ WIDTH = 32
 
 @dataclass(frozen=True)
 class CoveringSet:
-    """Tasks that cover all reachable combinations of a strength; no set has fewer than `at_least` tasks."""
+    """Tasks that cover all reachable combinations of one strength; no set has fewer than `at_least` tasks."""
 
     tasks: tuple[Task, ...]
     strength: int
@@ -32,14 +32,15 @@ class CoveringSet:
 
 
 def covering_set(space: TaskSpace, strength: int) -> CoveringSet:
-    """Return few tasks of a space that cover all its reachable combinations of a strength.
+    """Return a small set of tasks that cover all reachable combinations of a space at a given strength.
 
-    Each task is the best one that a beam search finds: it covers most combinations that no task before it covers
+    Each task is the best one that a beam search finds: it covers the most combinations not covered by earlier tasks
     (the greedy algorithm for set covers, Chvatal 1979). Tasks that later ones make superfluous are left out. The set
-    need not be smallest.
+    need not be the smallest.
 
     Raises:
-        QueryError: the strength is wrong, the space has several lengths, or its states are too many to be listed.
+        QueryError: the strength is out of range, the space has several lengths, or its states are too many to be
+            listed.
         LimitReached: a limit was reached.
     """
     words = layered_words(space, "task")

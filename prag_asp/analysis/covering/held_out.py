@@ -1,4 +1,4 @@
-"""Combinations of factors that training can do without, and still cover all combinations of one factor less."""
+"""Combinations of factors that training can do without while still covering all combinations of one factor fewer."""
 
 from __future__ import annotations
 
@@ -40,7 +40,8 @@ def hold_out_combinations(space: TaskSpace, strength: int, seed: int = 0, at_mos
     They are tried in a random order, until `at_most` are held out, by default a fifth of all reachable ones.
 
     Raises:
-        QueryError: none can be held out, the strength is wrong, or the states of the space are too many to be listed.
+        QueryError: none can be held out, the strength is out of range, or the states of the space are too many to be
+            listed.
         LimitReached: a limit ended the exploration.
     """
     words = layered_words(space, "task")
@@ -70,7 +71,7 @@ def held_out(space: TaskSpace, strength: int, held: Iterable[Combination]) -> He
     """Return given combinations of `strength` + 1 factors with the actions of the domain that have one of them.
 
     Raises:
-        QueryError: no action has one of them, or the strength is wrong.
+        QueryError: no action has one of them, or the strength is out of range.
     """
     combinations, classes = tuple(sorted(held)), space.domain.facts.entity_names
     actions = [

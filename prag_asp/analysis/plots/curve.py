@@ -75,7 +75,7 @@ def check_file(file: str) -> None:
     """Check that a curve can be written to a file, before counting.
 
     Raises:
-        QueryError: the file's ending is unknown.
+        QueryError: the file's extension is unknown.
         PicturesMissingError: matplotlib is not installed.
     """
     if Path(file).suffix.lower() not in KINDS:
@@ -88,7 +88,7 @@ def draw_curve(curve: Curve, file: str) -> None:
     """Write the curve as a picture, or as a self-contained web page with the picture and the counts.
 
     Raises:
-        QueryError: the file's ending is unknown.
+        QueryError: the file's extension is unknown.
         PicturesMissingError: matplotlib is not installed.
         OutputError: the file cannot be written.
     """

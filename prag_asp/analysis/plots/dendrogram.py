@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST = 5_000
-"""The largest number of tasks of a dendrogram; its table of distances takes 200 MB."""
+"""The largest number of tasks in a dendrogram; its table of distances takes 200 MB."""
 
 LABELLED = 60
 """The largest number of leaves that have labels."""
@@ -53,7 +53,7 @@ class Dendrogram:
         return tuple(order)
 
     def clusters(self, height: float) -> list[list[int]]:
-        """Return the tasks of each cluster after all merges at mean distances up to `height`, by smallest number."""
+        """Return the clusters after all merges at mean distances up to `height`, in order of their smallest task."""
         members = {task: [task] for task in range(self.count)}
         for number, (first, second, at, _) in enumerate(self.merges):
             if at > height:
@@ -65,7 +65,7 @@ class Dendrogram:
 def dendrogram_of(distances: NDArray[np.float64]) -> Dendrogram:
     """Cluster tasks by average distance (UPGMA, Sokal and Michener 1958), given distances of shape (tasks, tasks).
 
-    Chains of nearest neighbours find it in quadratic time (Murtagh 1983).
+    Chains of nearest neighbours find the clusters in quadratic time (Murtagh 1983).
 
     Raises:
         QueryError: there are too many tasks.

@@ -1,4 +1,4 @@
-"""What all pictures share: colours, resolution, and files that are the same in each run."""
+"""What all pictures share: colours, resolution, and files that are identical in every run."""
 
 from __future__ import annotations
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST = 5_000
-"""The largest number of tasks of a map; the eigenvectors of its table take minutes beyond."""
+"""The largest number of tasks in a map; beyond it, computing the eigenvectors takes minutes."""
 
 INCHES = 7.0
 """Size of a picture."""

@@ -26,7 +26,7 @@ MOST_CUBES = 50_000
 
 
 class TooLarge(Exception):
-    """A function exceeds the limit of nodes, variables or conjunctions."""
+    """A function exceeds the limit on nodes, variables or conjunctions."""
 
 
 class Functions:

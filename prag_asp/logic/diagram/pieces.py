@@ -1,7 +1,7 @@
 """The step function of a domain on sets of states: the valid states of each action, and its changes.
 
-The rules are evaluated as by `Transition`, with sets of states instead of columns: a conjunction is an intersection,
-and a negation is the complement in the given set of states.
+The rules are evaluated as in `Transition`, but with sets of states instead of columns: a conjunction is an
+intersection, and a negation is the complement in the given set of states.
 """
 
 from __future__ import annotations

@@ -40,7 +40,7 @@ class Cnf:
 
 
 _in_use: WeakValueDictionary[tuple[Program, int], Cnf] = WeakValueDictionary()
-"""The formulas in use, by program and length, which levels and engines share; they are never modified."""
+"""The formulas in use, keyed by program and length, which levels and engines share; they are never modified."""
 
 
 def plan_cnf(program: Program, length: int, shown: EncodingPredicate = OCCURS) -> Cnf:

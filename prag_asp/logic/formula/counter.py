@@ -1,4 +1,4 @@
-"""Model counting in a child process, exact by Ganak or d4, or approximate by ApproxMC.
+"""Count models in a child process, exactly with Ganak or d4, or approximately with ApproxMC.
 
 The native code of all three handles neither Ctrl-C nor a time limit, and ends its process on invalid input.
 """

@@ -24,7 +24,7 @@ EXPLAINED = ("step.lp", "invariants.lp", "goal.lp", "impossible.lp")
 
 BROKEN = "__broken"
 TIMES = {"base": "0", "step": "{}", "check": "{}+1"}
-"""The time of a violation, by program part: the initial state, a step, or the time after the last step."""
+"""The time of a violation, keyed by program part: the initial state, a step, or the time after the last step."""
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from prag_asp.program.sources import ADDED, HIERARCHY, Program, Source, owned
 from prag_asp.program.syntax import Statement
 
 KEPT, LOOSE = "__kept", "__loose"
-"""The atoms of lines by number, and the atom by which the fluents of lifted postconditions may have any value."""
+"""The atoms that keep lines, by number, and the atom that lets fluents of lifted postconditions have any value."""
 
 RESTRICTING = frozenset([
     ("precondition", 3), ("initially", 2), ("exclusive", 2), ("implies", 2), ("impossible", 2), ("goal", 2),
@@ -35,7 +35,7 @@ RULES = "rules"
 
 @dataclass(frozen=True)
 class RestrictingLine:
-    """An author's statement with its file, line and text; an optional rule has the line that includes it."""
+    """An author's statement with its file, line and text; for an optional rule, the line that includes it."""
 
     path: Path
     line: int

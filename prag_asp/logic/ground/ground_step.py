@@ -52,7 +52,7 @@ Seeds = dict[clingo.Symbol, None]
 
 @dataclass(frozen=True)
 class GroundStep:
-    """The ground rules of one step in any state, by program part.
+    """The ground rules of one step in any state, keyed by program part.
 
     `names` holds the symbol of every named atom; `before`, `now` and `ending` hold the atoms of step t-1 and of step t
     by their symbol without its time. `initial` are the timed symbols that hold initially, without their time;

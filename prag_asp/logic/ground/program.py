@@ -148,7 +148,7 @@ def _added_facts(facts: Facts, program: Program) -> list[str]:
 
 
 def _read(program: Program, predicate: EncodingPredicate) -> bool:
-    """Return whether a file mentions a predicate, other than the shipped `DESCRIBING`."""
+    """Return whether a file other than the shipped `DESCRIBING` mentions a predicate."""
     describing = _describing()
     return any(refers_to(each.text, predicate) for each in program.sources if each.text not in describing)
 

@@ -153,7 +153,7 @@ def _rows_of(columns: Mapping[int, Column], atoms: Iterable[int], size: int) -> 
 def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]) -> FluentValues:
     """Return the values in the states of one plan by solving the unrolled program, which is slower but always works.
 
-    Shape (fluents, length of the plan + 1).
+    The result has the shape (fluents, length of the plan + 1).
     """
     length = len(plan)
     grounder = Grounder(program, "1")

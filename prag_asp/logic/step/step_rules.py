@@ -63,7 +63,7 @@ class StepRules:
 
     @cached_property
     def _by_action(self) -> Mapping[int, tuple[Mapping[int, list[RuleBody]], list[ActionSum], list[RuleBody]]]:
-        """For each atom: its bodies with an action, by action; its sums; and its other bodies."""
+        """For each atom: its bodies with an action, keyed by action; its sums; and its other bodies."""
         table = {}
         for atom in self.order:
             by_action: dict[int, list[RuleBody]] = {}

@@ -58,7 +58,7 @@ def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[RuleBody, ...]]) -
 
 
 def body_column(body: RuleBody, column: Callable[[int], Column], size: int) -> Column:
-    """Return the column of the truth of a body."""
+    """Return the truth of a body as a column."""
     if body.weights:
         total = np.zeros(size, dtype=np.int64)
         for literal, weight in zip(body.literals, body.weights, strict=True):

@@ -197,8 +197,8 @@ class Transition:
 class _Before:
     """A frontier with every rule evaluated for a step without an action.
 
-    `broken` holds the constraints that are violated in some state, `breaches` their number in each state; `after` and
-    `labels` are the states and the labels after a step without an action.
+    `broken` holds the constraints that are violated in some state, `breaches` the number of violated ones in each
+    state; `after` and `labels` are the states and the labels after a step without an action.
     """
 
     read: Callable[[int], Column]

@@ -99,7 +99,7 @@ class Atoms:
         return self._of_atom[atom]
 
     def shapes(self, rules: Iterable[SpelledRule]) -> dict[int, list[Shaped]]:
-        """Return the named atoms of rules, by the entities that they name."""
+        """Return the named atoms of rules, keyed by the entities that they name."""
         inside = {atom for heads, (_, _, body), _ in rules for atom in (*heads, *(each for each, _, _ in body))}
         return by_entity(key for atom in sorted(inside) if isinstance(key := self._keys[atom], tuple))
 

@@ -93,7 +93,7 @@ class Consequences:
 
 @dataclass(frozen=True)
 class _Closure:
-    """The consequences of some literals, and the sums that they reach in rule bodies, by rule number.
+    """The consequences of some literals, and the sums that they reach in rule bodies, keyed by rule number.
 
     Both hold only the differences from the closure `below`.
     """

@@ -241,7 +241,7 @@ class _Rules:
 
     @cached_property
     def _tables(self) -> list[_RuleRows]:
-        """The rules by their form."""
+        """The rules, grouped by their form."""
         forms: dict[tuple[int, bool, bool, int, int], list[SpelledRule]] = {}
         for rule in self._deriving:
             heads, (choice, bound, literals), last = rule

@@ -1,4 +1,4 @@
-"""Decide how long each engine counts before the next one starts, by a rule derived from a hundred diverse programs.
+"""Decide how long each engine counts before the next one starts, with a rule derived from a hundred diverse programs.
 
 The measurements are in ``benchmarks/model_engines.py``. The rule depends on the predicted time of an
 enumeration and on the width of the clauses.

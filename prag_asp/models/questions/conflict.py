@@ -2,7 +2,7 @@
 
 Each line is kept or lifted. A lifted constraint is dropped; a lifted rule allows its head atoms instead of deriving
 them. Lifting a line therefore only adds answer sets, and lines are lifted one by one until no more can be lifted (a
-deletion-based minimal unsatisfiable subset; Marques-Silva 2010), with clingo's unsatisfiable cores as a start. Lines
+deletion-based minimal unsatisfiable subset; Marques-Silva 2010), starting from clingo's unsatisfiable cores. Lines
 that only state data, that is, atoms that are true in any case, are kept, unless data alone exclude every answer set.
 """
 
@@ -78,7 +78,7 @@ def find_conflict(given: GivenProgram, ground: GroundModels) -> Conflict | None:
 
 
 def _liftable_ground(given: GivenProgram, source: Source, *, facts: bool) -> _LiftableLines:
-    """Return the lines of an aspif program, including facts if `facts`."""
+    """Return the lines of an aspif program, including facts if `facts` is true."""
     text, lines, kept = liftable_text(source, facts=facts)
     grounder = Grounder(given.program, "--opt-mode=ignore", strict=False, text=text)
     grounder.ground([("base", [])])
@@ -181,7 +181,7 @@ def _derived(statement: Statement) -> list[AtomNode]:
 
 
 def _liftable(statement: Statement, kept: str, may: str) -> Iterator[str]:
-    """Yield rules that state a statement if an atom is true, and its lifted form otherwise."""
+    """Yield rules that amount to a statement if an atom is true, and to its lifted form otherwise."""
     body = "".join(f"{text}; " for _, text in statement.literals)
     yield f"{statement.node.head} :- {body}{kept}."
     allowed = [str(element) for element in _elements(statement.node.head)]

@@ -43,7 +43,7 @@ class _Rule(NamedTuple):
 
 
 def liftable_text(source: Source, *, facts: bool) -> LiftableText:
-    """Return a checked program whose lines can be lifted, including facts if `facts`."""
+    """Return a checked program whose lines can be lifted, including facts if `facts` is true."""
     lines = source.text.split("\n")
     statements = list(enumerate(lines[1 : lines.index("0")], 2))
     names = dict(_names(text for _, text in statements))
@@ -117,7 +117,7 @@ def _names(statements: Iterator[str]) -> Iterator[tuple[int, str]]:
 
 
 def _output(text: str) -> tuple[str, tuple[int, ...]]:
-    """Return the term and the condition of an output; both are empty for another statement."""
+    """Return the term and the condition of an output; both are empty for any other statement."""
     kind, _, rest = text.partition(" ")
     if kind != str(OUTPUT):
         return "", ()

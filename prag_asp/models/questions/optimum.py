@@ -71,7 +71,7 @@ def find_optimum(given: GivenProgram, ground: GroundModels) -> Optimum | None:
 
 
 def only_optimal(ground: GroundModels, optimum: Optimum) -> GroundModels:
-    """Return a ground program with constraints for the optimal answer sets, which are also added to its control."""
+    """Return a ground program whose only answer sets are the optimal ones; its control gets the same constraints."""
     rules = tuple(_optimal_rules(ground, optimum))
     with ground.grounder.control.backend() as backend:
         for rule in rules:

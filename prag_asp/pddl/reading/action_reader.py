@@ -185,7 +185,7 @@ class ActionReader:
     def _assignment(
         self, tree: Expression, scope: Scope, outer: tuple[Variable, ...], condition: Formula
     ) -> Iterator[SchemaEffect]:
-        """Yield the effects that give an object function another value, or none."""
+        """Yield the effects that give an object function a different value, or none."""
         target, value = self._source.list_of(tree.rest, tree.line), tree.rest[1]
         function = scope.function_value(target)
         if any(variable not in function.terms.terms for variable in outer):

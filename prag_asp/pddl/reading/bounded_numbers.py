@@ -2,8 +2,8 @@
 
 The values are a least fixpoint within the bounds of `number_bounds`: the values of the initial state, and those that an
 action computes from them if its own comparisons hold. It contains all reachable values, because objects are ignored. If
-it is finite, the translation is exact: in each state, one of the predicates is true of each function term that has a
-value.
+it is finite, the translation is exact: in each state, exactly one of the predicates is true for each function term that
+has a value.
 """
 
 from __future__ import annotations
@@ -144,7 +144,7 @@ def _changed(effect: NumericEffect, row: Row) -> Fraction | None:
 
 
 class _FunctionValues:
-    """The possible values of functions, by name."""
+    """The possible values of functions, keyed by name."""
 
     def __init__(
         self,

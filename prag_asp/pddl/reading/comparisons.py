@@ -36,7 +36,7 @@ Values = Mapping[tuple[str, tuple[str, ...]], Fraction]
 def settled(
     source: PddlSource, problem_source: PddlSource, domain: DomainFile, problem: ProblemFile
 ) -> tuple[DomainFile, ProblemFile]:
-    """Return a domain and a problem without comparisons, none of which reads a function that an action changes.
+    """Return a domain and a problem with each comparison replaced; none may read a function that an action changes.
 
     Raises:
         DomainError: a comparison has too many values.

@@ -1,4 +1,4 @@
-"""Find bounds of numbers that actions change, if an atom records each change that another action may undo.
+"""Find bounds for numbers that actions change, if an atom records each change that another action may undo.
 
 If each action that decreases f(z) by w(y) requires and deletes p(y,z), and each action that adds p(y,z) increases f(z)
 by w(y), then f(z) minus the sum of w over the true atoms p(_,z) never decreases. The sum is not negative, so f(z) never

@@ -35,7 +35,7 @@ OPERATORS = ("+", "-", "*", "/")
 class Declared:
     """The declarations of a domain and its problem. `types` are the direct supertypes of each type.
 
-    If predicates are `undeclared`, the domain has no list of them, and each is added at its first use.
+    If predicates are `undeclared`, the domain has no list of them, and each is added on its first use.
     """
 
     types: dict[str, tuple[str, ...]]

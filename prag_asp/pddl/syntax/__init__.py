@@ -1,1 +1,1 @@
-"""Files of PDDL as syntax trees that know their lines."""
+"""PDDL files as syntax trees whose nodes carry line numbers."""

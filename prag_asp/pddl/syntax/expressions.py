@@ -1,4 +1,4 @@
-"""Parse a file of PDDL into nested expressions, whose words carry their lines.
+"""Parse a PDDL file into nested expressions, whose words carry their lines.
 
 PDDL is a language of nested lists, but the files of many projects deviate from its grammar: names that begin with a
 digit, arbitrarily nested effects, requirements of other dialects. This parser only reads lists, and leaves all further

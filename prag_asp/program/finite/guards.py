@@ -41,7 +41,7 @@ SMALL = 1_000
 
 @dataclass(frozen=True)
 class Guarded:
-    """The text of a program with its checks, and where these are.
+    """The text of a program with its checks, and the places of these checks.
 
     `endless_steps` is true if rules of steps may derive new terms forever.
     """

@@ -23,7 +23,7 @@ KEPT_BYTES = 1 << 30
 """Approximate memory for the cached rows of one automaton, in bytes."""
 
 Word = tuple[int, ...]
-"""The letters of a word, by number."""
+"""The letters of a word, given by their numbers."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class Automaton:
         return [(letters[begin:end], targets[begin:end]) for begin, end in pairwise(offsets)]
 
     def step(self, state: int, letter: int) -> int | None:
-        """Return the edge of a state that has a given letter, or None if there is no such edge."""
+        """Return the edge with a given letter from a state, or None if there is no such edge."""
         first, last = int(self.offsets[state]), int(self.offsets[state + 1])
         edge = first + int(np.searchsorted(self.letters[first:last], letter))
         return edge if edge < last and self.letters[edge] == letter else None
@@ -193,7 +193,7 @@ def count_words(completions: Completions, length: int, prefix: Sequence[Callable
 def count_following(
     completions: Completions, length: int, prefix: Sequence[Callable[[int], bool]] = ()
 ) -> dict[int, int]:
-    """Return the weight of the words whose first letters satisfy `prefix`, by their next letter, if not 0."""
+    """Return, for each letter that can follow `prefix`, the total weight of the words that continue with it."""
     automaton = completions.automaton
     found: dict[int, int] = {}
     if not automaton.states or len(prefix) >= length:
@@ -210,7 +210,7 @@ def count_following(
 
 
 def states_after(automaton: Automaton, prefix: Sequence[Callable[[int], bool]]) -> dict[int, int]:
-    """Return the states to which the paths with letters that satisfy `prefix` lead, with the weight of these paths."""
+    """Return the states to which the paths with letters that satisfy `prefix` lead, each with their total weight."""
     reached: dict[int, int] = {0: 1}
     for allowed in prefix:
         following: dict[int, int] = {}

@@ -43,7 +43,7 @@ ROOM = 2**26
 class Extent:
     """The size of an exploration; `nbytes` is its memory, including the memory for concatenating the edges.
 
-    `expanded` is the number of states whose edges are known, `by_letter` the number of edges with each letter.
+    `expanded` is the number of states whose edges are known, and `by_letter` the number of edges with each letter.
     """
 
     depth: int

@@ -1,9 +1,9 @@
 """Count and rank the words of a step function with decision diagrams over its states, without listing the states.
 
-The forward pass collects the states reached within n - 1 steps and, for each action, those in which it is valid. The
-backward pass counts completions: the number of completions of a state with k letters left is the sum, over its valid
-actions, of the number of completions of the successor with k - 1 letters left. The numbers for each k form one diagram.
-All numbers are exact.
+For words of length n, the forward pass collects the states reached within n - 1 steps and, for each action, those in
+which it is valid. The backward pass counts completions: the number of completions of a state with k letters left is the
+sum, over its valid actions, of the number of completions of the successor with k - 1 letters left. The numbers for each
+k form one diagram. All numbers are exact.
 """
 
 from __future__ import annotations
@@ -229,7 +229,7 @@ class LayeredWords:
         return tuple(word), weight
 
     def following(self) -> dict[int, int]:
-        """Return the weight of the words by the letter after the prefix, if it is above 0."""
+        """Return, for each letter that can follow the prefix, the total weight of the words that continue with it."""
         found: dict[int, int] = {}
         if not self.total or len(self._prefix) >= self._length:
             return found

@@ -139,7 +139,7 @@ def count_merged(
 def count_following_merged(
     merged: MergedAutomaton, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()
 ) -> dict[int, int]:
-    """Return the weight of the words whose first letters `prefix` allows, by their next letter, if not 0."""
+    """Return, for each letter that can follow `prefix`, the total weight of the words that continue with it."""
     found: dict[int, int] = {}
     if not completions.automaton.states or len(prefix) >= length:
         return found

@@ -1,4 +1,4 @@
-"""Forecasts of the size of an exploration, and a note if it will take long."""
+"""Forecast the size of an exploration, and send a note if it will take long."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Exact counts of very long words, by the linear recurrence that the counts satisfy.
+"""Count very long words exactly, using the linear recurrence that the counts satisfy.
 
 The numbers c(0), c(1), ... of words of an automaton with s states satisfy the recurrence of its characteristic
 polynomial (Cayley and Hamilton), so their shortest recurrence has an order d of at most s. Its coefficients are

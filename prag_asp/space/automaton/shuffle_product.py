@@ -2,8 +2,8 @@
 
 A state of the product consists of one state of each part. Its completions are the shuffles of completions of the parts:
 for n letters, their number is the sum, over all compositions of n into one length per part, of the multinomial
-coefficient times the product of the parts' numbers (Stanley, Enumerative Combinatorics 2, 5.1). Memory therefore grows
-with the sum of the parts' states, not with their product.
+coefficient times the product of the parts' own numbers of completions (Stanley, Enumerative Combinatorics 2, 5.1).
+Memory therefore grows with the sum of the parts' states, not with their product.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ class PartEdge:
 
 
 class ShuffledWords:
-    """The shuffles of one word from each part that have a given length; `total` is the sum of their weights.
+    """All shuffles of one word from each part that result in a given length; `total` is the sum of their weights.
 
     `letters` maps the letters of each part to their numbers in the product automaton; parts share no letters. Without
     weights, words have the order and the ranks of the product automaton.
@@ -90,7 +90,7 @@ class ShuffledWords:
         return sum(weight * self._completions(state, left) for state, weight in self._after(prefix).items())
 
     def following(self, prefix: Sequence[Collection[int]]) -> dict[int, int]:
-        """Return the weight of the words whose first letters `prefix` allows, by their next letter, if not 0."""
+        """Return, for each letter that can follow `prefix`, the total weight of the words that continue with it."""
         found: dict[int, int] = {}
         if not self.total or len(prefix) >= self._length:
             return found
@@ -101,7 +101,7 @@ class ShuffledWords:
         return {letter: number for letter, number in sorted(found.items()) if number}
 
     def _after(self, prefix: Sequence[Collection[int]]) -> dict[State, int]:
-        """Return the states after the words that `prefix` allows, with the weight of these words."""
+        """Return the states after the words that `prefix` allows, each with the total weight of these words."""
         reached = {self._start: 1}
         for allowed in prefix:
             following: dict[State, int] = {}
@@ -185,7 +185,7 @@ class ShuffledWords:
 
 
 def _beside_each(ways: Sequence[Ways], left: int) -> dict[Ways, list[int]]:
-    """Return the factor of each part in the completions of the product, for each length of the word of this part.
+    """Return, for each part and each length of its word, the factor that the other parts contribute.
 
     The factor is the weight of the shuffles of one word from each other part, times the number of ways to shuffle them
     with the word of the part into `left` letters. Parts with equal completions have equal factors.

@@ -1,4 +1,4 @@
-"""The kinds of clauses, and the facts by which each kind requests tests from ``encodings/conditions``."""
+"""The kinds of clauses, and the facts with which each kind requests tests from ``encodings/conditions``."""
 
 from __future__ import annotations
 

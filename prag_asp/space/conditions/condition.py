@@ -42,10 +42,10 @@ class Condition:
         return max(map(fewest_actions, self.clauses), default=0)
 
     def up_to(self, length: int) -> Condition:
-        """Return an equivalent condition for plans of at most `length` actions, with upper bounds not far above it.
+        """Return an equivalent condition for plans of at most `length` actions, with large upper bounds reduced.
 
-        The state of a plan counts occurrences up to these bounds. Different bounds remain different, so that the
-        condition distinguishes the same entities.
+        The state of a plan counts occurrences up to the reduced bounds, which barely exceed `length`, or `LARGE` if
+        that is greater. Different bounds remain different, so that the condition distinguishes the same entities.
         """
         from prag_asp.space.conditions.clause_kinds import Has, Range
 

@@ -87,7 +87,7 @@ class AutoEngine:
 
     @property
     def letters(self) -> Letters:
-        """The texts of the letters, in their order."""
+        """The texts of the letters, in order."""
         return self._listing.letters
 
     def count(self, length: int, prefix: Letters = ()) -> int:
@@ -108,7 +108,7 @@ class AutoEngine:
             raise limit_error(reached.reason, counted, level, length) from None
 
     def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
-        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
+        """Return, for each letter that can follow `prefix`, the number of words that continue with it."""
         return self._answer(length, lambda engine: engine.following(length, prefix))
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
@@ -138,7 +138,7 @@ class AutoEngine:
         return self._answer(length, lambda engine: engine.weighed(length, weights, goals=goals, plain=plain))
 
     def _answer(self, length: int, ask: Callable[[Engine], Answer]) -> Answer:
-        """Return the answer of the automaton engine, or of diagrams if the automaton has too many states."""
+        """Return the answer from the automaton engine, or from diagrams if the automaton has too many states."""
         if self._exceeded is None or length < self._exceeded[0]:
             try:
                 return ask(self._listing)

@@ -39,7 +39,7 @@ LONG = 10_000
 
 
 class AutomatonEngine:
-    """The engine of one domain at one level that explores its automaton and keeps it between queries.
+    """An engine that explores the automaton of one domain at one level and keeps it between queries.
 
     `merge` decides whether states are merged up to renaming of interchangeable entities; None lets the number of states
     decide. Results do not depend on it. `explorer` finds the states, by default by listing them. If `hopeless`
@@ -88,7 +88,7 @@ class AutomatonEngine:
 
     @cached_property
     def letters(self) -> tuple[str, ...]:
-        """The texts of the letters, in their order."""
+        """The texts of the letters, in order."""
         if self._reached is not None:
             return self._reached.letters
         if self._level == "skeleton":
@@ -142,7 +142,7 @@ class AutomatonEngine:
         return counted
 
     def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
-        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
+        """Return, for each letter that can follow `prefix`, the number of words that continue with it."""
         reach, sets = self.known(length), self._sets(prefix)
         found = reach.following(length, sets) if isinstance(reach, Reach) else reach.following(sets)
         return {self.letters[letter]: number for letter, number in found.items()}

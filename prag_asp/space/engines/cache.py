@@ -1,8 +1,9 @@
 """A cache folder of computed arrays, in which each file is named after a key derived from the inputs.
 
-A file is an archive of `numpy.savez`, with its key and texts as JSON in an array of bytes, and a checksum of the file,
-because the checksums of the archive cover the arrays but not their names. A file that is unreadable, truncated,
-modified or has another key counts as absent, and failed writes are ignored. Files are never executed.
+A file is an archive written by `numpy.savez`, with its key and texts as JSON in an array of bytes, and a checksum of
+the file, because the checksums of the archive cover the arrays but not their names. A file that is unreadable,
+truncated or modified, or that has a different key, counts as absent, and failed writes are ignored. Files are never
+executed.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ Ask = Callable[[], "int | None"]
 """Return the count of another process, or None until it is finished."""
 
 Beside = Callable[[int, Letters], AbstractContextManager[Ask]]
-"""Count the words of a given length that begin with a prefix in parallel to clingo; the first to finish answers."""
+"""In parallel with clingo, count the words of a given length that begin with a prefix; the first to finish answers."""
 
 
 class ClingoEngine:
@@ -80,7 +80,7 @@ class ClingoEngine:
         return counted
 
     def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
-        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
+        """Return, for each letter that can follow `prefix`, the number of words that continue with it."""
         return count_each(self, length, prefix)
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
@@ -278,9 +278,7 @@ class _UnrolledPlans:
     def models(self, check: Callable[[], None]) -> Iterator[Letters | None]:
         """Yield all words, unordered; None stands for a word with a step that does not have exactly one letter.
 
-        `check` is called regularly.
-
-        An error that `check` raises ends the search.
+        `check` is called regularly; an error that it raises ends the search.
         """
         texts = {term: text for text, term in self._letters.items()}
         self._limit(0)
@@ -333,5 +331,5 @@ class _UnrolledPlans:
 
 
 _in_use: WeakValueDictionary[tuple[int, int, EncodingPredicate], _UnrolledPlans] = WeakValueDictionary()
-"""The ground programs in use, by program, length and shown predicate; without interchangeable entities, the levels
-plan and task share one."""
+"""The ground programs in use, keyed by program, length and shown predicate; without interchangeable entities, the
+levels plan and task share one."""

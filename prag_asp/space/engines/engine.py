@@ -44,9 +44,9 @@ class Engine(Protocol):
         ...
 
     def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
-        """Return the number of words that begin with `prefix`, by their next letter, if it is above 0.
+        """Return, for each letter that can follow `prefix`, the number of words that continue with it.
 
-        Letters are in their order; a prefix of all letters has no next one.
+        Letters are in order. If `prefix` is as long as the words, no letter can follow it.
         """
         ...
 
@@ -68,7 +68,7 @@ class Engine(Protocol):
 
     @property
     def letters(self) -> Letters:
-        """The texts of the letters, in their order."""
+        """The texts of the letters, in order."""
         ...
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
@@ -86,7 +86,7 @@ Progress = Callable[[str], None]
 """Called with a short text on the progress of a long computation."""
 
 ALL = "(...)"
-"""Suffix of a prefix item that stands for all actions of a name, even if one action is spelled like the name."""
+"""Suffix of a prefix item that stands for all actions with a name, even if one action is spelled like the name."""
 
 
 def name_in_prefix(item: str, letters: Container[str]) -> str | None:
@@ -107,7 +107,7 @@ def prefix_sets(prefix: Letters, numbers: Mapping[str, int], names: Sequence[str
 
 
 def count_each(engine: Engine, length: int, prefix: Letters) -> dict[str, int]:
-    """Return the number of words by the letter after `prefix`, with one count for each letter."""
+    """Return what `following` returns, by counting the words for each letter that might follow `prefix`."""
     if len(prefix) >= length:
         return {}
     counts = {letter: engine.count(length, (*prefix, letter)) for letter in engine.letters}

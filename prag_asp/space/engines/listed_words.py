@@ -1,4 +1,4 @@
-"""Weighted words of engines that enumerate them, and the engine of lengths without words."""
+"""Weighted words of engines that enumerate them, and the engine for lengths without words."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ class NoWords:
 
     @property
     def letters(self) -> Letters:
-        """The texts of the letters, in their order."""
+        """The texts of the letters, in order."""
         return tuple(all_letters(self.model, self.level))
 
     def count(self, length: int, prefix: Letters = ()) -> int:
@@ -100,7 +100,7 @@ class NoWords:
         return 0
 
     def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
-        """Return the number of words by the letter after `prefix`: there are none."""
+        """Return no counts, because no letter can follow `prefix`."""
         return {}
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:

@@ -31,7 +31,7 @@ def checked_level(by: Level) -> Level:
 
 
 def engine_prefix(prefix: Prefix, by: Level, length: int, domain: Domain, model: DomainLogic) -> tuple[str, ...]:
-    """Return a prefix in the form that engines of a level and length accept; tasks have canonical names of entities.
+    """Return a prefix in the form that engines of a level and length accept; for tasks, with canonical names.
 
     `domain` has no conditions; `model` is the logic with them.
 

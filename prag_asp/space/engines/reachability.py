@@ -107,7 +107,7 @@ class Reach:
         return count_merged(self.merged, self.completions, length, prefix)
 
     def following(self, length: int, prefix: Sequence[frozenset[int]]) -> dict[int, int]:
-        """Return the weight of the words whose first letters `prefix` allows, by their next letter, if not 0."""
+        """Return, for each letter that can follow `prefix`, the total weight of the words that continue with it."""
         if not self.merged:
             return count_following(self.completions, length, [allowed.__contains__ for allowed in prefix])
         from prag_asp.space.automaton.merged_states import count_following_merged
@@ -198,7 +198,7 @@ class Explorer:
         read: Sequence[clingo.Symbol] = (),
         halt: Halt | None = None,
     ) -> tuple[Reach, Fraction, NDArray[np.bool_]]:
-        """Return the words with integer edge weights, their unit, and the truth of `read` after each edge.
+        """Return the words with integer edge weights, their unit, and the truth values of `read` after each edge.
 
         The truth values have shape (edges, atoms read).
         """
@@ -253,7 +253,7 @@ class Explorer:
     def _shared_exploration(
         self, transition: Transition, length: int, clock: LimitClock, halt: Halt | None
     ) -> Exploration | None:
-        """Return the identical exploration of another level's engine, if it exists and is small.
+        """Return the identical exploration by another level's engine, if it exists and is small.
 
         With limits or progress reports, the exploration is repeated.
         """

@@ -20,7 +20,7 @@ from prag_asp.space.weights.weights import Weighed, Weights
 
 
 class SharpEngine:
-    """The engine of one domain at one level that counts the models of a formula.
+    """An engine for one domain at one level, which counts the models of a formula.
 
     The sat engine enumerates words; ranks are computed from counts of words with a prefix.
 
@@ -56,7 +56,7 @@ class SharpEngine:
         return models
 
     def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
-        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
+        """Return, for each letter that can follow `prefix`, the number of words that continue with it."""
         return count_each(self, length, prefix)
 
     def words(self, length: int, prefix: Letters = ()) -> Iterator[Letters]:
@@ -96,7 +96,7 @@ class SharpEngine:
 
     @property
     def letters(self) -> Letters:
-        """The texts of the letters, in their order."""
+        """The texts of the letters, in order."""
         return self._sat.letters
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:

@@ -101,7 +101,7 @@ def code_digest() -> str:
 
 
 def _restore(entry: CacheEntry) -> Reach | None:
-    """Return the exploration of a cache entry, or None if its arrays are inconsistent."""
+    """Return the exploration stored in a cache entry, or None if its arrays are inconsistent."""
     arrays, texts = entry.arrays, entry.texts
     merged = "twins" in arrays
     expected = {name: kind for name, kind in ARRAYS.items() if merged or name not in RENAMINGS}

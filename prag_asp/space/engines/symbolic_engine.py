@@ -72,7 +72,7 @@ class SymbolicEngine:
             raise limit_error(reached.reason, least, self._level, length) from None
 
     def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
-        """Return the number of words that begin with `prefix`, by their next letter, if not 0."""
+        """Return, for each letter that can follow `prefix`, the number of words that continue with it."""
         found = self._words(length, prefix).following()
         return {self.letters[letter]: number for letter, number in found.items()}
 

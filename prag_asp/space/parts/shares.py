@@ -36,7 +36,7 @@ def held_out(what: str, facts: Facts, groups: Sequence[Sequence[clingo.Symbol]])
     """Return the conditions for tasks without and with `what`: an entity, a class, an action, a name or a pair.
 
     Raises:
-        QueryError: `what` is ambiguous, or an entity that is interchangeable with an entity of the tasks without it.
+        QueryError: `what` is ambiguous, or is an entity that is interchangeable with one in the tasks without it.
     """
     refuse_ambiguous(what.strip(), facts)
     actions = {str(action): action for action in facts.actions}

@@ -1,4 +1,4 @@
-"""Canonical names in plans: interchangeable entities are introduced in their order."""
+"""Canonical names in plans: interchangeable entities are introduced in order."""
 
 from __future__ import annotations
 

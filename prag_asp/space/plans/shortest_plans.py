@@ -1,7 +1,7 @@
-"""The shortest plans to the goal of a task from its initial state, counted by a breadth-first search.
+"""The shortest plans from the initial state of a task to its goal, counted by a breadth-first search.
 
-A plan solves a task if it is a plan of the domain from the known facts of the initial state to the goal, and nothing
-more becomes known of the initial state: so it can be executed wherever the task can. The logic is in
+A plan of the domain solves a task if it leads from the known facts of the initial state to the goal and makes nothing
+more known about the initial state. It can therefore be executed wherever the task can. The logic is in
 ``encodings/rules/same_start.lp``.
 """
 
@@ -29,7 +29,7 @@ from prag_asp.stop_reason import StopKind, StopReason
 from prag_asp.task import State
 
 MOST_STATES = 2_000_000
-"""Maximum number of states of a search: with 64 bytes a state and its edges, they take about 1 GB."""
+"""Maximum number of states of a search: at 64 bytes per state, they and their edges take about 1 GB."""
 
 TOGETHER = 4096
 """Number of states that are expanded together."""
@@ -62,8 +62,9 @@ class ShortestPlans:
 class PlanLayer:
     """The states that plans of `depth` actions reach and shorter ones do not.
 
-    `numbers` holds the number of plans to each state; `ends` whether a plan may end there; `meets` whether a goal may
-    give each fluent each value there, packed, shape (states, bytes). All have one row for each state.
+    `numbers` holds the number of plans to each state; `ends` tells whether a plan may end there; `meets` tells, for
+    each fluent and value, whether a goal may demand it there, packed, shape (states, bytes). All have one row for each
+    state.
     """
 
     depth: int
@@ -72,7 +73,7 @@ class PlanLayer:
     meets: Bits
 
     def solving(self, goal: Bits) -> NDArray[np.bool_]:
-        """Return in which states a goal, packed like a row of `meets`, is reached."""
+        """Return which states reach a goal, which is packed like a row of `meets`."""
         solving: NDArray[np.bool_] = self.ends & ((self.meets & goal) == goal).all(axis=1)
         return solving
 
@@ -86,7 +87,7 @@ class Start:
 
     @classmethod
     def of(cls, program: Program, initial: Iterable[tuple[object, bool]]) -> Start:
-        """Return the initial state of plans of a program in which fluents have these values.
+        """Return the initial state in which fluents have these values, for plans of a program.
 
         Raises:
             DomainError: clingo cannot ground the program.
@@ -131,13 +132,13 @@ class Start:
         return found
 
     def may_end(self) -> bool:
-        """Return whether the plan without actions may end here; no step may be ground before."""
+        """Return whether the plan without actions may end here; call this before any step is ground."""
         self.grounder.ground([("check", [START])])
         return bool(self.grounder.control.solve().satisfiable)
 
 
 class CommonStart:
-    """The base part of a program, ground once for all initial states: facts of these are open."""
+    """The base part of a program, ground once for all initial states, whose facts are left open."""
 
     def __init__(self, program: Program) -> None:
         given = REQUEST.fact("start(F,V)").removesuffix(".")
@@ -198,7 +199,7 @@ class PlanSearch:
 
     @cached_property
     def _transition(self) -> Transition:
-        """The step function of plans that make nothing known of their initial state."""
+        """The step function of plans that make nothing known about their initial state."""
         return self._model.transition(tasks=False, labels=self._labels)
 
     def solve(self, initial: State, goal: State, at_most: int, clock: LimitClock) -> ShortestPlans | None:
@@ -218,9 +219,9 @@ class PlanSearch:
     def solvable(
         self, starts: Sequence[Values], goals: Sequence[Bits], at_most: int, clock: LimitClock
     ) -> list[NDArray[np.bool_]]:
-        """Return which goals some plan of `at_most` actions or fewer reaches from each initial state.
+        """Return which goals can be reached from each initial state by a plan of at most `at_most` actions.
 
-        ``goals[k]`` has a row for each goal from the k-th initial state, in the form of `goal_row`, closed under the
+        ``goals[k]`` has a row for each goal from the k-th initial state, as returned by `goal_row`, closed under the
         invariants; the result has an array of the same number of truth values. The states of all searches are expanded
         together.
 
@@ -255,7 +256,7 @@ class PlanSearch:
         ]
 
     def _solved(self, graph: PlanGraph, start: int, goals: Bits, initial: Values, at_most: int) -> NDArray[np.bool_]:
-        """Return which goals a plan reaches from a state of the graph; the plan without actions is tested apart."""
+        """Return which goals plans reach from a state of the graph; the plan without actions is tested separately."""
         reached = graph.within(start, at_most)
         meets = graph.meets[reached[graph.ends[reached]]]
         own = {(str(fluent), value) for fluent, value in initial}
@@ -278,13 +279,13 @@ class PlanSearch:
         return Start.of(self._model.program, ())
 
     def _row(self, literals: Literals) -> Bits:
-        """Return values of fluents as a packed row, shape (bytes,): for each fluent, whether it is true, then false."""
+        """Return values of fluents as a packed row, shape (bytes,), with bits for true and false for each fluent."""
         row = np.zeros(len(self._places), dtype=np.bool_)
         row[[self._places[each] for each in literals]] = True
         return np.packbits(row)
 
     def layers(self, start: Start, at_most: int, clock: LimitClock) -> Iterator[PlanLayer]:
-        """Yield the states that plans from a state reach, in order of their distance; the last layer may be earlier.
+        """Yield the states that plans from a state reach, in order of their distance; stop when no state is new.
 
         Raises:
             EngineError: the step is not a function of the state and the action.
@@ -312,7 +313,7 @@ class PlanSearch:
 class PlanGraph:
     """The states of several searches and the edges between them, in order of their sources, which begin at `offsets`.
 
-    `ends` holds whether a plan may end in a state after an action, `meets` what a goal may demand there.
+    `ends` tells whether a plan may end after the action of an edge, `meets` what a goal may demand there.
     """
 
     offsets: NDArray[np.int64]
@@ -347,7 +348,7 @@ class PlanGraph:
 
 
 def solved_by(meets: Bits, goals: Bits) -> NDArray[np.bool_]:
-    """Return which goals, one in each row, some row of `meets` contains."""
+    """Return which `goals`, one in each row, are contained in some row of `meets`."""
     exact = set(map(bytes, meets))
     solved = np.array([bytes(goal) in exact for goal in goals], dtype=np.bool_)
     if solved.all() or not len(meets):
@@ -378,7 +379,7 @@ def _check(clock: LimitClock, seen: Numbering) -> None:
 def _advance(
     transition: Transition, rows: Rows, numbers: NDArray[Any], seen: Numbering, clock: LimitClock
 ) -> tuple[Rows, NDArray[Any], Bits]:
-    """Return the states after one more action that are new, the number of plans to each, and what they meet."""
+    """Return the new states after one more action, the number of plans to each, and what goals may demand there."""
     known = len(seen)
     targets, paths, meets = [], [], [np.zeros((0, -(-len(transition.labels) // 8)), dtype=np.uint8)]
     for first in range(0, len(rows), TOGETHER):

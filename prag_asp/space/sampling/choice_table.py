@@ -76,7 +76,7 @@ class ChoiceTable:
 
 
 def make_choice_table(automaton: Automaton, states: Integers, row: NDArray[Any], *, guided: bool) -> ChoiceTable:
-    """Return the choices of `states`, each with a completion; `row` holds the weight of each state's completions."""
+    """Return the choices for `states` that have completions; `row` holds the weight of each state's completions."""
     counts = automaton.offsets[states + 1] - automaton.offsets[states]
     first = np.concatenate([[0], np.cumsum(counts)])
     edges = np.arange(first[-1]) + np.repeat(automaton.offsets[states] - first[:-1], counts)

@@ -13,7 +13,7 @@ from prag_asp.space.parts.ranked_tasks import ShuffledRanks
 
 
 class RankOrder(Protocol):
-    """Distinct tasks of several stretches of ranks, in an order that does not depend on the number of samples."""
+    """Distinct tasks from several stretches of ranks, in an order that does not depend on the number of samples."""
 
     @property
     def size(self) -> int:

@@ -31,7 +31,7 @@ class Deal:
         """Return the shard that a text such as ``3/64`` specifies.
 
         Raises:
-            QueryError: the text has another form.
+            QueryError: the text does not have this form.
         """
         match = re.fullmatch(r"\s*([0-9]{1,9})\s*/\s*([0-9]{1,9})\s*", text, re.ASCII)
         if match is None:

@@ -124,8 +124,8 @@ def _sample(
 def sample_batches_of_lengths(portions: Sequence[Portion], seed: int) -> Iterator[list[Draw]]:
     """Yield words with their probability among all portions, in growing batches, endlessly.
 
-    The length is sampled first, by its exact share of the weight. Lengths, and the words of each length, use
-    independent random bits, so all draws are independent; a draw depends only on the seed and its number.
+    The length is sampled first, with its exact share of the weight as its probability. Lengths, and the words of each
+    length, use independent random bits, so all draws are independent; a draw depends only on the seed and its number.
     """
     stage("sampling")
     scale = lcm(*(portion.weight.denominator for portion in portions))

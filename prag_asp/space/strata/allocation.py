@@ -22,7 +22,7 @@ PROPORTIONAL, EQUAL = "proportional", "equal"
 
 
 class NamedSize(Protocol):
-    """A stratum, as an allocation sees it."""
+    """What an allocation needs to know about a stratum: its name and its size."""
 
     @property
     def name(self) -> str:
@@ -39,8 +39,8 @@ class NamedSize(Protocol):
 class Stratification:
     """What divides tasks into strata, and how a sample is allocated to them.
 
-    `allocation` is ``proportional`` or ``equal``, or the standard deviations of a result in each stratum, by the names
-    of the strata; strata without one get the largest of them.
+    `allocation` is ``proportional`` or ``equal``, or maps names of strata to the standard deviation of a result in
+    them; a stratum without one gets the largest of them.
     """
 
     by: StratifiedBy
@@ -81,7 +81,7 @@ class Stratification:
         variance (Neyman 1934; Cochran, Sampling Techniques, 1977, section 5.5). They are rounded by largest remainders.
 
         Raises:
-            QueryError: no allocation has this number of tasks, or there is no stratum of a name.
+            QueryError: no allocation has this number of tasks, or a name is not that of a stratum.
         """
         sizes, allocation = [stratum.size for stratum in strata], self.allocation
         if isinstance(allocation, str):

@@ -1,4 +1,4 @@
-"""Strata of a task space: all tasks of a length, of a skeleton, or of a goal, each in uniformly random order."""
+"""Strata of a task space: all tasks with the same length, skeleton or goal, in uniformly random order."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def strata_of(space: TaskSpace, by: StratifiedBy, *, seed: int, most: int) -> li
     Tasks of different lengths are always in different strata. The goal of a task is the known part of its final state.
 
     Raises:
-        QueryError: the space is empty, there are more than `most` strata, or tasks are not divided by that.
+        QueryError: the space is empty, there are more than `most` strata, or `by` is unknown.
     """
     if by not in STRATIFIED_BY:
         raise QueryError(f"strata are those of {', '.join(STRATIFIED_BY)}; got {by!r}")
@@ -98,7 +98,7 @@ def _strata_of_length(
     """Return the strata of the skeletons or goals of one length.
 
     Raises:
-        QueryError: there are more than `most`.
+        QueryError: there are more than `most` strata.
     """
     sampler = space.sampling(weights={}, over=_OVER[by]).sampler()
     assert isinstance(sampler, (SkeletonSampler, GoalSampler))

@@ -33,9 +33,11 @@ Temperature = Number
 
 
 def tempered(weights: Weights, temperature: Temperature) -> Weights:
-    """Return the weights at a temperature T: each weight w (an entity's with its classes) becomes about w^(1/T).
+    """Return the weights at a temperature T: each weight w becomes about w^(1/T).
 
-    T = 1 keeps the weights, T below 1 sharpens them, and T = ``inf`` makes all positive weights equal; 0 stays 0.
+    The weight of an entity already includes the weights of its classes. T = 1 keeps the weights, T below 1 sharpens
+    them, and T = ``inf`` makes all positive weights equal; 0 stays 0.
+
     Powers with whole exponents are exact if they have at most about 12,000 digits. Other powers above 1 are rounded to
     the nearest fraction with a denominator of at most 10000; powers below 1 are the inverse of the rounded inverse.
     Decimal arithmetic makes the result the same on every machine, and all later computations are exact.

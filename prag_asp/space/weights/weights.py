@@ -204,7 +204,7 @@ class Walks(Protocol):
 
 @dataclass(frozen=True)
 class Weighed:
-    """The words of a level as paths of an automaton; the weight of a word is the product of its edges, times `unit`.
+    """The words of a level as paths of an automaton; its weight is the product of its edge weights, times `unit`.
 
     `goals` numbers the known final states after each edge, shape (edges,), and `goal_values` has their values, as in
     `FluentValues`, shape (fluents, goals); both are None if they were not requested.
