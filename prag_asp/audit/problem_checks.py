@@ -87,7 +87,7 @@ def contradictions(problem: GroundProblem) -> Iterator[str]:
             passed.append(below[passed[-1]])
             if passed[-1] == name:
                 if name == min(passed):
-                    yield f"{' is on '.join(passed)} in the initial state"
+                    yield f"in the initial state, {passed[0]} is on {', which is on '.join(passed[1:])}"
                 break
 
 

@@ -192,7 +192,7 @@ DOMAIN = (
 OF_FILE = (
     click.option(
         "--domain", "names", metavar="DOMAIN", multiple=True, shell_complete=shell_completion.domains,
-        help="Domain of the tasks; repeat it for a domain of several files.  [default: that of each task]",
+        help="Domain of the tasks; repeat the option for a domain of several files.  [default: that of each task]",
     ),
     *PROGRAM,
 )  # fmt: skip
@@ -203,11 +203,11 @@ WHERE = click.option(
     help="Condition on tasks, such as 'uses apple', 'has at least 2 grasp' or 'loop-free'; may be repeated.",
 )  # fmt: skip
 LENGTH = click.option(
-    "-n", "--length", type=parse_length, required=True, metavar="N", help="Number of actions of a task."
+    "-n", "--length", type=parse_length, required=True, metavar="N", help="Number of actions in a task."
 )
 LENGTHS = click.option(
     "-n", "--length", type=parse_lengths, required=True, metavar="N|A..B|N,M",
-    help="Number of actions of a task, all numbers from A to B, or several.",
+    help="Number of actions in a task, all numbers from A to B, or several.",
 )  # fmt: skip
 ENGINE = (
     WHERE,

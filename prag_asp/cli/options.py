@@ -85,7 +85,7 @@ def add_limits(command: click.Command) -> None:
         )(command)  # fmt: skip
         click.option(
             "--memory", metavar="SIZE", expose_value=False, is_eager=True, callback=_set_limit,
-            help=f"Memory limit of all processes together, such as 4GB.  [default: {SHARE} % of the machine's memory]",
+            help=f"Memory limit for all processes together, such as 4GB.  [default: {SHARE} % of the machine's memory]",
         )(command)  # fmt: skip
 
 
@@ -180,7 +180,7 @@ weight_options = grouped(
         click.option("--uniform", is_flag=True, help="Ignore the weights of domain.toml."),
         click.option(
             "--temperature", default="1", show_default=True, metavar="T",
-            help="Replace each weight w by w^(1/T): below 1 sharpens, inf makes all weights equal.",
+            help="Replace each weight w by w^(1/T): a T below 1 sharpens the weights, inf makes them equal.",
         ),
     ),
 )  # fmt: skip
@@ -217,7 +217,7 @@ strata_options = grouped(
     (
         click.option(
             "--strata", type=click.Choice(["length", "skeleton", "goal"]),
-            help="Stratified sample: tasks of each length, skeleton or goal, with exact weights.",
+            help="Stratified sample by length, skeleton or goal, with exact weights.",
         ),
         click.option(
             "--allocation", metavar="HOW",

@@ -154,15 +154,15 @@ camera_options = grouped(
     (
         click.option(
             "--cameras", metavar="A,B,...", shell_complete=shell_completion.cameras,
-            help="Cameras of the scene that record each demonstration: colour, depth and segmentation.",
+            help="Cameras of the scene that record each demonstration, in colour, depth and segmentation.",
         ),
         click.option(
-            "--size", metavar="WxH", help="Pixels of the images of --cameras.  [default: the size of each camera]"
+            "--size", metavar="WxH", help="Size of the camera images in pixels.  [default: the size of each camera]"
         ),
-        click.option("--rate", type=int, metavar="N", help="Images of --cameras per second.  [default: 10]"),
+        click.option("--rate", type=int, metavar="N", help="Camera images per second.  [default: 10]"),
         click.option(
             "--vary", metavar="A,B,...", shell_complete=shell_completion.kinds_that_vary,
-            help="Randomize for each demonstration: friction, mass, light, camera, colour; within the scene's ranges.",
+            help="Randomize for each demonstration: friction, mass, light, camera, colour, within the scene's ranges.",
         ),
     ),
 )  # fmt: skip

@@ -89,7 +89,8 @@ task_selection = grouped(
         click.option(
             "-n", "--length", "of_length", type=parse_length, metavar="N", help="Number of actions, for --index."
         ),
-        click.option("--index", metavar="I|A..B", help="Rank of the task of length N to write, or all from A to B."),
+        click.option("--index", metavar="I|A..B",
+        help="Rank of the task of length N to write, or all ranks from A to B."),
         click.option(
             "--tasks", metavar="FILE", shell_complete=shell_completion.files,
             help="Write all tasks of a file of sample --format jsonl; - is standard input.",
@@ -117,7 +118,7 @@ def _parse_ranks(text: str) -> range:
 
 
 def task_at(space: TaskSpace, rank: int) -> Task:
-    """Return the task with a rank.
+    """Return the task with a given rank.
 
     Raises:
         QueryError: there is no such task.

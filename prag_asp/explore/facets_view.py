@@ -1,4 +1,4 @@
-"""The facets: facts of the final state, each with the share of tasks in which it holds and what choosing it leaves."""
+"""The facets: facts of the final state, each with the share of tasks in which it holds, and what choosing it leaves."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def facets_view(explored: ExploredDomain, state: PageState) -> FacetsView:
 
 
 def fact_orbits(fluents: Sequence[clingo.Symbol], symmetries: Symmetries) -> list[tuple[str, ...]]:
-    """Return the facts, those together that renamings of interchangeable entities map to each other."""
+    """Return the facts in groups; renamings of interchangeable entities map the facts of a group to each other."""
     swaps: list[Mapping[clingo.Symbol, clingo.Symbol]] = []
     for alike in (*symmetries.joint, *(tuple((entity,) for entity in group) for group in symmetries.groups)):
         for one, other in pairwise(alike):

@@ -144,7 +144,7 @@ class CountView:
 
 
 def count_view(explored: ExploredDomain, state: PageState) -> CountView:
-    """Return the numbers of a page alone, for conditions that are being typed.
+    """Return only the numbers of a page, for conditions that are being typed.
 
     Raises:
         PragError: the state does not fit the domain, or a limit was reached.
@@ -187,9 +187,9 @@ def _steps(explored: ExploredDomain, state: PageState, counts: Sequence[int]) ->
 
 
 def _task(explored: ExploredDomain, state: PageState) -> Task | None:
-    """Return the task of the chosen actions; None if the states of an unfinished plan are not known.
+    """Return the task with the chosen actions; None if the states of an unfinished plan are not known.
 
-    The goal of the conditions belongs to whole tasks only.
+    A goal in the conditions applies only to whole tasks.
     """
     finished = len(state.chosen) == state.length
     space = explored.space_of(state) if finished else explored.space(state.length)

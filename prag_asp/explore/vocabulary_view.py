@@ -12,9 +12,9 @@ from prag_asp.space.conditions.keywords import EXAMPLES, WHOLE
 
 @dataclass(frozen=True)
 class VocabularyView:
-    """The names of a domain, and the kinds of conditions with an example each.
+    """The names of a domain, and the kinds of conditions, with an example of each.
 
-    `keywords` need nothing else if they are in `whole`. `composites` are the names of the domain's composites.
+    A keyword in `whole` is a complete condition. `composites` are the names of the domain's composites.
     Physics may take `longest_physics` seconds for each view of a task.
     """
 

@@ -94,7 +94,7 @@ def read_source(*sources: str | Path, domain: Domain | None = None, trust: bool 
     `domain` is the domain of a file of tasks or of evaluations; by default, the one that a file of tasks names.
 
     Raises:
-        QueryError: a source is none of these, is damaged or has no task, or two of them have tasks.
+        QueryError: a source is none of these, is damaged or has no task, or two sources have tasks.
         DomainError: the domain of the tasks cannot be loaded.
         DatasetsMissingError: pyarrow is needed and not installed.
     """
@@ -119,7 +119,7 @@ def _kind(path: Path) -> str:
     """Return what a path is: ``dataset``, ``evaluation`` or ``tasks``.
 
     Raises:
-        QueryError: it is a folder with neither, or does not exist.
+        QueryError: the path does not exist, or is a folder with neither a dataset nor an evaluation.
     """
     if path.is_dir():
         if (path / DATASET.name).exists():

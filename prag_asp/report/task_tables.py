@@ -46,7 +46,7 @@ def complexity_table(source: ReportSource) -> ReportTable:
 
 
 def difficulty_tables(source: ReportSource, seed: int = 0) -> Iterator[ReportTable]:
-    """Yield the complexity of tasks by the logic of their space: choices, detours, changes that are taken back.
+    """Yield the complexity of tasks by the logic of their space: choices, detours, changes that are undone.
 
     More than `MEASURED` tasks are sampled uniformly with the seed. Without a space, or where its states are too many to
     be listed, there is no table.
@@ -79,7 +79,7 @@ def difficulty_tables(source: ReportSource, seed: int = 0) -> Iterator[ReportTab
 
 
 def sample_text(chosen: int, whole: int, seed: int) -> str:
-    """Return how many tasks were chosen of how many, in words."""
+    """Return, in words, how many tasks were chosen from how many."""
     if chosen == whole:
         return f"all {whole:,} tasks"
     return f"{chosen:,} of {whole:,} tasks, sampled uniformly with seed {seed}"

@@ -39,7 +39,7 @@ def test_explain_names_the_lines_that_leave_no_task_of_a_length(tmp_path: Path) 
     done = run("explain", str(domain), "--length", "1")
     told = ["there is no task of lamp of length 1", "the goal is not lit", "these lines together exclude every task:"]
     told += [f"  {domain}:2: postcondition(on,lit,true).", f"  {domain}:3: goal(lit,false)."]
-    told += ["there is none of any length"]
+    told += ["there is no task of any length"]
     assert (done.returncode, done.stdout.splitlines(), done.stderr) == (1, told, "")
     done = run("explain", str(domain), "--length", "1", "--fewest-changes")
     assert done.returncode == 1 and done.stdout.splitlines()[2:] == told[3:]

@@ -73,7 +73,7 @@ def test_the_rest_of_a_sample_is_the_sample_without_the_first_tasks(
             later = words(more.part(name))[first.part(name).count() :]
             assert words(again.part(name))[: len(later)] == later[: again.part(name).count()]
     assert list(verify(again.folder)) == []
-    with pytest.raises(OutputError, match="made with other excluded"):
+    with pytest.raises(OutputError, match="made with a different value of excluded"):
         generate(space, again.folder, tasks=many, **options)
 
 

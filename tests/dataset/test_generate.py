@@ -295,7 +295,7 @@ def test_a_wrong_request_is_refused_in_one_line(kitchen: TaskSpace, numbers: Pat
     refused("write a name of letters", split={"../a": "0.5", "b": "0.5"})
     refused("nosuch", hold_out="nosuch")
     assert not (tmp_path / "none").exists()
-    refused("is a dataset made with other seed .1.; give a new folder", numbers, tasks=6, seed=2, weights=None)
+    refused("is a dataset made with a different value of seed .1.; give", numbers, tasks=6, seed=2, weights=None)
     refused("has 6 tasks already; ask for at least as many", numbers, seed=1, shard=4, weights=None)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("dear")

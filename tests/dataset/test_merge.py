@@ -152,7 +152,7 @@ def test_parts_that_cannot_be_merged_are_refused_in_one_line(kitchen: TaskSpace,
     refused("2 parts missing: 1/3, 3/3; name the folders of all 3", [two])
     refused("is part 2/3, and so is .*; name each part once", [one, two, two])
     refused("whole: is a whole dataset, not a part of one; leave it out", [one, whole])
-    refused("does not belong to the same dataset as .*: one made with other seed .4.$", [one, other, three])
+    refused("not belong to the same dataset as .*: one made with a different value of seed .4.$", [one, other, three])
     refused("one made for 12 tasks, not 10; run the same --tasks for all", [one, more, three])
     refused("one of 2 parts, not of 3", [one, half])
     refused("is one of the parts; give a new folder", [one, two, three], two)

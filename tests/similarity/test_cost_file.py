@@ -67,7 +67,7 @@ def test_costs_that_are_no_metric_name_the_actions_that_show_it(tmp_path: Path) 
     [
         ("insrt = 1", "costs.toml:1: no key 'insrt'; did you mean insert?"),
         ("insert = -1", "costs.toml:1: insert: -1 is negative"),
-        ("replace = 'x'", "costs.toml:1: replace: 'x' is no exact number"),
+        ("replace = 'x'", "costs.toml:1: replace: 'x' is not an exact number"),
         ("[actions]\nmove = 1", "costs.toml:2: actions.move: is no table; write it like [actions.NAME] with OTHER"),
         ("actions = 2", "costs.toml:1: actions: is no table"),
         ("[actions.move]\nfolow = 1", "costs.toml:2: no action 'folow'; did you mean follow?"),

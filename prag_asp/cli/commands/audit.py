@@ -38,9 +38,9 @@ def audit(
 ) -> None:
     """Audit benchmarks: distinct tasks, overlaps, combinations, and mistakes.
 
-    Each FOLDER is a suite of BDDL problems, of PDDL problems with their domain, a dataset of prag-asp, or a LeRobot
-    dataset, whose texts are looked up in the other suites. Two problems are the same task if renaming the objects of
-    each class maps one to the other. The exit code is 1 if there are mistakes.
+    Each FOLDER is a suite of BDDL problems, a suite of PDDL problems with their domain, a prag-asp dataset, or a
+    LeRobot dataset, whose texts are looked up in the other suites. Two problems are the same task if renaming the
+    objects of each class maps one to the other. The exit code is 1 if there are mistakes.
     """
     from prag_asp.audit import audit as audit_folders
     from prag_asp.audit.audit_report import audit_json, audit_page, audit_text

@@ -36,11 +36,11 @@ FEATURES = ("actions", "classes", "names", "pairs")
 @domain_options(*SPACE)
 @click.option(
     "--tasks", "file", metavar="FILE|DATASET", shell_complete=shell_completion.files,
-    help="Compare these tasks, JSON lines or a dataset, with the space.",
+    help="Compare these tasks (JSON lines or a dataset) with the space.",
 )  # fmt: skip
 @click.option(
     "--feature", "features", multiple=True, type=click.Choice(FEATURES), default=FEATURES,
-    help="Value to compare at each place of a plan; may be repeated.  [default: all]",
+    help="What to compare at each position of a plan; may be repeated.  [default: all]",
 )  # fmt: skip
 @click.option(
     "--distances/--no-distances", "distances", default=True,
@@ -72,8 +72,8 @@ def diversity(
 ) -> None:  # fmt: skip
     """Measure how much the tasks of length N differ.
 
-    Prints the exact distribution of the Hamming distance of two random tasks, and Vendi scores (effective numbers of
-    different tasks). With --tasks, also the scores of the given tasks, and a chi-square test of their frequencies
+    Prints the exact distribution of the Hamming distance between two random tasks, and Vendi scores (effective numbers
+    of different tasks). With --tasks, also the scores of the given tasks, and a chi-square test of their frequencies
     against the exact expected frequencies; with --coverage, the combinations that they lack. With --near, prints the
     numbers of tasks within 0, 1, ... edits of a task, which need not be in the space, and a nearest task. Nothing is
     sampled or listed.

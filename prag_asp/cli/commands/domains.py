@@ -30,7 +30,7 @@ def domains() -> None:
     help="Copy a shipped domain instead, such as tabletop.",
 )  # fmt: skip
 def new(name: str, plain: bool, like: str | None) -> None:
-    """Create the folder NAME with a small commented domain of a robot."""
+    """Create the folder NAME with a small, commented domain that has a robot."""
     from prag_asp.domain.scaffold import write_new_domain
 
     folder = write_new_domain(name, Path(), plain=plain, like=like)

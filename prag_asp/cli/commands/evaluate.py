@@ -39,11 +39,11 @@ COUNT = 100
 @click.option("--part", "parts", metavar="NAME", multiple=True, help="With --data: only this part; may be repeated.")
 @click.option(
     "--scenarios", "ids", metavar="FILE", shell_complete=shell_completion.files,
-    help="Use the scenarios of a file of ids, one per line.",
+    help="Use the scenarios whose ids this file lists, one per line.",
 )  # fmt: skip
 @click.option(
     "--count", type=whole(1), metavar="K",
-    help="Number of sampled scenarios, or of tasks of each part of --data.  [default: 100, or all of --data]",
+    help="Number of scenarios to sample, or of tasks per part of --data.  [default: 100, or all of --data]",
 )  # fmt: skip
 @options.seed
 @options.strata_options
@@ -66,7 +66,12 @@ COUNT = 100
     "--videos", type=whole(0), default=0, show_default=True, metavar="K", help="Write videos of the first K failures."
 )
 @click.option(
-    "-o", "--output", metavar="DIR", required=True, shell_complete=shell_completion.files, help="Folder of the results."
+    "-o",
+    "--output",
+    metavar="DIR",
+    required=True,
+    shell_complete=shell_completion.files,
+    help="Folder for the results.",
 )
 def evaluate(
     *,
@@ -95,10 +100,10 @@ def evaluate(
     """Evaluate a policy: its success by part, length, action and class.
 
     POLICY is `oracle`, `random` or `zeros`; MODULE:CALLABLE, a Python function from an observation to an action, or a
-    class of such objects; a zip file of Stable-Baselines3; a folder pretrained_model of LeRobot, which also determines
-    the control and the cameras; or ws://HOST:PORT, a policy server with the protocol of openpi. Modules, zip files and
-    checkpoints run code. The output folder contains a Parquet table with a row for each episode. If the command is
-    interrupted, run it again: it continues.
+    class of such objects; a zip file from Stable-Baselines3; a pretrained_model folder from LeRobot, which also
+    determines the control and the cameras; or ws://HOST:PORT, a policy server with the protocol of openpi. Modules, zip
+    files and checkpoints run code. The output folder contains a Parquet table with a row for each episode. If the
+    command is interrupted, run it again: it continues.
     """
     from prag_asp.evaluation import evaluate as evaluated
     from prag_asp.physics import require_physics
@@ -131,7 +136,7 @@ def evaluate(
 def compare(*, first: str, second: str, across: bool) -> None:
     """Compare two evaluations on their shared scenarios.
 
-    Prints both rates of success, their difference, first minus second, with a 95 % interval (Newcombe's for pairs),
+    Prints both success rates, their difference (first minus second) with a 95 % interval (Newcombe's for pairs),
     and the p-value of McNemar's exact test.
     """
     from prag_asp.evaluation import Results
@@ -147,7 +152,7 @@ def _source(
     request: DomainOptions, data: str | None, parts: tuple[str, ...], ids: str | None, count: int | None, seed: int,
     budget: str | None, stratification: Stratification | None, *, with_length: bool,
 ) -> ScenarioSource:  # fmt: skip
-    """Return the scenarios of a command line.
+    """Return the scenarios that a command line names.
 
     Raises:
         QueryError: the command line names no scenarios, or contradicts itself.
@@ -183,7 +188,7 @@ def _source(
 
 
 def _options(texts: tuple[str, ...]) -> dict[str, Any]:
-    """Return the options of the environment in texts; a value is JSON, or a text.
+    """Parse the environment options in texts such as NAME=VALUE; a value is JSON, or else a text.
 
     Raises:
         QueryError: a text is not of the form NAME=VALUE.

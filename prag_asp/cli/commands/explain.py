@@ -46,7 +46,7 @@ GOAL = re.compile(r"\bgoal\(")
 @click.option("--smallest", is_flag=True, help="With --length: name as few lines as possible, which takes longer.")
 @click.option(
     "--fewest-changes", "changes", is_flag=True,
-    help="With --length: name the lines whose removal alone leaves a task, or else a smallest set to remove.",
+    help="With --length: name each line whose removal alone leaves a task, or else a smallest set of lines to remove.",
 )  # fmt: skip
 def explain(
     *, request: DomainOptions, words: tuple[str, ...], number: int | None, action: str | None, step: int | None,
@@ -141,14 +141,14 @@ def _reasons(space: TaskSpace, action: str | None, step: int | None, *, smallest
 
 
 def _other_lengths(space: TaskSpace) -> Iterator[str]:
-    """Yield the shortest length that has a task, or that none has; nothing if that takes too long to find out."""
+    """Yield a line with the shortest length that has a task, or one that no length has; none if this takes too long."""
     from prag_asp.space.emptiness import shortest_length
 
     where = " that satisfies the conditions" if space.condition else ""
     with suppress(EngineError, LimitReached):
         shortest = shortest_length(space)
         if shortest is None:
-            yield f"there is none of any length{where}"
+            yield f"there is no task of any length{where}"
         else:
             yield f"the shortest task{where} has {plural(shortest, 'action')}"
 

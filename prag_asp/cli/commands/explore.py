@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 @domain_options(*SPACE, options.trust)
 @click.option(
     "--by", type=click.Choice(["task", "plan"]), default="task", show_default=True,
-    help="Show interchangeable entities as one (task), or apart (plan).",
+    help="Show interchangeable entities as one (task) or separately (plan).",
 )  # fmt: skip
 @options.prefix
 @click.option(

@@ -70,12 +70,12 @@ program_options = grouped(
         constant_option,
         click.option(
             "--project", is_flag=True,
-            help="Count answer sets that agree on the atoms of #project once; without #project, on the shown atoms.",
+            help="Count answer sets once if they agree on the atoms of #project; without #project, on the shown atoms.",
         ),
-        click.option("--weighted", is_flag=True, help="Weigh answer sets by facts such as weight(in(1),2)."),
+        click.option("--weighted", is_flag=True, help="Weight answer sets by facts such as weight(in(1),2)."),
         click.option(
             "--optimal", is_flag=True,
-            help="Use only optimal answer sets, by #minimize, #maximize and weak constraints.",
+            help="Use only the answer sets that are optimal for #minimize, #maximize and weak constraints.",
         ),
         click.option(
             "--engine", type=click.Choice(ENGINES), default="auto", show_default=True,

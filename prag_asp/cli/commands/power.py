@@ -1,4 +1,4 @@
-"""``prag-asp power``: how many scenarios a claim about two policies needs, and what a number of them can show."""
+"""``prag-asp power``: how many scenarios a claim about two policies needs, and what a given number of them can show."""
 
 from __future__ import annotations
 
@@ -14,19 +14,21 @@ from prag_asp.errors import QueryError
 
 
 @click.command()
-@click.option("--effect", metavar="E", help="Difference of the two rates of success, such as 0.05.")
+@click.option("--effect", metavar="E", help="Difference between the two success rates, such as 0.05.")
 @click.option("--scenarios", type=whole(1), metavar="N", help="Number of scenarios in which each policy runs.")
 @click.option("--power", metavar="P", default="0.8", show_default=True, help="Probability of finding the effect.")
-@click.option("--rate", metavar="P", default="0.5", show_default=True, help="Rate of success of the first policy.")
+@click.option("--rate", metavar="P", default="0.5", show_default=True, help="Success rate of the first policy.")
 @click.option("--alpha", metavar="A", default="0.05", show_default=True, help="Two-sided level of significance.")
 @click.option(
     "--paired",
     "correlation",
     metavar="RHO",
-    help="Both policies run in the same scenarios; correlation of their results.",
+    help="Correlation of the results, if both policies run in the same scenarios.",
 )
 @click.option(
-    "--discordant", metavar="D", help="Both policies run in the same scenarios; share where only one succeeds."
+    "--discordant",
+    metavar="D",
+    help="Share of scenarios in which only one policy succeeds, if both run in the same scenarios.",
 )
 @click.option("--of", "tasks", type=whole(1), metavar="N", help="Scenarios are distinct tasks from a space of N tasks.")
 @click.option(
@@ -38,10 +40,10 @@ def power(
 ) -> None:  # fmt: skip
     """Compute how many scenarios a claim needs, or the effect that a given number can show.
 
-    The claim is that one policy succeeds more often than another. With --effect, prints the scenarios that each policy
-    needs; with --scenarios, the smallest effect that they show, and the half-width of Wilson's interval; with both,
-    also the power. The power is exact: of McNemar's exact test if both policies run in the same scenarios (--paired or
-    --discordant), otherwise of Fisher's exact test.
+    The claim is that one policy succeeds more often than another. With --effect, prints the number of scenarios that
+    each policy needs; with --scenarios, the smallest effect that they can show, and the half-width of Wilson's
+    interval; with both, also the power. The power is exact: of McNemar's exact test if both policies run in the same
+    scenarios (--paired or --discordant), otherwise of Fisher's exact test.
     """
     from prag_asp.evaluation.power import ComparisonDesign
 

@@ -48,7 +48,7 @@ DRAWS_PER_TASK = 1000
 )  # fmt: skip
 @click.option(
     "--cover", type=whole(1, 8), metavar="T",
-    help="Instead, choose few tasks that cover every reachable combination of T factors of an action.",
+    help="Instead, choose a small set of tasks that covers every reachable combination of T factors of an action.",
 )  # fmt: skip
 @click.option("--diverse", type=whole(1), metavar="K", help="Keep only K of the sampled tasks, which are far apart.")
 @click.option(
@@ -246,7 +246,7 @@ def _write_strata(
 
 
 def _remedy(tally: Tally) -> str:
-    """Return the remedy if a number of draws has too few feasible tasks.
+    """Return the remedy if a number of draws contains too few feasible tasks.
 
     More draws help if some tasks are feasible, and a larger budget may help if none was found; against proofs, rules
     that exclude such tasks help.

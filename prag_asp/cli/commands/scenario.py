@@ -1,4 +1,4 @@
-"""``prag-asp scenario``: the tasks of scenario ids, with the witnesses from their initial states."""
+"""``prag-asp scenario``: the tasks that scenario ids name, with the witnesses from their initial states."""
 
 from __future__ import annotations
 
@@ -42,8 +42,9 @@ def scenario(
 ) -> None:
     """Print the tasks of scenario ids.
 
-    An id names a domain and its state, conditions, the length and the rank of a task, and the search for its initial
-    state; the same id gives the same task and initial state on every machine. It is refused if the domain has changed.
+    An id names a domain with a digest of its content, the conditions, the length and the rank of a task, and the search
+    for its initial state; the same id gives the same task and initial state on every machine. It is refused if the
+    domain has changed.
     """
     from prag_asp.dataset.scenario import Scenario
     from prag_asp.dataset.scenarios import read_scenarios

@@ -43,16 +43,23 @@ SHOWN = 5
 )  # fmt: skip
 @click.option(
     "--costs", metavar="FILE", shell_complete=shell_completion.files,
-    help="Instead of a metric: edit distance with the costs of a TOML file.",
+    help="Instead of a metric: edit distance with the costs in a TOML file.",
 )  # fmt: skip
 @click.option(
     "--up-to", type=click.Choice(["domain", "names", "classes"]), default="domain", show_default=True,
     help="Interchangeable entities: those of the domain; none; or all of a class. The last two need no domain.",
 )  # fmt: skip
-@click.option("--at-most", type=float, default=0.0, show_default=True, metavar="D", help="Distance of near-duplicates.")
+@click.option(
+    "--at-most",
+    type=float,
+    default=0.0,
+    show_default=True,
+    metavar="D",
+    help="Largest distance between near-duplicates.",
+)
 @click.option(
     "-k", "--neighbours", type=whole(1), default="5", show_default=True, metavar="K",
-    help="Nearest tasks of each, for --nearest.",
+    help="With --nearest: number of nearest tasks for each task.",
 )  # fmt: skip
 @click.option(
     "--against", metavar="FILE|DATASET", shell_complete=shell_completion.files,
@@ -122,7 +129,7 @@ def _background(given: ComparedTasks, up_to: str) -> Background:
 
 
 def _metric(metric: str, costs: str | None, given: ComparedTasks, up_to: str) -> Metric:
-    """Return the metric with a name, or that of a file of costs; print why it is none."""
+    """Return the metric with a given name, or the one that a file of costs defines; print why it is not a metric."""
     from prag_asp.similarity.metrics import metric_of
 
     if costs is None:

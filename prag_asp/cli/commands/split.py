@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option(
     "--cover", type=whole(1, 7), metavar="T",
-    help="Training covers all combinations of T factors of an action; each test task has one of T+1 that it lacks.",
+    help="Training covers all combinations of T factors of an action; each test task has one of T+1 that is new.",
 )  # fmt: skip
 @click.option(
     "--combinations", type=whole(1), metavar="K",
@@ -133,7 +133,7 @@ def _proved(
     space: TaskSpace, distance: int | None, cover: int | None, combinations: int | None, shares: tuple[str, ...],
     skeletons: bool, held: str | None, seed: int,
 ) -> DistantSplit:  # fmt: skip
-    """Return the request for parts that are far apart, or the first of which covers combinations."""
+    """Return the request for parts that are far apart, or of which the first covers combinations."""
     from prag_asp.audit.distant_split import DistantSplit
 
     if cover is not None:

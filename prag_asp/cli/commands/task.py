@@ -1,4 +1,4 @@
-"""``prag-asp task``: the task of a rank, or the rank of a task."""
+"""``prag-asp task``: the task with a given rank, or the rank of a task."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ def task(
     """Print the task of a rank, or the rank of a task.
 
     Tasks are ranked in lexicographic order of their actions, and actions in clingo's order of terms; the ranks depend
-    on the domain only.
+    only on the domain.
     """
     from prag_asp.dataset.jsonl import Record
 

@@ -22,7 +22,7 @@ from prag_asp.wording import plural
     "--workers", type=whole(1), default=1, show_default=True, help="Number of processes that check witnesses."
 )
 def verify(*, folder: str, trust: bool, physics: bool, workers: int) -> None:
-    """Verify the contents of a dataset, a suite, or a split with a distance or with --cover.
+    """Verify the contents of a dataset, a suite, or a split with --distance or --cover.
 
     Checks files, counts, plans, instructions and witnesses: tasks are sampled again with the seed, plans are checked by
     clingo, witnesses in a new simulation. Prints a line for each error, with its file and row (from 0); the exit code

@@ -106,7 +106,7 @@ class PartManifest(msgspec.Struct):
     """A part of the split: the numbers of its tasks in the space, in the request and in the dataset, and its shards.
 
     `tail` is the last shard while rows are still added to it. In a complete stratified sample, `weight` is that of each
-    task of the part.
+    task in the part.
     """
 
     name: str
@@ -179,8 +179,8 @@ class Manifest(msgspec.Struct):
         request, its = self.request, other.request
         for name in dict.fromkeys((*its, *request)):
             if name != ignored and request.get(name) != its.get(name):
-                return f"made with other {name.replace('_', ' ')} ({shown(request.get(name, 'none'))})"
-        return "" if self.domain == other.domain else "of another state of the domain or of the encodings"
+                return f"made with a different value of {name.replace('_', ' ')} ({shown(request.get(name, 'none'))})"
+        return "" if self.domain == other.domain else "of a different version of the domain or of the encodings"
 
     def rows(self, table: str) -> int:
         """Return the number of rows of a table in all parts."""

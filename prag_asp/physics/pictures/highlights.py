@@ -67,7 +67,7 @@ def changed_entities(task: Task, moments: Sequence[Moment], scene: Scene, state:
 def highlighted(
     studio: Studio, moment: Moment, scene: Scene, changed: Sequence[str], size: tuple[int, int], view: View
 ) -> Image.Image:
-    """Return a picture of a moment, `size` in pixels, with outlines around what has changed, and with a close-up.
+    """Return a picture of a moment with outlines around what has changed, and with a close-up; `size` is in pixels.
 
     The studio must already show the moment.
     """
@@ -143,7 +143,7 @@ def _close_up(studio: Studio, moment: Moment, scene: Scene, entity: str, side: i
 def _emptiest_corner(
     segmentation: NDArray[np.unsignedinteger], studio: Studio, size: tuple[int, int], side: int
 ) -> tuple[int, int]:
-    """Return the place of the upper left corner of a square in the corner of the picture that hides least."""
+    """Return where to put the upper left corner of a square so that it covers the emptiest corner of the picture."""
     width, height = size
     corners = [(width - side, 0), (0, 0), (width - side, height - side), (0, height - side)]
     bodies = segmentation > studio.legend.index(studio.table)

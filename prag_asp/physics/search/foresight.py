@@ -53,7 +53,7 @@ def _rooms(physical: PhysicalTask, scene: Scene, k: int, entity: str, wide: bool
 
 
 def _later(physical: PhysicalTask, scene: Scene, k: int, entity: str) -> Iterator[tuple[int, str, Direction]]:
-    """Yield each object that is placed beside one at rest since state `k`: the state, the object and its direction.
+    """Yield each object that is placed beside one at rest from state `k` on: the state, the object and its direction.
 
     After the initial state, an object that is moved onto or into another object takes no room beside that object.
     """
