@@ -65,7 +65,7 @@ function watch() {
   const own = setInterval(async () => {
     const { words, note } = await doing();
     if (own !== watching) return;
-    fill("doing", words === "" ? "" : `The server is ${words} ...`);
+    fill("doing", words === "" ? "" : `At work: ${words} ...`);
     if (find("note").textContent !== note) fill("note", note);
   }, WATCHING);
   watching = own;
