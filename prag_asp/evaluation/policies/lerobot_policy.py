@@ -135,7 +135,7 @@ def maker(text: str) -> PolicyMaker:
 
 
 def _loaded(checkpoint: LeRobotCheckpoint) -> tuple[Any, Any, Any, Any]:
-    """Return PyTorch, the policy of a checkpoint, and its two processors."""
+    """Return the `torch` module, and the policy and two processors of a checkpoint."""
     path = checkpoint.path
     try:
         with redirect_stdout(sys.stderr):

@@ -80,7 +80,7 @@ def sheet_width(width: int, columns: int) -> int:
 
 
 def text_sizes(width: int, columns: int) -> tuple[int, int]:
-    """Return the sizes in pixels of headings and text on a sheet with `columns` columns of pictures."""
+    """Return the font sizes, in pixels, of headings and text on a sheet with `columns` columns of pictures."""
     text = max(TEXT, math.ceil(LEGIBLE * sheet_width(width, columns) / PAGE))
     return round(HEADING * text), text
 
