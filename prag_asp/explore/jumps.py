@@ -28,7 +28,7 @@ def to_rank(explored: ExploredDomain, state: PageState, text: str) -> Jump:
     """
     digits = text.strip().replace(",", "").replace(" ", "")
     if not digits.removeprefix("-").isdecimal():
-        raise QueryError(f"{text[:40]!r} is no rank; write a whole number, such as 0 or -1")
+        raise QueryError(f"{text[:40]!r} is not a rank; write a whole number, such as 0 or -1")
     rank, words = int(digits), WordSet(explored.space_of(state).engines, state.by, state.length)
     count = words.count()
     if not -count <= rank < count:

@@ -167,6 +167,10 @@ class _Handler(BaseHTTPRequestHandler):
     def _answer(self, view: View) -> None:
         try:
             fields = dict(parse_qsl(urlsplit(self.path).query, keep_blank_values=True, max_num_fields=MOST_FIELDS))
+        except ValueError:
+            self._send_problem(HTTPStatus.BAD_REQUEST, "the request has too many fields")
+            return
+        try:
             request = fields.get("window", "")[:64], _number(fields.get("number", "0"))
             with self.server.turns.turn(*request):
                 found = view(fields)
@@ -180,8 +184,6 @@ class _Handler(BaseHTTPRequestHandler):
                 self._send_problem(HTTPStatus.UNPROCESSABLE_ENTITY, *error.lines)
         except PragError as error:
             self._send_problem(HTTPStatus.UNPROCESSABLE_ENTITY, *error.lines)
-        except ValueError:
-            self._send_problem(HTTPStatus.BAD_REQUEST, "the request has too many fields")
         except RecursionError:
             self._send_problem(HTTPStatus.UNPROCESSABLE_ENTITY, "the condition is nested too deeply; make it flatter")
         except Exception as error:  # a mistake of this package ends one request, not the server
