@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 INDEX_BYTES = 6
 """Bytes of an index derived from a plan: every JSON reader represents a number of 6 bytes exactly."""
 
-MEND = "draw the task anew, or set its witness to null"
+MEND = "sample the task again, or set its witness to null"
 
 
 def named_domain(own: str, place: str, folder: Path) -> str:
