@@ -86,7 +86,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "report": GROUND
     | {"html", "program", "domain", "logic", "space", "similarity", "physics", "dataset", "evaluation", "analysis"}
     | {"versions"},
-    "explore": GROUND | {"program", "domain", "logic", "space", "models", "dataset", "physics"},
+    "explore": GROUND | {"program", "scene", "domain", "logic", "space", "models", "dataset", "physics"},
     "cli": GROUND
     | {"program", "scene", "grammar", "pddl", "bddl", "reduction", "domain", "logic", "space", "models", "planners"}
     | {"physics", "dataset", "evaluation", "analysis", "similarity", "audit", "report", "explore", "versions"},

@@ -28,7 +28,7 @@ def read_suites(folders: Sequence[str | Path]) -> tuple[list[AuditedProblem], li
     """Read each folder as a suite with the folder's name; return the problems, and the files that cannot be read.
 
     Raises:
-        QueryError: a folder does not exist, or has no problems of a known format.
+        QueryError: a folder does not exist, or has no problems in a known format.
     """
     by_format: dict[str, dict[str, Path]] = {}
     names: dict[str, Path] = {}

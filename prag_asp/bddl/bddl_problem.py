@@ -1,4 +1,4 @@
-"""A problem of BDDL as plain values: objects, fixtures, regions, initial facts, goal and language."""
+"""A BDDL problem as plain values: objects, fixtures, regions, initial facts, goal and language."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ class Region:
 
 @dataclass(frozen=True)
 class BddlProblem:
-    """A problem of BDDL, with the classes of its objects and fixtures by name; all names are in lower case.
+    """A BDDL problem, with the classes of its objects and fixtures by name; all names are in lower case.
 
     `initial` are facts with their values. `remarks` are the lines of ignored parts, with a reason.
     """
@@ -96,7 +96,7 @@ class BddlProblem:
 
 
 def facts_of(formula: BddlFormula) -> tuple[BddlFact, ...]:
-    """Return the facts of a formula, in order."""
+    """Return the facts in a formula, in order."""
     if isinstance(formula, BddlFact):
         return (formula,)
     parts = formula.parts if isinstance(formula, Connective) else (formula.part,)

@@ -123,10 +123,15 @@ def _raise_again(dropped: sys.UnraisableHookArgs) -> None:
     """Send the signal again soon if Python dropped its exception; ignore any other dropped error."""
     number = _state.signal
     if number is not None and dropped.exc_type is SIGNALS[number]:
-        _state.signal = None
-        again = Timer(AGAIN, os.kill, (os.getpid(), number))
+        # Until then a second signal is still ignored: raised in this hook, it would be printed.
+        again = Timer(AGAIN, _send_again, (number,))
         again.daemon = True
         again.start()
+
+
+def _send_again(number: int) -> None:
+    _state.signal = None
+    os.kill(os.getpid(), number)
 
 
 def interrupted() -> bool:

@@ -74,7 +74,7 @@ class Commands(click.Group):
         return sorted(COMMANDS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Return the command with a name, or None if there is none."""
+        """Return the command with a given name, or None if there is none."""
         if cmd_name not in COMMANDS:
             return None
         from prag_asp.cli.options import add_limits

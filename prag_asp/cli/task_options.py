@@ -118,7 +118,7 @@ def _parse_ranks(text: str) -> range:
 
 
 def task_at(space: TaskSpace, rank: int) -> Task:
-    """Return the task with a rank.
+    """Return the task with a given rank.
 
     Raises:
         QueryError: there is no such task.

@@ -1,4 +1,4 @@
-"""Generate a dataset: sample without replacement, validate each task by physics, and write the result."""
+"""Generate a dataset: sample without replacement, validate each task with physics, and write the result."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def generate(
     task. The tasks of `excluded` scenarios of the same domain and conditions are left out, so the dataset is disjoint
     from earlier ones.
 
-    With a `stratification`, the parts are the strata of a sample, and dataset.json has the exact weight of a task of
+    With a `stratification`, the parts are the strata of a sample, and dataset.json has the exact weight of a task in
     each part.
 
     The same call resumes an interrupted run; a larger number of tasks extends the dataset. The bytes of the dataset

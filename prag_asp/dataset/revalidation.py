@@ -122,7 +122,7 @@ def _with_faults(records: Iterable[Record], space: TaskSpace) -> Iterator[Checke
 
 
 def _fault(task: Task, expected: Task) -> str:
-    """Return the fault of a task, or "" if it equals the expected one."""
+    """Return the fault of a task, or "" if the task equals the expected one."""
     parts = ("entities", "initial", "states", "subgoals", "goal")
     wrong = [
         part.replace("initial", "initial state") for part in parts if getattr(task, part) != getattr(expected, part)

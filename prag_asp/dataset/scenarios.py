@@ -60,7 +60,7 @@ class Scenarios:
         return Scenario(name, self.digest, length, rank, start, tuple(sorted(where)), constants)
 
     def of(self, space: TaskSpace, task: Task, start: SearchStart | None = None) -> Scenario:
-        """Return the scenario of a task of a space; the lengths of the space do not matter.
+        """Return the scenario of a task in a space; the lengths of the space do not matter.
 
         Raises:
             QueryError: the space has no such task; a plan with renamed interchangeable entities is not a task.
@@ -76,7 +76,7 @@ class Scenarios:
         """Check that a scenario belongs to this domain in its current state.
 
         Raises:
-            QueryError: the scenario has another domain or other constants, or the domain has changed.
+            QueryError: the scenario has a different domain or different constants, or the domain has changed.
         """
         domain, other = self.domain, scenario
         if (other.domain, dict(other.constants)) != (domain.name, dict(domain.constants)):
@@ -92,7 +92,7 @@ class Scenarios:
         """Return the task of a scenario.
 
         Raises:
-            QueryError: the scenario has another domain or another state of this domain, or there is no such rank.
+            QueryError: the scenario is of another domain or another state of this one, or there is no such rank.
         """
         self.check(scenario)
         space = self.space(scenario.where, scenario.length)
@@ -172,7 +172,7 @@ def exclude(space: TaskSpace, scenarios: Iterable[Scenario]) -> Callable[[Task],
     """Return a function that returns true for the tasks of a space that belong to none of the given scenarios.
 
     Initial states do not matter. If these tasks are left out of a sample without replacement, the remaining tasks are a
-    sample without replacement of all other tasks.
+    sample without replacement from all other tasks.
 
     Raises:
         QueryError: a scenario and the space have different domains or conditions, or a scenario has no task.

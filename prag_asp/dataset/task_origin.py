@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 INDEX_BYTES = 6
 """Bytes of an index derived from a plan: every JSON reader represents a number of 6 bytes exactly."""
 
-MEND = "draw the task anew, or set its witness to null"
+MEND = "sample the task again, or set its witness to null"
 
 
 def named_domain(own: str, place: str, folder: Path) -> str:
     """Return the shipped domain with a name, or the folder of another domain, in the current folder or in `folder`.
 
-    `place` is the location of the name, for errors. A name that leads outside these folders, even by a link, is
+    `place` is the location of the name, for errors. A name that leads outside these folders, even through a link, is
     refused: a file must not make prag_asp read other folders.
 
     Raises:
@@ -86,7 +86,7 @@ def errors_with_place(record: Record, domain: Domain | None = None, advice: str 
 
 
 def index_of(record: Record) -> int:
-    """Return the search index in the verdict of a record, to repeat the search, or a hash of the plan without one."""
+    """Return the search index in the verdict of a record, to repeat the search, or without one a hash of the plan."""
     index = (record.verdict or {}).get("index")
     if type(index) is int and index >= 0:
         return index

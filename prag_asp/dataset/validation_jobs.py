@@ -51,7 +51,7 @@ class JobResult(NamedTuple):
 
 @dataclass(frozen=True)
 class ValidationSetup:
-    """The options to validate the draws of a part of a dataset, by physics if there is a `scene`.
+    """The options to validate the draws of a part of a dataset, with physics if there is a `scene`.
 
     If draws have to be decoded into tasks, and their texts written, `space` has its domain, lengths and conditions.
     """
@@ -66,7 +66,7 @@ class ValidationSetup:
 def open_job_validator(setup: ValidationSetup) -> Iterator[Callable[[int, ValidationJob], JobResult]]:
     """Yield a function that validates a job with a task; search s of a draw has the index ``search + s * START``.
 
-    The results depend on the seed and on this index alone. A search that finds no witness, or a witness from an initial
+    The results depend only on the seed and on this index. A search that finds no witness, or a witness from an initial
     state that another search found, is replaced by the next one, up to `TRIES` for each initial state.
 
     Raises:

@@ -142,6 +142,6 @@ def _percent(difference: Fraction, interval: tuple[float, float]) -> str:
 
 
 def _counted(pairs: Sequence[tuple[EvaluatedEpisode, EvaluatedEpisode]]) -> Pairs:
-    """Return the numbers of pairs in which both, one or neither policy succeeds."""
+    """Return the numbers of pairs in which both policies succeed, only one does, or neither does."""
     outcomes = [(one.success, two.success) for one, two in pairs]
     return Pairs(*map(outcomes.count, ((True, True), (True, False), (False, True), (False, False))))

@@ -65,15 +65,16 @@ def evaluate(
 ) -> Results:
     """Run a policy in each scenario of a source, and return the results.
 
-    `policy` is a text that `load_policy` accepts, a function of an observation (and of `info`, if it has a parameter of
-    that name), or a class whose instances are such functions; `environment` holds options of `TaskEnv` (those in
-    `ENVIRONMENT`), which take precedence over those that the policy determines, such as the control of a LeRobot
-    checkpoint. A `wrapper` wraps the environment, as in training. The global random generators of Python, NumPy and
-    PyTorch are seeded for each episode, so results do not depend on the number of `workers`, unless the policy itself
-    does.
+    `policy` is a string that `load_policy` accepts, a function of an observation (and of `info`, if it has a parameter
+    with that name), or a class whose instances are such functions. `environment` holds `TaskEnv` options (see
+    `ENVIRONMENT`). They override options set by the policy, such as the control mode of a LeRobot checkpoint. A
+    `wrapper` wraps the environment, as in training. The global random generators of Python, NumPy and PyTorch are
+    seeded for each episode, so results do not depend on the number of `workers`, unless the policy itself depends on
+    it.
 
     With a `folder`, the results are written there: evaluation.json, a table of episodes, and `videos` of the first
-    failures. An interrupted evaluation continues there, and keeps all episodes before the oldest running one.
+    failures. An interrupted evaluation resumes from this folder, and keeps all episodes before the first one that was
+    still running.
 
     Raises:
         QueryError: an argument is wrong, or the policy fails.

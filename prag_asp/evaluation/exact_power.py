@@ -30,7 +30,7 @@ A sum of nine logarithms of factorials up to 200,000!, which is about exp(2e6), 
 
 
 def unpaired_power(scenarios: int, first: float, second: float, alpha: Fraction) -> float:
-    """Return the power of Fisher's exact test of two samples of equal size, given the probabilities of success."""
+    """Return the power of Fisher's exact test for two samples of equal size, given the probabilities of success."""
     spread = math.sqrt(DEVIATIONS * 2 * scenarios)
     mean = scenarios * (first + second)
     totals = np.arange(max(0, math.floor(mean - spread)), min(2 * scenarios, math.ceil(mean + spread)) + 1)

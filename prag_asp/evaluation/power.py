@@ -48,10 +48,10 @@ class ComparisonDesign:
     `rate` is the probability of success of the first policy; the probability of the second policy is larger by an
     effect. If neither `correlation` nor `discordant` is given, each policy has its own sample of scenarios, and the
     test is Fisher's exact test, which for samples of equal size doubles the smaller tail. Otherwise both policies run
-    in the same scenarios, and the test is McNemar's exact one (1947), as in `compare`; its unconditional power sums
+    in the same scenarios, and the test is McNemar's exact test (1947), as in `compare`; its unconditional power sums
     over the number of scenarios in which only one policy succeeds (Duffy, Statistics in Medicine 3, 1984; Connor,
     Biometrics 43, 1987). `correlation` is the correlation of the two results in a scenario, `discordant` the share of
-    scenarios in which these differ.
+    scenarios in which the results differ.
 
     With `tasks`, the number N of all tasks, scenarios are sampled from them without replacement and the claim is about
     these tasks. The variance of a rate over n scenarios is then smaller by the factor (N - n) / (N - 1), like that of a
@@ -92,7 +92,7 @@ class ComparisonDesign:
     def power(self, scenarios: int, effect: Probability) -> float:
         """Return the probability that the test finds an effect with a number of scenarios for each policy.
 
-        Rejections in both directions count. With `tasks`, the power is that of the effective number of scenarios,
+        Rejections in both directions count. With `tasks`, the power is that for the effective number of scenarios,
         rounded down and at most `MOST`, and 1 if the scenarios cover all tasks.
 
         Raises:

@@ -32,7 +32,7 @@ class EvaluationRecord(msgspec.Struct, frozen=True):
     """The contents of evaluation.json: the policy, the scenarios and the options of an evaluation.
 
     `options` are the options of the environment as text; `rejected` counts sampled tasks that physics found infeasible.
-    `strata` are those of a stratified sample; the parts of its episodes are their names.
+    `strata` are those of a stratified sample; the part of each episode is then the name of its stratum.
     """
 
     identity: str
@@ -150,7 +150,7 @@ class Results:
         return dict(Counter(episode.cause for episode in self.episodes).most_common())
 
     def table(self) -> str:
-        """Return the rates as text, with Wilson's 95 % intervals; with strata, first that of the whole space."""
+        """Return the rates as text, with Wilson's 95 % intervals; with strata, first the rate over the whole space."""
         estimate = self.whole_space()
         rows: list[tuple[str, Rate | StratifiedRate]] = [] if estimate is None else [("whole space", estimate)]
         rows.append(("all", self.whole()))

@@ -109,7 +109,7 @@ class FreshScenarios:
         """Return the sampled tasks, feasible or not, by stratum if there are strata.
 
         Raises:
-            QueryError: the space is empty, or there are strata, and too few tasks or a condition for them.
+            QueryError: the space is empty; or there are strata, and a stratum has too few tasks or `keep` is given.
         """
         if self.stratification is None:
             tasks = filter(self.keep, self.space.stream(seed=self.seed, weights={}, distinct=True))
@@ -140,7 +140,7 @@ class FreshScenarios:
 
 @dataclass(frozen=True)
 class NamedScenarios:
-    """The scenarios of given ids, in the order of the ids."""
+    """The scenarios with given ids, in the order of the ids."""
 
     domain: Domain
     scenarios: Sequence[Scenario]
@@ -180,13 +180,13 @@ class NamedScenarios:
         return [JobGroup("", self.count, self.count, jobs)]
 
     def strata(self, feed: StratumFeed[EpisodeJob]) -> list[StratumFigures]:
-        """Return no strata: ids do not tell from what they were sampled."""
+        """Return no strata: ids do not show what they were sampled from."""
         return []
 
 
 @dataclass(frozen=True)
 class StoredScenarios:
-    """The tasks of parts of datasets with their stored initial states; at most `most` tasks of each part."""
+    """The tasks of parts of datasets with their stored initial states; at most `most` tasks from each part."""
 
     parts: Sequence[tuple[str, Dataset]]
     most: int | None = None
@@ -253,7 +253,7 @@ class StoredScenarios:
         return [JobGroup("", self.count, self.count, enumerate(self.jobs()))]
 
     def strata(self, feed: StratumFeed[EpisodeJob]) -> list[StratumFigures]:
-        """Return the strata of the dataset, or none if its parts are no strata, or not all of them are evaluated."""
+        """Return the strata of the dataset, or none if its parts are not strata, or not all of them are evaluated."""
         dataset = self.parts[0][1]
         strata = dataset.manifest.strata
         whole = {name for name, each in self.parts if each.folder == dataset.folder}

@@ -29,7 +29,7 @@ class Cache:
     _values: OrderedDict[Hashable, Any] = field(default_factory=OrderedDict)
 
     def get(self, key: Hashable, make: Callable[[], Value]) -> Value:
-        """Return the value of a key, and make it if it is not cached."""
+        """Return the value for a key, and make it if it is not cached."""
         if key not in self._values:
             self._values[key] = make()
             while len(self._values) > self.size:
@@ -44,6 +44,7 @@ class ExploredDomain:
     """A domain with its task spaces.
 
     `words` name the domain on a command line, and `call` loads it in Python; both are shown beside each view.
+    `progress` receives reports.
     """
 
     domain: Domain
@@ -51,11 +52,12 @@ class ExploredDomain:
     call: str
     engine: str = "auto"
     limits: Limits = UNLIMITED
+    progress: Callable[[str], None] | None = None
     _spaces: Cache = field(default_factory=lambda: Cache(SPACES))
     _following: Cache = field(default_factory=lambda: Cache(PREFIXES))
 
     def space(self, length: int, where: tuple[str, ...] = ()) -> TaskSpace:
-        """Return the task space of a length and conditions.
+        """Return the task space with a given length and conditions.
 
         Raises:
             QueryError: a condition cannot be parsed, or names something that the domain does not have.
@@ -64,12 +66,12 @@ class ExploredDomain:
         def make() -> TaskSpace:
             if where:
                 return self.space(length).where(*where)
-            return TaskSpace(self.domain, length, engine=self.engine, limits=self.limits)
+            return TaskSpace(self.domain, length, engine=self.engine, progress=self.progress, limits=self.limits)
 
         return self._spaces.get((length, where), make)
 
     def space_of(self, state: PageState) -> TaskSpace:
-        """Return the task space of the length and the conditions of a page."""
+        """Return the task space with the length and the conditions of a page."""
         return self.space(state.length, state.where)
 
     def chosen(self, state: PageState) -> Letters:

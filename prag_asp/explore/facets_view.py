@@ -1,4 +1,4 @@
-"""The facets: facts of the final state, each with the share of tasks in which it holds and what choosing it leaves."""
+"""The facets: facts of the final state, each with the share of tasks in which it holds, and what choosing it leaves."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from prag_asp.explore.page_state import PageState
 from prag_asp.explore.plan_view import share
 from prag_asp.explore.same_result import SameResult, level_argument, python_space
 from prag_asp.integers import digits_of
+from prag_asp.logic.symmetry.renaming import renamed
 from prag_asp.logic.symmetry.symmetries import Symmetries
 
 
@@ -76,7 +77,7 @@ def facets_view(explored: ExploredDomain, state: PageState) -> FacetsView:
 
 
 def fact_orbits(fluents: Sequence[clingo.Symbol], symmetries: Symmetries) -> list[tuple[str, ...]]:
-    """Return the facts, those together that renamings of interchangeable entities map to each other."""
+    """Return the facts in groups; renamings of interchangeable entities map the facts of a group to each other."""
     swaps: list[Mapping[clingo.Symbol, clingo.Symbol]] = []
     for alike in (*symmetries.joint, *(tuple((entity,) for entity in group) for group in symmetries.groups)):
         for one, other in pairwise(alike):
@@ -84,18 +85,10 @@ def fact_orbits(fluents: Sequence[clingo.Symbol], symmetries: Symmetries) -> lis
     known, orbit_of = set(fluents), {fluent: [fluent] for fluent in fluents}
     for fluent in fluents:
         for swap in swaps:
-            image = _renamed(fluent, swap)
+            image = renamed(fluent, swap)
             if image in known and orbit_of[image] is not orbit_of[fluent]:
                 joined = orbit_of[fluent] + orbit_of[image]
                 orbit_of |= dict.fromkeys(joined, joined)
     places = {fluent: place for place, fluent in enumerate(fluents)}
     orbits = {id(orbit): sorted(orbit, key=places.__getitem__) for orbit in orbit_of.values()}
     return [tuple(map(str, orbit)) for orbit in orbits.values()]
-
-
-def _renamed(term: clingo.Symbol, names: Mapping[clingo.Symbol, clingo.Symbol]) -> clingo.Symbol:
-    if term in names:
-        return names[term]
-    if term.type != clingo.SymbolType.Function or not term.arguments:
-        return term
-    return clingo.Function(term.name, [_renamed(argument, names) for argument in term.arguments], term.positive)

@@ -1,4 +1,4 @@
-"""Jumps of a page: to the task of a rank, and to a random task of those that remain."""
+"""Jumps of a page: to the task with a given rank, and to a random one of the remaining tasks."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def to_rank(explored: ExploredDomain, state: PageState, text: str) -> Jump:
     """
     digits = text.strip().replace(",", "").replace(" ", "")
     if not digits.removeprefix("-").isdecimal():
-        raise QueryError(f"{text[:40]!r} is no rank; write a whole number, such as 0 or -1")
+        raise QueryError(f"{text[:40]!r} is not a rank; write a whole number, such as 0 or -1")
     rank, words = int(digits), WordSet(explored.space_of(state).engines, state.by, state.length)
     count = words.count()
     if not -count <= rank < count:
@@ -41,7 +41,7 @@ def to_rank(explored: ExploredDomain, state: PageState, text: str) -> Jump:
 
 
 def to_sample(explored: ExploredDomain, state: PageState, seed: int, *, weighted: bool) -> Jump:
-    """Return a random task of those that begin with the chosen actions: by the domain's weights, or uniformly.
+    """Return a random task that begins with the chosen actions, sampled with the domain's weights or uniformly.
 
     Raises:
         PragError: no task remains, or a limit was reached.

@@ -40,8 +40,9 @@ KINDS = {
 """The media types of the files of a page."""
 
 HEADERS = {
-    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
-    "media-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
+    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; "
+    "img-src 'self' blob:; media-src 'self' blob:; connect-src 'self'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
     "Cross-Origin-Resource-Policy": "same-origin",
@@ -60,6 +61,13 @@ class Picture:
 
     kind: str
     content: bytes
+
+
+@dataclass(frozen=True)
+class Elsewhere:
+    """A view whose work runs in another process: `work` returns the view while other requests are answered."""
+
+    work: Callable[[], Any]
 
 
 class PageServer(ThreadingHTTPServer):
@@ -133,6 +141,8 @@ class _Handler(BaseHTTPRequestHandler):
         name = urlsplit(self.path).path.removeprefix(f"/{self.server.token}/")
         if name.startswith("api/") and name.removeprefix("api/") in self.server.views:
             self._answer(self.server.views[name.removeprefix("api/")])
+        elif name == "api/doing":  # answered while another request computes
+            self._send_json(HTTPStatus.OK, asdict(self.server.turns.doing))
         elif (name or "index.html") in self.server.files:
             file = name or "index.html"
             self._send(HTTPStatus.OK, KINDS[Path(file).suffix], self.server.files[file])
@@ -157,8 +167,16 @@ class _Handler(BaseHTTPRequestHandler):
     def _answer(self, view: View) -> None:
         try:
             fields = dict(parse_qsl(urlsplit(self.path).query, keep_blank_values=True, max_num_fields=MOST_FIELDS))
-            with self.server.turns.turn(fields.get("window", "")[:64], _number(fields.get("number", "0"))):
+        except ValueError:
+            self._send_problem(HTTPStatus.BAD_REQUEST, "the request has too many fields")
+            return
+        try:
+            request = fields.get("window", "")[:64], _number(fields.get("number", "0"))
+            with self.server.turns.turn(*request):
                 found = view(fields)
+            if isinstance(found, Elsewhere):
+                with self.server.turns.turn(*request, elsewhere=True):
+                    found = found.work()
         except LimitReached as error:
             if error.reason.kind is StopKind.CANCEL:
                 self._send_problem(HTTPStatus.CONFLICT, str(error))
@@ -166,8 +184,6 @@ class _Handler(BaseHTTPRequestHandler):
                 self._send_problem(HTTPStatus.UNPROCESSABLE_ENTITY, *error.lines)
         except PragError as error:
             self._send_problem(HTTPStatus.UNPROCESSABLE_ENTITY, *error.lines)
-        except ValueError:
-            self._send_problem(HTTPStatus.BAD_REQUEST, "the request has too many fields")
         except RecursionError:
             self._send_problem(HTTPStatus.UNPROCESSABLE_ENTITY, "the condition is nested too deeply; make it flatter")
         except Exception as error:  # a mistake of this package ends one request, not the server

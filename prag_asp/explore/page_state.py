@@ -21,7 +21,7 @@ class PageState:
     """What a page shows: the tasks of a length under conditions that begin with the chosen actions.
 
     `beside` are the conditions to compare with `where`. With the level ``plan``, interchangeable entities are shown
-    apart, with ``task`` as one.
+    separately; with ``task``, they are shown as one.
     """
 
     length: int
@@ -47,7 +47,7 @@ FIELDS = ("length", "where", "beside", "by", "do")
 
 
 def parse_query(query: str) -> PageState:
-    """Return the state that a query states.
+    """Return the state that a query describes.
 
     Raises:
         QueryError: a field is unknown, missing or wrong.

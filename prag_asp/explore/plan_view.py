@@ -144,7 +144,7 @@ class CountView:
 
 
 def count_view(explored: ExploredDomain, state: PageState) -> CountView:
-    """Return the numbers of a page alone, for conditions that are being typed.
+    """Return only the numbers of a page, for conditions that are being typed.
 
     Raises:
         PragError: the state does not fit the domain, or a limit was reached.
@@ -187,9 +187,9 @@ def _steps(explored: ExploredDomain, state: PageState, counts: Sequence[int]) ->
 
 
 def _task(explored: ExploredDomain, state: PageState) -> Task | None:
-    """Return the task of the chosen actions; None if the states of an unfinished plan are not known.
+    """Return the task with the chosen actions; None if the states of an unfinished plan are not known.
 
-    The goal of the conditions belongs to whole tasks only.
+    A goal in the conditions applies only to whole tasks.
     """
     finished = len(state.chosen) == state.length
     space = explored.space_of(state) if finished else explored.space(state.length)
@@ -239,14 +239,6 @@ def _same(explored: ExploredDomain, state: PageState, rank: int) -> tuple[SameRe
     if state.by == "task":
         line = shell_line(explored, "task", state, "--index", str(rank))
         same.append(SameResult("this task", line, f"{space}space[{rank}]"))
-        if explored.domain.settings.scene and len(explored.words) == 1:
-            physics = "prag-asp validate task.jsonl && prag-asp render task.jsonl --output task.png"
-            python = (
-                f"from prag_asp import load_scene\nfrom prag_asp.physics import validate_task\n{space}"
-                f"validate_task(space[{rank}], load_scene(space.domain), seed=0)"
-            )
-            line = f"{line} --format jsonl > task.jsonl && {physics}"
-            same.append(SameResult("its verdict by physics, and its film strip", line, python))
     return (
         *same,
         SameResult("this view", shell_line(explored, "explore", state, *options), f"{space}{chosen} in space"),

@@ -1,4 +1,4 @@
-"""The command line and the Python that give the same result as a view."""
+"""The command line and the Python code that give the same result as a view."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from prag_asp.explore.page_state import PageState
 
 @dataclass(frozen=True)
 class SameResult:
-    """What a view shows, in a few words, and the command line and the Python that give it."""
+    """What a view shows, in a few words, and the command line and the Python code that give it."""
 
     what: str
     shell: str
@@ -27,7 +27,7 @@ def shell_line(explored: ExploredDomain, command: str, state: PageState, *option
 
 
 def python_space(explored: ExploredDomain, state: PageState, *more: str) -> str:
-    """Return the Python that makes the task space of a page, under further conditions."""
+    """Return the Python code that makes the task space of a page, under further conditions."""
     conditions = (*state.where, *more)
     under = f".where({', '.join(map(repr, conditions))})" if conditions else ""
     return (

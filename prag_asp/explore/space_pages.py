@@ -3,28 +3,46 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from prag_asp.errors import QueryError
 from prag_asp.explore.comparison_view import comparison_view
 from prag_asp.explore.empty_view import empty_view
 from prag_asp.explore.explored_domain import ExploredDomain
 from prag_asp.explore.facets_view import facets_view
 from prag_asp.explore.jumps import Jump, to_rank, to_sample
-from prag_asp.explore.page_server import Fields, View
+from prag_asp.explore.page_server import Elsewhere, Fields, View
 from prag_asp.explore.page_state import PageState, parse_query
+from prag_asp.explore.physics_view import Call, TaskPhysics, calls_elsewhere
 from prag_asp.explore.plan_view import count_view, plan_view
+from prag_asp.explore.task_trial import Trial, read_seed, trial_of
 from prag_asp.explore.vocabulary_view import vocabulary_view
 
 PAGE = Path(__file__).parent / "page"
 """The folder of the files of the pages."""
 
-LARGEST_SEED = 2**63 - 1
+
+@dataclass(frozen=True)
+class Ended:
+    """The answer to a page that needs the results of its older requests no longer."""
+
+    ended: bool = True
 
 
-def space_views(explored: ExploredDomain) -> Mapping[str, View]:
-    """Return the views of a domain; the field ``state`` of a request is the query of the page's link."""
+def space_views(explored: ExploredDomain, call: Call | None = None) -> Mapping[str, View]:
+    """Return the views of a domain; the field ``state`` of a request is the query of the page's link.
+
+    `call` calls the functions of physics, by default in another process.
+    """
+    physics = TaskPhysics(explored, call or calls_elsewhere(explored))
+
+    def of_trial(view: Callable[[Trial], Any]) -> View:
+        def begin(fields: Fields) -> Elsewhere:
+            trial = trial_of(explored, fields)
+            return Elsewhere(lambda: view(trial))
+
+        return begin
 
     def of_state(view: Callable[[ExploredDomain, PageState], Any]) -> View:
         return lambda fields: view(explored, parse_query(fields.get("state", "")))
@@ -33,10 +51,8 @@ def space_views(explored: ExploredDomain) -> Mapping[str, View]:
         return to_rank(explored, parse_query(fields.get("state", "")), fields.get("rank", ""))
 
     def sample(fields: Fields) -> Jump:
-        state, text = parse_query(fields.get("state", "")), fields.get("seed", "0").strip()
-        if not (text.isascii() and text.isdigit() and len(text) < 20 and int(text) <= LARGEST_SEED):
-            raise QueryError(f"seed {text[:30]!r}: write a whole number from 0 to {LARGEST_SEED}")
-        return to_sample(explored, state, int(text), weighted=fields.get("weighted") == "1")
+        state = parse_query(fields.get("state", ""))
+        return to_sample(explored, state, read_seed(fields), weighted=fields.get("weighted") == "1")
 
     return {
         "vocabulary": lambda fields: vocabulary_view(explored),
@@ -47,4 +63,8 @@ def space_views(explored: ExploredDomain) -> Mapping[str, View]:
         "why": of_state(empty_view),
         "rank": rank,
         "sample": sample,
+        "verdict": of_trial(physics.verdict),
+        "strip": of_trial(physics.strip),
+        "film": of_trial(physics.animation),
+        "end": lambda fields: Ended(),
     }

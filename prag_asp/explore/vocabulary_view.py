@@ -5,15 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from prag_asp.explore.explored_domain import ExploredDomain
+from prag_asp.explore.physics_view import LONGEST
 from prag_asp.program.entity_names import action_name
 from prag_asp.space.conditions.keywords import EXAMPLES, WHOLE
 
 
 @dataclass(frozen=True)
 class VocabularyView:
-    """The names of a domain, and the kinds of conditions with an example each.
+    """The names of a domain, and the kinds of conditions, with an example of each.
 
-    `keywords` need nothing else if they are in `whole`. `composites` are the names of the domain's composites.
+    A keyword in `whole` is a complete condition. `composites` are the names of the domain's composites.
+    Physics may take `longest_physics` seconds for each view of a task.
     """
 
     domain: str
@@ -26,6 +28,7 @@ class VocabularyView:
     composites: tuple[str, ...]
     weighted: bool
     has_scene: bool
+    longest_physics: int
 
 
 def vocabulary_view(explored: ExploredDomain) -> VocabularyView:
@@ -42,4 +45,5 @@ def vocabulary_view(explored: ExploredDomain) -> VocabularyView:
         tuple(sorted({action_name(composite) for composite in facts.composites})),
         bool(domain.settings.weights),
         bool(domain.settings.scene),
+        LONGEST,
     )

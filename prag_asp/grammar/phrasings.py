@@ -68,7 +68,7 @@ class Phrasings:
         """Check that each action and each frame of instructions has a paraphrase in the subset.
 
         Raises:
-            QueryError: an action or a level has too few.
+            QueryError: an action or a level has too few paraphrases.
         """
         if self.all == 1:
             return

@@ -66,7 +66,7 @@ class Grammar:
 
     `values` are the words for other arguments. `plain` are the default sentences of actions, `spare` those of fluents,
     which every domain has. `sources` has, for each action that moves an object away from a place, the position of the
-    place in its arguments and the way.
+    place in its arguments and the `Way`.
     """
 
     words: Words
@@ -317,7 +317,7 @@ def plain(name: str) -> str:
 
 
 def _joined(words: Sequence[str], between: Sequence[str]) -> str:
-    """Return words joined by the first separator, the last word by the second."""
+    """Return words joined with the first separator, the last word with the second."""
     return between[1].join(part for part in (between[0].join(words[:-1]), *words[-1:]) if part)
 
 

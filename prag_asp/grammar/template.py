@@ -87,7 +87,7 @@ def parse_template(
     """Parse a sentence; `verbs` holds the forms of verbs in braces for given `genders`.
 
     Raises:
-        QueryError: the braces are wrong; the message has the problem and the remedy.
+        QueryError: the braces are wrong; the message states the problem and the remedy.
     """
     unmatched = QueryError("has braces that do not match; write each as {0} or {0:case}")
     try:

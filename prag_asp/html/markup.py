@@ -18,7 +18,7 @@ class Markup(str):
 
 
 def element(name: str, /, *content: str, **attributes: str | int | float | bool | None) -> Markup:
-    """Return an element with its attributes and content; texts that are no `Markup` are escaped.
+    """Return an element with its attributes and content; texts that are not `Markup` are escaped.
 
     A final underscore of an attribute's name is left out (``class_``), and other underscores become hyphens. An
     attribute that is None or False is left out; one that is True has no value.
@@ -36,7 +36,7 @@ def _attribute_name(key: str) -> str:
 
 
 def joined(parts: Iterable[str]) -> Markup:
-    """Return the markup of all parts in order; texts that are no `Markup` are escaped."""
+    """Return the markup of all parts in order; texts that are not `Markup` are escaped."""
     return Markup("".join(part if isinstance(part, Markup) else escape(part) for part in parts))
 
 

@@ -24,7 +24,7 @@ null device.
 
 @contextmanager
 def mute_output(*descriptors: int) -> Iterator[None]:
-    """Discard output to file descriptors within the block, including the buffered output of C."""
+    """Discard what the block writes to the given file descriptors, including what C has buffered."""
     flush()
     for descriptor in descriptors:
         with _LOCK:

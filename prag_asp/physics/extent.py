@@ -1,7 +1,7 @@
 """Compute the extent of a rotated body from the shape of a primitive or the solids of a model.
 
-The box of a model's file says little about a body that is oblique in its file, so everything is measured on the convex
-hull of the solids. Lengths are metres.
+The bounding box of a model along the axes of its file says little about a body that is oblique in that file, so
+everything is measured on the convex hull of the solids. Lengths are metres.
 """
 
 from __future__ import annotations
@@ -137,7 +137,7 @@ def side_yaw(shape: Shape) -> float:
 def least_reach(shape: Shape) -> float:
     """Return a lower bound on how far a body extends from its origin in any direction, in metres.
 
-    For a convex body that contains its origin, the bound is the distance of the nearest face. It is negative if the
+    For a convex body that contains its origin, the bound is the distance to the nearest face. It is negative if the
     origin is outside.
     """
     if shape.model is None:

@@ -70,7 +70,7 @@ class Situation:
         """Return a robot by its name.
 
         Raises:
-            SceneError: the scene has no robot of that name.
+            SceneError: the scene has no robot with that name.
         """
         return robot_of(self.scene, name)
 
@@ -191,7 +191,7 @@ class Situation:
         return Situation(self.scene, self.poses, {**self.arms, robot: arm}, self.openings, tools, self.measured)
 
     def with_opening(self, entity: str, opening: float) -> Situation:
-        """Return the situation with another opening of furniture, whose contents do not move."""
+        """Return the situation with a different opening of furniture, whose contents do not move."""
         measured = {other: body for other, body in self.measured.items() if other != entity}
         openings = {**self.openings, entity: opening}
         return Situation(self.scene, self.poses, self.arms, openings, self.tools, measured)

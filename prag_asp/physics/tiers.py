@@ -83,7 +83,7 @@ class TierPipeline:
 def open_tier_check(
     scene: Scene, budget: Budget, staging: Staging | None = None, seed: int = 0
 ) -> Iterator[Callable[..., TierOutcome]]:
-    """Open simulators, yield a function that checks witnesses by the tiers of a budget, and close them afterwards.
+    """Open simulators, yield a function that checks witnesses in the tiers of a budget, and close them afterwards.
 
     The function takes a task, a witness and the index of the task, on which variations depend (0 by default).
     `staging` holds the options of demonstrations. A witness without transit waypoints gets some if the budget includes

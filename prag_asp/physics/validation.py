@@ -75,7 +75,7 @@ def check_numbered(
     workers: int = 1,
     staging: Staging | None = None,
 ) -> Generator[TierOutcome, None, None]:
-    """Yield the result of checking each witness by the tiers of a budget, in order; tasks come with their indices.
+    """Yield the result of checking each witness in the tiers of a budget, in order; tasks come with their indices.
 
     Closing the iterator ends the workers at once.
 

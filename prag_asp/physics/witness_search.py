@@ -16,8 +16,8 @@
 
 Tasks that only move primitive bodies restart instead of step 3, which is faster because they have few grasps. If no
 restart of the budget finds a witness, a few further restarts return as in step 3, if a held object could not be put
-down, and pack objects tightly, if only room was missing. If a witness fails a more expensive check, the next one begins
-with other grasps of bodies with a model.
+down, and pack objects tightly, if only room was missing. If a witness fails a more expensive check, the next restart
+begins with other grasps of bodies with a model.
 """
 
 from __future__ import annotations

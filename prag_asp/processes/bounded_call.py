@@ -13,10 +13,10 @@ from typing import Any, TypeVar
 from prag_asp.errors import LimitReached, QueryError
 from prag_asp.processes.machine import family_of, memory_of, usual_memory
 from prag_asp.processes.workers import WorkerEnded, WorkerGroup
-from prag_asp.stop_reason import StopKind, StopReason
+from prag_asp.stop_reason import LimitCheck, StopKind, StopReason
 
 POLL = 0.05
-"""Seconds between two measurements of the memory of the process."""
+"""Seconds between two checks of the memory of the process, and of `stop`."""
 
 Returned = TypeVar("Returned")
 
@@ -26,15 +26,16 @@ def bounded(
     *arguments: Any,
     seconds: float | None = None,
     memory_bytes: int | None = None,
+    stop: LimitCheck | None = None,
 ) -> Returned:
     """Call a function in a separate process, which is killed at a limit or when this process ends; return its value.
 
     The function is pickled by its module and name, so it must be defined in a module, not in a script or a notebook;
     the arguments and the value are pickled, too. `memory_bytes` limits the process and all its descendants together;
-    None stands for 80 % of the machine's memory.
+    None stands for 80 % of the machine's memory. `stop` may return another reason to end the call.
 
     Raises:
-        LimitReached: the call exceeds a limit, or its process dies, for example from a stack overflow.
+        LimitReached: the call exceeds a limit, `stop` ends it, or its process dies, for example from a stack overflow.
         QueryError: the function cannot be found by its name.
         Exception: the function raises it.
     """
@@ -53,6 +54,9 @@ def bounded(
                 except TimeoutError:
                     if until is not None and monotonic() > until:
                         raise
+                other = stop() if stop else None
+                if other is not None:
+                    raise LimitReached(f"{other.prose()} ended the call", 0, other)
                 if memory_of(family_of(worker.process.pid)) > limit:
                     raise MemoryError
         except TimeoutError:

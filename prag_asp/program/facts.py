@@ -31,11 +31,12 @@ Assignment = tuple[tuple[clingo.Symbol, str], ...]
 class Facts:
     """The predicates of the contract in the grounded base program.
 
-    Terms are clingo symbols, in clingo's order of terms. `parents` maps a class to its direct superclasses, `entities`
-    an entity to its declared class; `memberships` is the derived ``is_a``. `pruned` are the declared actions and
-    composites that every state rejects; all other facts about them are removed. `unreachable` are the actions whose
-    preconditions are relaxed-unreachable: no step tries them, but their preconditions and effects remain. `static` maps
-    fluents to the value that they have in every state, because no tried action sets them. It may be incomplete.
+    Terms are clingo symbols, in clingo's order of terms. `parents` maps each class to its direct superclasses, and
+    `entities` maps each entity to its declared class; `memberships` contains the derived ``is_a`` facts. `pruned`
+    contains the declared actions and composites that every state rejects; all other facts about them are removed.
+    `unreachable` contains the actions whose preconditions are relaxed-unreachable: no step tries them, but their
+    preconditions and effects remain. `static` maps fluents to the value that they have in every state, because no
+    tried action sets them. It may be incomplete.
     """
 
     parents: Mapping[clingo.Symbol, tuple[clingo.Symbol, ...]]

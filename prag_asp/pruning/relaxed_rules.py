@@ -179,7 +179,7 @@ class RelaxedRules:
         return larger and head.signature in self._read_by([rule])
 
     def _stray_rules(self, rule: Statement, head: AtomNode) -> Iterator[str]:
-        """Yield rules for `STRAY`: a head sets a term that is not a fluent, or a value other than true and false."""
+        """Yield rules that derive `STRAY` if a head sets a non-fluent, or sets a value other than true or false."""
         term, value, body = head.arguments[0], head.arguments[1], self._body(rule)
         bound = _variables(body)
         tests = [(f"not fluent({term})", term)]

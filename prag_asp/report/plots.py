@@ -179,7 +179,7 @@ def _complexity(table: ReportTable) -> Iterator[ReportPlot]:
 
 
 def _difficulty(table: ReportTable) -> Iterator[ReportPlot]:
-    for name, column in (("detours", "detour"), ("taken_back", "changes taken back")):
+    for name, column in (("detours", "detour"), ("undone", "changes undone")):
         found = sorted(Counter(_floats(table.records(), column)).items())
         series = PlotSeries("tasks", "bars", *_columns([(value, float(count)) for value, count in found]))
         title = f"Tasks by {column}"

@@ -38,7 +38,7 @@ def report_page(
 ) -> str:
     """Return the page of a report; its links and filters work without a server or network.
 
-    Of more than 10,000 tasks, a uniform sample drawn with the seed is in the page.
+    If there are more than 10,000 tasks, the page has a uniform sample of them, drawn with the seed.
     """
     tasks = chosen_tasks(source.tasks, MOST_TASKS, seed)
     parts: list[Markup] = []
@@ -85,7 +85,7 @@ def _summary(source: ReportSource) -> str:
 
 
 def _filters(source: ReportSource, tasks: Sequence[ReportedTask]) -> Markup:
-    """Return the form of filters; choices that would have one option are left out."""
+    """Return the form of filters; choices that would have only one option are left out."""
     names = {action.partition("(")[0] for task in tasks for action in task.plan}
     choices = {
         "length": [str(length) for length in sorted({len(task.plan) for task in tasks})],
@@ -141,8 +141,8 @@ def task_data(source: ReportSource, tasks: Sequence[ReportedTask]) -> dict[str, 
     """Return tasks by columns, for the filters of a page.
 
     `letters` are the texts of the actions, with the name and with the classes of each; `plans` are lists of indices of
-    letters, and `own` of indices of `entities`. `canonical` are the plans in which interchangeable entities have their
-    canonical names, if these differ.
+    letters, and `own` are lists of indices of `entities`. `canonical` are the plans in which interchangeable entities
+    have their canonical names, if these differ.
     """
     from prag_asp.report.space_tables import canonical_plan  # noqa: PLC0415 - only with a space
 

@@ -13,6 +13,7 @@ from prag_asp.dataset.store.draw_results import TRIVIAL
 from prag_asp.dataset.store.manifest import DATASET
 from prag_asp.dataset.task_origin import foreign, named_domain
 from prag_asp.errors import QueryError
+from prag_asp.missing import require_gymnasium
 from prag_asp.processes.progress_events import counted, stage
 
 if TYPE_CHECKING:
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 EVALUATION = "evaluation.json"
-"""The file that makes a folder an evaluation."""
+"""The file that makes a folder an evaluation, also where Gymnasium, which reading it needs, is not installed."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,7 @@ def read_source(*sources: str | Path, domain: Domain | None = None, trust: bool 
     `domain` is the domain of a file of tasks or of evaluations; by default, the one that a file of tasks names.
 
     Raises:
-        QueryError: a source is none of these, is damaged or has no task, or two of them have tasks.
+        QueryError: a source is none of these, is damaged or has no task, or two sources have tasks.
         DomainError: the domain of the tasks cannot be loaded.
         DatasetsMissingError: pyarrow is needed and not installed.
     """
@@ -119,7 +120,7 @@ def _kind(path: Path) -> str:
     """Return what a path is: ``dataset``, ``evaluation`` or ``tasks``.
 
     Raises:
-        QueryError: it is a folder with neither, or does not exist.
+        QueryError: the path does not exist, or is a folder with neither a dataset nor an evaluation.
     """
     if path.is_dir():
         if (path / DATASET.name).exists():
@@ -136,10 +137,9 @@ def _kind(path: Path) -> str:
 
 
 def _evaluation(path: Path) -> Results:
-    from prag_asp.evaluation.results import Results  # noqa: PLC0415 - needs Gymnasium
-    from prag_asp.missing import require_gymnasium  # noqa: PLC0415
-
     require_gymnasium()
+    from prag_asp.evaluation.results import Results  # noqa: PLC0415 - needs Gymnasium
+
     return Results.open(path)
 
 
@@ -230,7 +230,7 @@ def _outcome_of_record(record: Record) -> PhysicsOutcome:
     try:
         verdict = Verdict.from_json({**(record.verdict or {}), "witness": None})
     except (QueryError, KeyError) as error:
-        raise QueryError(f"{record.place}: {error}; draw the task anew, or set its verdict to null") from None
+        raise QueryError(f"{record.place}: {error}; sample the task again, or set its verdict to null") from None
     return PhysicsOutcome(
         "", len(record.task), verdict.status, str(verdict.budget), verdict.restarts, verdict.reason, verdict.causes
     )

@@ -118,7 +118,7 @@ def canonical_plan(space: TaskSpace, plan: Sequence[str]) -> tuple[str, ...]:
     """Return a plan of a space of one length with canonical names, which all plans of a task share.
 
     Raises:
-        QueryError: an action is not of the domain.
+        QueryError: an action is not in the domain.
     """
     from prag_asp.logic.symmetry.renaming import renamed  # noqa: PLC0415
     from prag_asp.space.engines.prefix import parse_plan  # noqa: PLC0415

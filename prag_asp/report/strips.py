@@ -1,4 +1,4 @@
-"""Film strips of some tasks of a dataset, as pictures in a page."""
+"""Film strips of some tasks in a dataset, as pictures on a page."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ COLUMNS, SIZE, QUALITY = 6, (240, 210), 80
 def film_strips(source: ReportSource, count: int = STRIPS) -> Mapping[int, str]:
     """Return the data URIs of film strips of at most `count` tasks with witnesses, by the numbers of the tasks.
 
-    The tasks are spread evenly over the dataset. There are none if the source is no dataset, if it has no witnesses, or
-    if physics or Pillow is not installed.
+    The tasks are spread evenly over the dataset. There are none if the source is not a dataset, if it has no witnesses,
+    or if physics or Pillow is not installed.
 
     Raises:
         QueryError: a witness is damaged.
@@ -50,6 +50,6 @@ def film_strips(source: ReportSource, count: int = STRIPS) -> Mapping[int, str]:
 
 
 def _spread(tasks: Sequence[ReportedTask], count: int) -> list[ReportedTask]:
-    """Return at most `count` tasks at even distances, the first one included."""
+    """Return at most `count` tasks at equal distances, the first one included."""
     step = max(len(tasks) / count, 1.0)
     return [tasks[int(place * step)] for place in range(min(count, len(tasks)))]

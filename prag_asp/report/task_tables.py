@@ -46,10 +46,10 @@ def complexity_table(source: ReportSource) -> ReportTable:
 
 
 def difficulty_tables(source: ReportSource, seed: int = 0) -> Iterator[ReportTable]:
-    """Yield the complexity of tasks by the logic of their space: choices, detours, changes that are taken back.
+    """Yield the complexity of tasks by the logic of their space: choices, detours, changes that are undone.
 
-    More than `MEASURED` tasks are sampled uniformly with the seed. Without a space, or where its states are too many to
-    be listed, there is no table.
+    More than `MEASURED` tasks are sampled uniformly with the seed. Without a space there is no table; if its states are
+    too many to be listed, the table has only a note.
     """
     space = source.space
     known = [each for each in source.tasks if each.task is not None]
@@ -58,6 +58,8 @@ def difficulty_tables(source: ReportSource, seed: int = 0) -> Iterator[ReportTab
     stage("measuring complexity")
     chosen = chosen_tasks(known, MEASURED, seed)
     measures = {length: ComplexityMeasure(space.at(length)) for length in {len(each.plan) for each in chosen}}
+    title = "Complexity by the logic of the space"
+    columns = ("task", "length", "bits of choices", "shortest plan", "detour", "shortest plans", "changes undone")
     rows: list[tuple[Value, ...]] = []
     try:
         for each in counted(chosen, "tasks"):
@@ -67,19 +69,18 @@ def difficulty_tables(source: ReportSource, seed: int = 0) -> Iterator[ReportTab
             rows.append(
                 (each.number, found.length, bits, found.shortest, found.detour, found.shortest_plans, found.undone)
             )
-    except PragError:  # the states are too many, a step is no function, or the encodings of a dataset are older
+    except PragError as error:  # the states are too many, a step is no function, or a dataset's encodings are older
+        yield ReportTable("difficulty", title, columns, (), str(error))
         return
     yield ReportTable(
-        "difficulty", "Complexity by the logic of the space",
-        ("task", "length", "bits of choices", "shortest plan", "detour", "shortest plans", "changes taken back"),
-        tuple(rows),
+        "difficulty", title, columns, tuple(rows),
         f"Of {sample_text(len(chosen), len(known), seed)}. Detour: actions beyond a shortest plan to the same goal. "
         "Bits: the sum of log2 of the number of actions that could stand in the place of each action.",
     )  # fmt: skip
 
 
 def sample_text(chosen: int, whole: int, seed: int) -> str:
-    """Return how many tasks were chosen of how many, in words."""
+    """Return, in words, how many tasks were chosen from how many."""
     if chosen == whole:
         return f"all {whole:,} tasks"
     return f"{chosen:,} of {whole:,} tasks, sampled uniformly with seed {seed}"

@@ -37,11 +37,11 @@ def write_report(
 
     `output` is the page; `tables` is a folder for a CSV file of each table, and `figures` one for a PDF file of each
     figure. Existing files are replaced. The page has film strips of at most `strips` tasks with witnesses. The pairs of
-    at most `sample` tasks are compared; of more tasks, a uniform sample is drawn with the seed. The same arguments give
-    the same bytes.
+    at most `sample` tasks are compared; if there are more, a uniform sample is drawn with the seed. The same arguments
+    give the same bytes.
 
     Raises:
-        QueryError: a source is no dataset, file of tasks or evaluation, is damaged, or has no task.
+        QueryError: a source is not a dataset, file of tasks or evaluation, is damaged, or has no task.
         DomainError: the domain of the tasks cannot be loaded.
         OutputError: nothing is requested, or a file cannot be written.
         PicturesMissingError: figures are requested, and matplotlib is not installed.

@@ -39,7 +39,7 @@ class Arena:
         self._situation: Situation | None = None
 
     def start(self, witness: Witness, number: int) -> Situation:
-        """Reset the world to the moment of a witness with a given number; the later simulation depends on nothing else.
+        """Reset the world to moment `number` of a witness; the later simulation depends on nothing else.
 
         Raises:
             SceneError: the witness has sizes that the scene does not allow.

@@ -57,8 +57,8 @@ REBUILT = (
 class TaskEnv(GoalEnv):
     """One agent moves all arms of a scene; its tasks come from a `space` or a `dataset`, or are a single `task`.
 
-    Instead of a space, give a `domain` and a `length`; instead of a dataset, its folder. With `split`, only the part of
-    that name is used: a part of a dataset, or of a space divided by `shares` (80 % ``train`` and 20 % ``test`` by
+    Instead of a space, give a `domain` and a `length`; instead of a dataset, its folder. With `split`, only the part
+    with that name is used: a part of a dataset, or of a space divided by `shares` (80 % ``train`` and 20 % ``test`` by
     default), by whole `skeletons`, or by a held-out name (`hold_out`), as `generate` divides it with the same seed. The
     conditions `where` restrict a space or a dataset. Tasks of a space whose final state is the initial state are left
     out unless `trivial` is true. Plain values thus define an environment.

@@ -30,7 +30,7 @@ REAL = "biuf"
 
 
 def check_arguments(given: Mapping[str, Any], render_modes: Sequence[str]) -> None:
-    """Check the arguments of an environment that its parts do not check, given by name.
+    """Check those arguments of an environment, given by name, that its parts do not check.
 
     Raises:
         QueryError: an argument has a value that is not allowed.
@@ -93,7 +93,7 @@ def moves_of(action: object, control: Control) -> NDArray[np.float64]:
     """Return an action of a control, clipped to its bounds.
 
     Raises:
-        QueryError: the action has another shape, or is not finite.
+        QueryError: the action has a wrong shape, or is not finite.
     """
     try:
         numbers = np.asarray(action)

@@ -56,7 +56,7 @@ class Subgoal:
     def placed(self, measured: list[float]) -> list[float]:
         """Return signed distances as `PLACES` - 1 numbers, with 0 for unused places.
 
-        All numbers are at most 0 exactly if the subgoal is reached; the last is the largest distance of the facts
+        All numbers are at most 0 if and only if the subgoal is reached; the last is the largest distance of the facts
         without a place.
         """
         own = min(len(self.achieved), BROUGHT)

@@ -1,4 +1,4 @@
-"""Add a checksum to the checkpoints of environments, and refuse those that are damaged or of another environment."""
+"""Add a checksum to the checkpoints of environments, and refuse damaged ones and those of other environments."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np
     The reach moves the tool of the acting arm over the body, then down to its centre, at most by the largest
     displacement of an action, turned so that the fingers can close on the narrow sides of a box. It does not move the
     fingers, and lifts the body when the arm holds it. An agent thus learns a residual (Johannink and others, "Residual
-    reinforcement learning for robot control", 2019), of which `share` is the scale.
+    reinforcement learning for robot control", 2019), scaled by `share`.
 
     Raises:
         QueryError: the environment is not a `TaskEnv`, does not take displacements of the tool, or the share is not

@@ -40,7 +40,7 @@ SWEPT = 9
 
 
 class Mechanism(NamedTuple):
-    """Furniture: boxes of the body in its frame, around the centre of its size; boxes of the part in the joint's frame.
+    """Furniture: the boxes of the body, in a frame at its centre, and the boxes of the part, in the joint's frame.
 
     The part moves along `axis` if it `slides`, otherwise it turns about the axis, from 0 to `limit` (metres or
     radians). `handle` is the grasp point, in the joint's frame. `cavity` has the inner sides and the depth, `middle` is

@@ -29,7 +29,7 @@ class MassProperties(NamedTuple):
     inertia: Floats
 
     def scaled(self, mass: float) -> MassProperties:
-        """Return the properties of a body with the same mass distribution and another mass."""
+        """Return the properties of a body with the same mass distribution and a different mass."""
         return MassProperties(mass, self.centre, self.inertia * (mass / self.mass))
 
     def moved(self, rows: Floats, at: Floats) -> MassProperties:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 
 class SpatialWord(NamedTuple):
-    """The roles of a predicate's arguments, and the file of `prag_asp.physics.predicates` that defines it."""
+    """The roles of a predicate's arguments, and the file in `prag_asp.physics.predicates` that defines it."""
 
     roles: tuple[str, ...]
     file: str

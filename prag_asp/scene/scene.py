@@ -48,9 +48,9 @@ class Solid(NamedTuple):
 class Look(NamedTuple):
     """A visual part of a body: a solid in the frame of the body that does not collide.
 
-    A mesh has the colours and textures of its file; files that it names must be inside a `folder`. Surfaces of a mesh
-    without them have the `texture`, a path, or the `color`. Other solids have the `color`; an empty `color` means that
-    of the entity.
+    A mesh has the colours and textures of its file; files that it names must be inside a `folder`. Surfaces that lack
+    both have the `texture`, a path, or the `color`. Other solids have the `color`; an empty `color` means the colour of
+    the entity.
     """
 
     solid: Solid
@@ -97,7 +97,7 @@ class BodyModel(NamedTuple):
         return hash((self.mass, self.centre, self.moments, len(self.solids)))
 
     def with_mass(self, mass: float) -> BodyModel:
-        """Return the model with another mass in kilograms and the same mass distribution."""
+        """Return the model with a different mass in kilograms and the same mass distribution."""
         x, y, z = (moment * mass / self.mass for moment in self.moments)
         return self._replace(mass=mass, moments=(x, y, z))
 

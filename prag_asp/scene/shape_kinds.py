@@ -1,7 +1,7 @@
 """The kinds of bodies and their properties, for the scene, the search and the proofs.
 
 A new kind needs a row here. A kind with a new form also needs a row in `prag_asp.scene.forms`, and one in
-`prag_asp.physics.world.primitives` with PyBullet's name of the form. Furniture also needs a row in
+`prag_asp.physics.world.primitives` with PyBullet's name for the form. Furniture also needs a row in
 `prag_asp.scene.furniture`.
 """
 

@@ -62,7 +62,7 @@ def surface(shape: Shape) -> Floats:
 
 
 class LeastExtent(NamedTuple):
-    """Lower bounds of the width of a body in any direction, in metres, and of its projections, in square metres."""
+    """Lower bounds on the width of a body in any direction, in metres, and on its projections, in square metres."""
 
     width: float
     area: float
@@ -93,7 +93,7 @@ def _least_extent(shape: Shape, files: tuple[tuple[int, int], ...]) -> LeastExte
 
 
 def _least(value: Callable[[Floats], Floats], slope: float) -> float:
-    """Return a lower bound of an even function of unit vectors (n, 3) that changes by at most `slope` per radian."""
+    """Return a lower bound on an even function of unit vectors (n, 3) that changes by at most `slope` per radian."""
     side, best, tolerance = 1.0, math.inf, NEAR * slope
     cells = np.array([(k, 0.0, 0.0) for k in range(3)])  # squares on three faces of a cube: the face, and the centre
     while True:

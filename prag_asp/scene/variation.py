@@ -98,7 +98,7 @@ def variation_of(text: str) -> Variation:
     """Return the variation that `Variation.to_text` wrote.
 
     Raises:
-        QueryError: the text has another form; the message names the field by its path.
+        QueryError: the text has a wrong form; the message names the field by its path.
     """
     form = read(decoded(text), _VariationJson, "varied")
     for name, values in (("friction", form.friction), ("mass", form.mass)):

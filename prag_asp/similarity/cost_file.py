@@ -119,11 +119,11 @@ class _CostReader:
         """Return the costs of pairs, a table for the first name with the second ones as keys."""
         example = f"write it like [{key}.NAME] with OTHER = 0.5"
         if not isinstance(table, dict):
-            self.refuse([key], f"{key}: is no table; {example}")
+            self.refuse([key], f"{key}: is not a table; {example}")
         costs: dict[tuple[str, str], Fraction] = {}
         for one, row in table.items():
             if not isinstance(row, dict):
-                self.refuse([key, one], f"{key}.{one}: is no table; {example}")
+                self.refuse([key, one], f"{key}.{one}: is not a table; {example}")
             for name, keys in ((one, [key, one]), *((other, [key, one, other]) for other in row)):
                 if name not in known:
                     self.refuse(

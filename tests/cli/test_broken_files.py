@@ -13,7 +13,7 @@ import pytest
 from tests.commands import ok, run
 
 Change = Callable[[dict[str, Any]], object]
-MEND = "; draw the task anew, or set its witness to null"
+MEND = "; sample the task again, or set its witness to null"
 
 
 @pytest.fixture(scope="module")

@@ -315,15 +315,26 @@ def test_an_interruption_that_native_code_turns_into_another_error_is_an_interru
     assert ends(work) == (130, "interrupted\n")
 
 
-def test_an_interruption_while_a_value_is_freed_ends_the_command_in_the_end(tmp_path: Path) -> None:
+SECOND = """
+    import threading
+    start = threading.Timer.start
+    def interrupted_start(timer):
+        signal.raise_signal(signal.SIGINT)
+        start(timer)
+    threading.Timer.start = interrupted_start"""
+"""A second signal arrives while the dropped exception of the first one is about to be raised again."""
+
+
+@pytest.mark.parametrize("second", ["", SECOND])
+def test_an_interruption_while_a_value_is_freed_ends_the_command_in_the_end(second: str, tmp_path: Path) -> None:
     """Python drops it; it is raised again, before the command would end by itself."""
-    dropped = """
+    dropped = f"""{second}
     class Freed:
         def __del__(self):
             print("begun", flush=True)
             time.sleep(600)
     Freed()
-    time.sleep(3)"""
+    time.sleep(30)"""
     with interruptible(working(dropped), tmp_path) as process:
         begun(process)
         assert interrupt(process) == "interrupted\n"

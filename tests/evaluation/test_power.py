@@ -137,7 +137,7 @@ def test_the_half_width_is_that_of_an_interval_of_wilson() -> None:
     ("design", "words"),
     [
         ({"rate": 1.5}, "rate 1.5 is not between 0 and 1"),
-        ({"rate": "half"}, "no exact number"),
+        ({"rate": "half"}, "not an exact number"),
         ({"alpha": 0}, "alpha 0 is not between 1e-06 and 0.5"),
         ({"correlation": 0.2, "discordant": 0.2}, "leave one of them out"),
         ({"tasks": 0}, "a space has at least 1 task; got 0"),

@@ -6,7 +6,7 @@ import json
 import socket
 from collections.abc import Iterator
 from http.client import HTTPConnection
-from threading import Thread
+from threading import Event, Thread
 from typing import Any
 from urllib.parse import urlencode, urlsplit
 
@@ -15,6 +15,7 @@ import pytest
 from prag_asp import QueryError, load_domain
 from prag_asp.explore.explored_domain import ExploredDomain
 from prag_asp.explore.page_server import PageServer
+from prag_asp.explore.physics_view import call_here
 from prag_asp.explore.space_pages import PAGE, space_views
 from prag_asp.explore.turns import Turns
 from prag_asp.space.limits import Limits
@@ -31,7 +32,7 @@ def server() -> Iterator[PageServer]:
     )
 
     def broken(fields: Any) -> Any:
-        raise KeyError("a mistake")
+        raise ValueError("a mistake")
 
     views = {**space_views(explored), "broken": broken}
     with PageServer(PAGE, views, turns, report=reported.append) as server:
@@ -43,7 +44,7 @@ def server() -> Iterator[PageServer]:
 
 
 def ask(server: PageServer, path: str, method: str = "GET", **headers: str) -> tuple[int, dict[str, str], bytes]:
-    connection = HTTPConnection("127.0.0.1", server.port, timeout=20)
+    connection = HTTPConnection("127.0.0.1", server.port, timeout=180)
     host = {"Host": f"127.0.0.1:{server.port}"}
     connection.request(
         method, path, headers={**host, **{name.replace("_", "-"): text for name, text in headers.items()}}
@@ -124,8 +125,40 @@ def test_views_are_json_and_mistakes_are_one_line(server: PageServer) -> None:
 
 def test_a_mistake_of_the_package_ends_one_request(server: PageServer) -> None:
     assert view(server, "broken")[0] == 500
-    assert reported == ["broken: KeyError: 'a mistake'"]
+    assert reported == ["broken: ValueError: a mistake"]
     assert view(server, "count", state="length=1")[0] == 200
+
+
+def test_other_views_are_answered_while_physics_judges_a_task() -> None:
+    pytest.importorskip("pybullet")
+    begun, go = Event(), Event()
+
+    def call(*work: Any) -> Any:
+        begun.set()
+        assert go.wait(60)
+        return call_here(*work)
+
+    turns, verdicts = Turns(), []
+    explored = ExploredDomain(load_domain("tabletop"), ("tabletop",), "", progress=turns.tell)
+    state = "length=1&do=pick(panda,brick_1,bin_1)"
+    with PageServer(PAGE, space_views(explored, call), turns) as server:
+        serving = Thread(target=server.serve_forever, args=(0.01,))
+        judging = Thread(target=lambda: verdicts.append(view(server, "verdict", state=state, window="w/physics")))
+        for thread in (serving, judging):
+            thread.start()
+        assert begun.wait(60)
+        turns.tell("counting")
+        assert view(server, "count", state=state)[1]["count"] == "1"
+        assert json.loads(ask(server, f"/{server.token}/api/doing")[2])["note"] == ""
+        go.set()
+        judging.join()
+        assert [(status, found["status"]) for status, found in verdicts] == [(200, "feasible")]
+        status, headers, content = ask(server, f"/{server.token}/api/strip?{urlencode({'state': state})}")
+        assert (status, headers["Content-Type"], content[1:4]) == (200, "image/png", b"PNG")
+        assert view(server, "end", window="w/physics", number="1") == (200, {"ended": True})
+        assert view(server, "verdict", state=state, window="w/physics")[0] == 409
+        server.shutdown()
+        serving.join()
 
 
 def test_an_older_request_of_a_window_is_dropped(server: PageServer) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shlex
 from dataclasses import asdict, replace
-from itertools import product
 
 import pytest
 
@@ -35,7 +34,7 @@ def domains() -> dict[str, ExploredDomain]:
     return {name: explored(name) for name in CONDITIONS}
 
 
-@pytest.mark.parametrize(("name", "length"), [("blocks", 5), ("two_arms", 4)])
+@pytest.mark.parametrize(("name", "length"), [("blocks", 4), ("two_arms", 3)])
 def test_a_random_walk_shows_the_numbers_of_counts(
     domains: dict[str, ExploredDomain], name: str, length: int, chance: Chance
 ) -> None:
@@ -62,12 +61,12 @@ def test_a_random_walk_shows_the_numbers_of_counts(
         assert count_view(domain, state).count == view.count
 
 
-@pytest.mark.parametrize(("name", "by"), [*product(CONDITIONS, ["task", "plan"])])
+@pytest.mark.parametrize(("name", "by"), [("blocks", "task"), ("two_arms", "plan")])
 def test_a_facet_leaves_what_its_conditions_leave(
     domains: dict[str, ExploredDomain], name: str, by: str, chance: Chance
 ) -> None:
     random, domain = chance.generator(2), domains[name]
-    state = parse_query(f"length=4&by={by}")
+    state = parse_query(f"length=3&by={by}")
     first = plan_view(domain, state)
     state = parse_query(random.choice(first.actions).query)
     view = facets_view(domain, state)
@@ -86,7 +85,7 @@ def test_facts_that_renamings_exchange_are_one_facet() -> None:
 
 
 def test_two_conditions_and_their_overlap_are_counted_alike(domains: dict[str, ExploredDomain]) -> None:
-    blocks, length = domains["blocks"], 6
+    blocks, length = domains["blocks"], 4
     view = comparison_view(blocks, PageState(length, ("has at least 2 pick_up",), beside=("nontrivial",)))
     space = TaskSpace(blocks.domain, length)
     both = space.where("has at least 2 pick_up", "nontrivial").count()
@@ -102,8 +101,8 @@ def test_two_conditions_and_their_overlap_are_counted_alike(domains: dict[str, E
 
 
 def test_jumps_lead_to_tasks_of_the_commands(domains: dict[str, ExploredDomain]) -> None:
-    domain, state = domains["two_arms"], PageState(6)
-    space = TaskSpace(domain.domain, 6)
+    domain, state = domains["two_arms"], PageState(4)
+    space = TaskSpace(domain.domain, 4)
     assert parse_query(to_rank(domain, state, "-1").query).chosen == space.plan_at(space.count() - 1)
     begun = parse_query(plan_view(domain, state).actions[0].query)
     jump = to_sample(domain, begun, 7, weighted=False)
@@ -183,16 +182,3 @@ def test_the_vocabulary_composes_conditions(domains: dict[str, ExploredDomain]) 
     for keyword in found.whole:
         assert Condition.parse(keyword)
     assert "counts" not in asdict(found)
-
-
-def test_a_whole_task_of_a_domain_with_a_scene_names_the_commands_of_physics(
-    domains: dict[str, ExploredDomain],
-) -> None:
-    tabletop = explored("tabletop")
-    state = parse_query(to_rank(tabletop, PageState(1), "0").query)
-    same = plan_view(tabletop, state).same
-    (physics,) = (each for each in same if "physics" in each.what)
-    assert "--index 0 --format jsonl > task.jsonl && prag-asp validate task.jsonl" in physics.shell
-    assert "validate_task(space[0], load_scene(space.domain), seed=0)" in physics.python
-    whole = parse_query(to_rank(domains["blocks"], PageState(1), "0").query)
-    assert not any("physics" in each.what for each in plan_view(domains["blocks"], whole).same)

@@ -7,6 +7,7 @@ import time
 import pytest
 
 from prag_asp import LimitReached, QueryError, bounded
+from prag_asp.stop_reason import StopKind, StopReason
 from tests.processes.bounded_calls import crash, fill, grow, refuse, total
 
 
@@ -32,6 +33,14 @@ def test_a_limit_ends_it_whatever_it_does(function, limits, told, started) -> No
     with pytest.raises(LimitReached, match=told):
         bounded(function, **limits)
     assert time.monotonic() - begun < 120
+    assert not started()
+
+
+def test_its_caller_ends_it(started) -> None:  # type: ignore[no-untyped-def]
+    reason = StopReason(StopKind.CANCEL)
+    with pytest.raises(LimitReached) as error:
+        bounded(grow, seconds=60, stop=lambda: reason)
+    assert error.value.reason == reason
     assert not started()
 
 

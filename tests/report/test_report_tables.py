@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import sys
 from collections import Counter
 from fractions import Fraction
 from io import StringIO
@@ -12,10 +13,11 @@ import pytest
 
 from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.dataset import Record, write_line
+from prag_asp.errors import LearningMissingError
 from prag_asp.report import PhysicsOutcome, ReportSource, ReportTable, read_source, report_plots, report_tables
 from prag_asp.report.outcome_tables import physics_tables
 from prag_asp.report.report_table import csv_text, natural_order, shown_value
-from prag_asp.report.task_tables import chosen_tasks
+from prag_asp.report.task_tables import chosen_tasks, difficulty_tables
 
 
 @pytest.fixture(scope="module")
@@ -149,6 +151,26 @@ def test_a_file_without_tasks_or_with_a_broken_line_is_named(tmp_path: Path, con
     (tmp_path / "t.jsonl").write_text(content)
     with pytest.raises(QueryError, match=message):
         read_source(tmp_path / "t.jsonl")
+
+
+def test_without_gymnasium_an_evaluation_says_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "evaluation.json").write_text("{}", encoding="utf-8")
+    for name in [each for each in sys.modules if each == "gymnasium" or each.startswith("prag_asp.evaluation")]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "gymnasium", None)
+    with pytest.raises(LearningMissingError, match="environments need Gymnasium"):
+        read_source(tmp_path)
+
+
+def test_states_that_are_too_many_to_be_listed_leave_a_note(
+    source: ReportSource, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*arguments: object) -> None:
+        raise QueryError("the states are too many to be listed")
+
+    monkeypatch.setattr("prag_asp.report.task_tables.ComplexityMeasure.of", refuse)
+    (table,) = difficulty_tables(source)
+    assert (table.rows, table.note) == ((), "the states are too many to be listed")
 
 
 def test_sources_that_are_none_or_too_many_are_named(folder: Path, source: ReportSource, tmp_path: Path) -> None:

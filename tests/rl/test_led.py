@@ -177,11 +177,11 @@ def test_several_processes_have_their_own_curricula_and_hand_on_fractions(space:
 @pytest.mark.parametrize(
     ("asked", "told"),
     [
-        ({"curriculum": "adaptive"}, "no curriculum"),
-        ({"curriculum": AdaptiveCurriculum}, "no curriculum"),
+        ({"curriculum": "adaptive"}, "not a curriculum"),
+        ({"curriculum": AdaptiveCurriculum}, "not a curriculum"),
         ({"curriculum": (AdaptiveCurriculum(), BanditCurriculum())}, "of one kind"),
         ({"curriculum": (ReverseCurriculum(), ReverseCurriculum())}, "of one kind"),
-        ({"part": "train"}, "no origin"),
+        ({"part": "train"}, "not an origin"),
         (lambda space: {"space": TaskSpace(space.domain, range(1, 3)), "part": space.at(1)[:2]}, "part is one of"),
         (lambda space: {"part": space.at(1)[:2]}, "of length|length=1"),
         (lambda space: {"part": TaskSpace(load_domain("prag"), 2)[:2]}, "the part is one of TaskSpace"),

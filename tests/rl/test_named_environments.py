@@ -138,7 +138,7 @@ def test_an_episode_is_saved_and_restored_bit_for_bit(chance: Chance, env: TaskE
     other.restore_state(pickle.loads(pickle.dumps(state)))
     assert continued(other) == expected
     other.close()
-    with pytest.raises(QueryError, match="no state of an episode"):
+    with pytest.raises(QueryError, match="not a state of an episode"):
         env.restore_state({"stage": 1})
 
 

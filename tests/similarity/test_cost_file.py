@@ -67,9 +67,9 @@ def test_costs_that_are_no_metric_name_the_actions_that_show_it(tmp_path: Path) 
     [
         ("insrt = 1", "costs.toml:1: no key 'insrt'; did you mean insert?"),
         ("insert = -1", "costs.toml:1: insert: -1 is negative"),
-        ("replace = 'x'", "costs.toml:1: replace: 'x' is no exact number"),
-        ("[actions]\nmove = 1", "costs.toml:2: actions.move: is no table; write it like [actions.NAME] with OTHER"),
-        ("actions = 2", "costs.toml:1: actions: is no table"),
+        ("replace = 'x'", "costs.toml:1: replace: 'x' is not an exact number"),
+        ("[actions]\nmove = 1", "costs.toml:2: actions.move: is not a table; write it like [actions.NAME] with OTHER"),
+        ("actions = 2", "costs.toml:1: actions: is not a table"),
         ("[actions.move]\nfolow = 1", "costs.toml:2: no action 'folow'; did you mean follow?"),
         ("[arguments.pear]\ncan = 1", "costs.toml:1: no class or argument 'pear'"),
         ("[arguments.apple_1]\ncan_1 = 0.5", "though they are interchangeable; give both the same cost"),

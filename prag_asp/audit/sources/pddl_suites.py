@@ -1,4 +1,4 @@
-"""Problems of PDDL: the problem files of a folder, each with the domain that it names."""
+"""PDDL problems: the problem files in a folder, each with the domain that it names."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ PROBLEM_DOMAIN = re.compile(r"\(\s*:domain\s+([^\s()]+)", re.IGNORECASE)
 
 
 def recognizes(folder: Path) -> bool:
-    """Return whether a folder has files of PDDL."""
+    """Return whether a folder has PDDL files."""
     return next(folder.rglob(f"*{PDDL}"), None) is not None
 
 
 def read(folders: Mapping[str, Path]) -> Iterator[AuditedProblem | FailedRead]:
-    """Yield the problems of folders; the domain of a problem is in its folder, or else anywhere in the suite."""
+    """Yield the problems in folders; the domain of a problem is in its folder, or else anywhere in the suite."""
     for suite, folder in folders.items():
         domains: dict[str, list[Path]] = {}
         problems: list[tuple[Path, str]] = []

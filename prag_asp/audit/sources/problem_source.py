@@ -23,7 +23,7 @@ class ProblemSource(Protocol):
     """A format of problems."""
 
     def recognizes(self, folder: Path) -> bool:
-        """Return whether a folder contains problems of this format."""
+        """Return whether a folder contains problems in this format."""
 
     def read(self, folders: Mapping[str, Path]) -> Iterator[AuditedProblem | FailedRead]:
         """Yield the problems in folders, which are given by the names of their suites."""

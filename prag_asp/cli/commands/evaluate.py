@@ -152,7 +152,7 @@ def _source(
     request: DomainOptions, data: str | None, parts: tuple[str, ...], ids: str | None, count: int | None, seed: int,
     budget: str | None, stratification: Stratification | None, *, with_length: bool,
 ) -> ScenarioSource:  # fmt: skip
-    """Return the scenarios of a command line.
+    """Return the scenarios that a command line names.
 
     Raises:
         QueryError: the command line names no scenarios, or contradicts itself.
@@ -188,7 +188,7 @@ def _source(
 
 
 def _options(texts: tuple[str, ...]) -> dict[str, Any]:
-    """Return the options of the environment in texts; a value is JSON, or a text.
+    """Parse the environment options in texts such as NAME=VALUE; a value is JSON, or else a text.
 
     Raises:
         QueryError: a text is not of the form NAME=VALUE.

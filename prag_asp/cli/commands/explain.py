@@ -141,7 +141,7 @@ def _reasons(space: TaskSpace, action: str | None, step: int | None, *, smallest
 
 
 def _other_lengths(space: TaskSpace) -> Iterator[str]:
-    """Yield the shortest length that has a task, or that none has; nothing if that takes too long to find out."""
+    """Yield a line with the shortest length that has a task, or one that no length has; none if this takes too long."""
     from prag_asp.space.emptiness import shortest_length
 
     where = " that satisfies the conditions" if space.condition else ""

@@ -99,9 +99,9 @@ def _refuse(names: Sequence[str], reason: str) -> None:
 def _serve_tasks(request: DomainOptions, by: Any, prefix: str | None, *, port: int, opens: bool) -> None:
     from prag_asp.cli import exit_control
     from prag_asp.explore.page_state import PageState, parse_query
-    from prag_asp.explore.plan_view import count_view
     from prag_asp.explore.space_pages import space_views
     from prag_asp.explore.turns import Turns
+    from prag_asp.processes.progress_events import hear
 
     if request.length is None:
         (parameter,) = (each for each in click.get_current_context().command.params if each.name == "length")
@@ -111,9 +111,10 @@ def _serve_tasks(request: DomainOptions, by: Any, prefix: str | None, *, port: i
     state = PageState(request.one_length, request.conditions(), tuple(split_actions(prefix or "")), (), by)
     parse_query(state.query)
     with progress():
-        explored = _explored(request, limits)
-        count_view(explored, state)  # a wrong condition or prefix is reported here
+        explored = replace(_explored(request, limits), progress=turns.tell)
+        explored.chosen(state)  # a wrong condition or prefix is reported here; the page counts
     end_progress()
+    hear(turns.tell)
     serve_page(space_views(explored), turns, f"?{state.query}", port=port, opens=opens)
 
 

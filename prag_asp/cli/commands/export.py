@@ -118,7 +118,7 @@ def pddl(*, request: DomainOptions, selection: TaskSelection, positive: bool, un
 
 
 def _conventions(form: str) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Return the options of a form of datasets for actions and observations."""
+    """Return the options for the actions and observations that a dataset format exports."""
     action = click.option(
         "--action", type=click.Choice(RECORDED), default="joint_position", show_default=True,
         help="Control convention of the actions.",
@@ -143,7 +143,7 @@ def _conventions(form: str) -> Callable[[Callable[..., None]], Callable[..., Non
 
 
 def _add_dataset_form(form: str, text: str, place: str) -> None:
-    """Add the command of a form of datasets, with its help text."""
+    """Add the command for a dataset format, with its help text."""
 
     @export.command(form, help=text)
     @click.argument("folder", metavar="DIR", shell_complete=shell_completion.files)

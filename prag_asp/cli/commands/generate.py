@@ -178,7 +178,7 @@ def parse_shares_option(text: str) -> dict[str, str]:
     """Return the parts of a text such as ``train=0.8,test=0.2``, with their shares as texts.
 
     Raises:
-        QueryError: the text is of another form.
+        QueryError: the text does not have this form.
     """
     shares: dict[str, str] = {}
     for each in text.split(","):

@@ -1,4 +1,4 @@
-"""``prag-asp import``: a domain from two PDDL files, or from problems of BDDL."""
+"""``prag-asp import``: a domain from two PDDL files, or from BDDL problems."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def import_(files: tuple[str, ...], cost_factor: str | None, output: str, untime
 
 
 def _bddl_texts(path: str) -> dict[str, str]:
-    """Return the files of the domain of BDDL problems by their names."""
+    """Return, by name, the files of the domain made from BDDL problems."""
     from prag_asp.bddl import read_suite
 
     suite = read_suite(path)
@@ -69,7 +69,7 @@ def _bddl_texts(path: str) -> dict[str, str]:
 
 
 def _pddl_texts(files: tuple[str, ...], cost_factor: str | None, *, untimed: bool) -> dict[str, str]:
-    """Return the files of the domain of PDDL files by their names, and print warnings.
+    """Return, by name, the files of the domain made from PDDL files, and print warnings.
 
     Raises:
         QueryError: there are not two files.

@@ -1,4 +1,4 @@
-"""``prag-asp power``: how many scenarios a claim about two policies needs, and what a number of them can show."""
+"""``prag-asp power``: how many scenarios a claim about two policies needs, and what a given number of them can show."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``prag-asp render``: pictures of tasks of a file."""
+"""``prag-asp render``: pictures of the tasks in a file."""
 
 from __future__ import annotations
 
@@ -223,7 +223,7 @@ class _Renderer:
 
 
 def _suffixes(form: str) -> tuple[str, ...]:
-    """Return the possible suffixes of files of a form, the usual one first."""
+    """Return the possible suffixes for files in a form, the usual one first."""
     return (f".{form}",) if form in ANIMATED else STILLS
 
 

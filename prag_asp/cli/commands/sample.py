@@ -246,7 +246,7 @@ def _write_strata(
 
 
 def _remedy(tally: Tally) -> str:
-    """Return the remedy if a number of draws has too few feasible tasks.
+    """Return the remedy if a number of draws contains too few feasible tasks.
 
     More draws help if some tasks are feasible, and a larger budget may help if none was found; against proofs, rules
     that exclude such tasks help.

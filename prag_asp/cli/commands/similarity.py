@@ -129,7 +129,7 @@ def _background(given: ComparedTasks, up_to: str) -> Background:
 
 
 def _metric(metric: str, costs: str | None, given: ComparedTasks, up_to: str) -> Metric:
-    """Return the metric with a name, or that of a file of costs; print why it is none."""
+    """Return the metric with a given name, or the one that a file of costs defines; print why it is not a metric."""
     from prag_asp.similarity.metrics import metric_of
 
     if costs is None:

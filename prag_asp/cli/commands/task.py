@@ -1,4 +1,4 @@
-"""``prag-asp task``: the task of a rank, or the rank of a task."""
+"""``prag-asp task``: the task with a given rank, or the rank of a task."""
 
 from __future__ import annotations
 

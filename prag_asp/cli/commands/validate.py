@@ -1,4 +1,4 @@
-"""``prag-asp validate``: tasks of a file, validated again."""
+"""``prag-asp validate``: the tasks in a file, validated again."""
 
 from __future__ import annotations
 

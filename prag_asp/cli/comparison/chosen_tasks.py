@@ -63,7 +63,7 @@ def covering_tasks(space: TaskSpace, strength: int) -> CoveringTasks:
 
 
 def far_apart(records: Iterable[Record], count: int, space: TaskSpace) -> Iterator[Record]:
-    """Yield some of the tasks that are far apart, all if there are not more, and print how far they are apart."""
+    """Yield `count` tasks that are far apart, or all if there are fewer, and print how far apart they are."""
     from prag_asp.analysis.all_pairs import pair_distances
     from prag_asp.analysis.farthest_first import diverse_choice
 

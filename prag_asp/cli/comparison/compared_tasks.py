@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class GivenTask:
-    """A task of a file or dataset, and its group: a part of a dataset, or a length."""
+    """A task from a file or dataset, and its group: a part of a dataset, or a length."""
 
     record: Record
     group: str

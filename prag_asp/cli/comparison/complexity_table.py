@@ -1,4 +1,4 @@
-"""How complex the tasks of a file or dataset are, by their logic and by the effort of physics."""
+"""How complex the tasks in a file or dataset are, judged by their logic and by the effort of physics."""
 
 from __future__ import annotations
 

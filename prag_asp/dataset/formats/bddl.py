@@ -74,7 +74,7 @@ def _tasks(source: EpisodeSource) -> Iterator[tuple[DatasetEntry, Witness | None
 
 
 def problem(source: EpisodeSource, entry: DatasetEntry, witness: Witness | None = None) -> str:
-    """Return a task as a problem of BDDL.
+    """Return a task as a BDDL problem.
 
     Raises:
         QueryError: a name is invalid in BDDL.

@@ -142,7 +142,7 @@ class EpisodeSource:
         """The cameras of the recordings, each with width and height in pixels.
 
         Raises:
-            QueryError: the scene has no camera of a requested name, or a size or a rate is invalid.
+            QueryError: the scene has no camera with a requested name, or a size or a rate is invalid.
         """
         staging = self.data.manifest.spec.staging
         return {} if staging is None else {name: each.size for name, each in staging.cameras_of(self.scene).items()}
@@ -193,7 +193,7 @@ class EpisodeSource:
         """Yield the episodes, in the order of the tasks and their initial states.
 
         Raises:
-            QueryError: there are no episodes, or a recording is damaged, or has other robots or cameras.
+            QueryError: there are no episodes, or a recording is damaged, or has different robots or cameras.
         """
         empty = True
         for entry, start, demonstration in self.data.demonstrations():

@@ -100,7 +100,7 @@ class _Disk:
 def written(path: Path, shown: Path) -> Iterator[tuple[h5py.File, Callable[[], None]]]:
     """Yield a new HDF5 file, and a function to call after each episode, which raises an error if writing failed.
 
-    Errors name the path `shown`.
+    Errors name `shown` as the path.
 
     Raises:
         OutputError: the file cannot be written.

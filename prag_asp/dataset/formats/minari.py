@@ -1,6 +1,6 @@
 """Minari: a local dataset for `minari.load_dataset`, in the layout of https://minari.farama.org.
 
-The environment of its metadata has the same actions, but its own observations, so the metadata includes the spaces.
+The environment in its metadata has the same actions but different observations, so the metadata includes the spaces.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Write instructions of tasks at three levels, a sentence for each subgoal, and captions.
+"""Write instructions for tasks at three levels, a sentence for each subgoal, and captions.
 
 A `SentenceWriter` writes the sentences; this module chooses, orders and joins them.
 """
@@ -54,7 +54,7 @@ class InstructionWriter:
     def __init__(
         self, domain: Domain, language: str = "en", colors: Mapping[str, str] | None = None, phrasings: str = ""
     ) -> None:
-        """Read a domain's tables of a language; `colors` override those of the scene.
+        """Read a domain's tables for a language; `colors` override those of the scene.
 
         Only the chosen `phrasings` are written; all are parsed.
 
@@ -69,7 +69,7 @@ class InstructionWriter:
         self._aims: dict[State, State] = {}
 
     def recoloured(self, colors: Mapping[str, str]) -> InstructionWriter:
-        """Return a writer for pictures with other colours of some entities."""
+        """Return a writer for pictures in which some entities have different colours."""
         if not colors:
             return self
         other = copy(self)

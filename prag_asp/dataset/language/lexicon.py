@@ -28,7 +28,7 @@ class Lexicon:
     """The sentences and noun phrases of a domain in one language."""
 
     def __init__(self, domain: Domain, language: str, colors: Mapping[str, str] | None = None) -> None:
-        """Read a domain's tables of a language; `colors` override those of the scene.
+        """Read a domain's tables for a language; `colors` override those of the scene.
 
         Raises:
             QueryError: the domain does not have the language, or lacks words in it.
@@ -48,7 +48,7 @@ class Lexicon:
         self._reset_caches()
 
     def recoloured(self, colors: Mapping[str, str]) -> Lexicon:
-        """Return the lexicon for pictures with other colours of some entities."""
+        """Return the lexicon for pictures in which some entities have different colours."""
         other = copy(self)
         other.appearance = self.appearance.recoloured(colors)
         other.phrases = NounPhrases(self.grammar, other.appearance, self.sentences)
@@ -84,7 +84,7 @@ class Lexicon:
 
 
 def _reader(domain: Domain, language: str) -> GrammarReader:
-    """Return the reader of a domain's tables of a language."""
+    """Return the reader of a domain's tables for a language."""
     known = languages(domain.settings)
     if language not in known:
         if language not in shipped_languages():

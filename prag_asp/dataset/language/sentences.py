@@ -17,7 +17,7 @@ Words = tuple[str, ...]
 
 
 class Sentence:
-    """A sentence for all actions or fluents of a name; `value` is false if it states that a fluent does not hold.
+    """A sentence for all actions or fluents with one name; `value` is false if it states that a fluent does not hold.
 
     A sentence with a source omits the place from which an object is moved, because the phrase for the object names it:
     "take the cup in the rack". `moved` is then the slot of the object, and `sources` holds the relation of each action
@@ -70,7 +70,7 @@ class Sentence:
 
 
 class Modifier:
-    """A phrase that modifies a noun by a fluent, such as ``on the tray``, and the relations that it can mean."""
+    """A phrase that modifies a noun with a fluent, such as ``on the tray``, and the relations that it can mean."""
 
     def __init__(self, where: Where, fluents: tuple[Atom, ...]) -> None:
         self.template, self.subject = where.template, where.subject

@@ -134,7 +134,7 @@ def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
 
 
 def _begin(ray: Any) -> None:
-    """Connect to the cluster of ``RAY_ADDRESS``, or start one on this machine."""
+    """Connect to the cluster that ``RAY_ADDRESS`` names, or start one on this machine."""
     os.environ.update(QUIET)
     address = os.environ.get("RAY_ADDRESS") or "local"
     options = {"include_dashboard": False} if address == "local" else {}

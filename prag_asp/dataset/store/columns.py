@@ -144,7 +144,7 @@ class TableBuilder:
             self._gather()
 
     def take(self, row: RowReference, rows: int = 1, **numbers: int) -> None:
-        """Add consecutive rows of another table; `numbers` replace the columns of these names, which it may lack."""
+        """Add consecutive rows of another table; `numbers` replace the columns with these names, which it may lack."""
         if self._waiting and not self._taken:
             self._gather()
         table, first, last = self._taken[-1] if self._taken else (None, 0, 0)

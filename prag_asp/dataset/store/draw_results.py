@@ -40,7 +40,7 @@ class StartResult(msgspec.Struct):
 
 
 class DrawResult(msgspec.Struct):
-    """The result of a draw: its verdict, without a witness, and the result from each initial state.
+    """The result of a draw: the verdict, stripped of its witness, and the result for each initial state.
 
     A `trivial` task that is left out has no verdict.
     """

@@ -30,7 +30,7 @@ Captioner = Callable[["Task", Mapping[str, str]], TaskTexts]
 
 
 def captioner_of(domain: Domain, language: str, seed: int, phrasings: str = "") -> Captioner:
-    """Return a captioner of the tasks of a domain in a language; the seed chooses among its `phrasings`.
+    """Return a captioner for the tasks of a domain in a language; the seed chooses among its `phrasings`.
 
     A task that has no unambiguous text is described by the names of its entities, at the single level ``plain``.
 
@@ -41,7 +41,7 @@ def captioner_of(domain: Domain, language: str, seed: int, phrasings: str = "") 
 
 
 def captioner_like(domain: Domain, spec: DatasetSpec) -> Captioner:
-    """Return the captioner of the dataset of a request: with its language, seed and phrasings.
+    """Return the captioner for the dataset that a request describes, with its language, seed and phrasings.
 
     Raises:
         QueryError: the domain has no sentences in the language.

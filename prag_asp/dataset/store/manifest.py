@@ -106,7 +106,7 @@ class PartManifest(msgspec.Struct):
     """A part of the split: the numbers of its tasks in the space, in the request and in the dataset, and its shards.
 
     `tail` is the last shard while rows are still added to it. In a complete stratified sample, `weight` is that of each
-    task of the part.
+    task in the part.
     """
 
     name: str

@@ -59,9 +59,9 @@ def stratified_sample(
     """Return distinct tasks, sampled uniformly without replacement from each stratum of a space.
 
     With physics, the default if the domain has a scene, they are feasible tasks: each stratum is sampled until it has
-    its number of these, or until all its tasks were drawn. The weights of all tasks sum to 1; the weighted mean of a
-    property is an unbiased estimate of its mean over the whole space without physics, and a nearly unbiased one (of a
-    ratio) over its feasible tasks with physics.
+    its number of feasible tasks, or until all its tasks were drawn. The weights of all tasks sum to 1. Without physics,
+    the weighted mean of a property is an unbiased estimate of its mean over the whole space; with physics, it is a
+    nearly unbiased ratio estimate of its mean over the feasible tasks.
 
     Raises:
         QueryError: the space is empty, or too small or too finely divided for that many tasks.

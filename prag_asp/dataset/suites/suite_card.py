@@ -14,7 +14,7 @@ NAME = "README.md"
 
 
 def card_text(note: SuiteManifest) -> bytes:
-    """Return the content of the card of a suite, which follows from suite.json alone."""
+    """Return the content of the card of a suite, which depends only on suite.json."""
     return "".join(f"{line}\n" for line in (*_front(note), *_text(note))).encode()
 
 

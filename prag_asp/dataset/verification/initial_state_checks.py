@@ -73,7 +73,7 @@ class InitialStateChecks:
             self._progress("witnesses", self._done, self._manifest.rows("tasks"))
 
     def _wrong_numbers(self, shard: Shard, rows: list[Row], witnesses: list[Row]) -> Iterator[Finding]:
-        """Yield the tasks whose rows give another number of witnesses, and the witnesses from wrong searches."""
+        """Yield the tasks whose rows give a wrong number of witnesses, and the witnesses from wrong searches."""
         count = Counter(row["task"] for _, row in witnesses)
         for place, row in rows:
             if row["starts"] != count.pop(row["task"], 0):

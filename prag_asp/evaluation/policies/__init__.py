@@ -44,7 +44,7 @@ def load_policy(text: str) -> PolicyMaker:
 
 
 def environment_of(text: str) -> dict[str, Any]:
-    """Return the options of the environment that a policy determines, such as its control; often none.
+    """Return the environment options that a policy determines, such as its control; often none.
 
     Raises:
         QueryError: the text matches no kind of policy, or there is no such policy.
@@ -71,6 +71,6 @@ def _file_of(text: str) -> str:
 
 
 def _made(file: str, text: str, env: Environment) -> Policy:
-    """Make a policy of a kind in this process."""
+    """Make a policy of a given kind in this process."""
     maker: PolicyMaker = import_module(f"{__name__}.{file}").maker(text)
     return maker(env)

@@ -142,7 +142,7 @@ class LeRobotCheckpoint:
         }
 
     def options(self) -> dict[str, Any]:
-        """Return the options of the environment that the checkpoint determines."""
+        """Return the environment options that the checkpoint determines."""
         images = {name.removeprefix(IMAGES): each for name, each in self.inputs.items() if name.startswith(IMAGES)}
         options: dict[str, Any] = {"cameras": tuple(images)} if images else {}
         sizes = {(each.shape[1], each.shape[0]) for each in images.values()}

@@ -64,7 +64,7 @@ def input_functions(checkpoint: LeRobotCheckpoint, env: Environment) -> dict[str
     """Return a function of an observation of the environment for each input of a policy.
 
     Raises:
-        QueryError: the environment lacks an input, or an input has another shape.
+        QueryError: the environment lacks an input, or an input has a different shape.
     """
     task_env, path = env.unwrapped, checkpoint.path
     assert isinstance(task_env, TaskEnv)
@@ -100,7 +100,7 @@ def check_actions(checkpoint: LeRobotCheckpoint, env: TaskEnv) -> None:
     """Check that the actions of a policy are those of the control of an environment.
 
     Raises:
-        QueryError: the actions have another convention, rate or size.
+        QueryError: the actions have a different convention, rate or size.
     """
     determined, path = checkpoint.options(), checkpoint.path
     for name, value, here in (("control", str, env.control.name), ("rate", int, env.control.rate)):
@@ -126,7 +126,7 @@ def environment(text: str) -> dict[str, Any]:
 
 
 def maker(text: str) -> PolicyMaker:
-    """Return the maker of the policy of a checkpoint.
+    """Return the maker of the policy in a checkpoint.
 
     Raises:
         QueryError: the folder is not a checkpoint.
@@ -135,7 +135,7 @@ def maker(text: str) -> PolicyMaker:
 
 
 def _loaded(checkpoint: LeRobotCheckpoint) -> tuple[Any, Any, Any, Any]:
-    """Return PyTorch, the policy of a checkpoint, and its two processors."""
+    """Return the `torch` module, and the policy and two processors of a checkpoint."""
     path = checkpoint.path
     try:
         with redirect_stdout(sys.stderr):
@@ -168,7 +168,7 @@ def _states_of(path: Path, feature: ExportedFeature, env: TaskEnv) -> tuple[Stat
     """Return the conventions of the state of a policy.
 
     Raises:
-        QueryError: the states of the environment have other names or another size.
+        QueryError: the states of the environment have different names or a different size.
     """
     stored = feature.prag_asp.get("states")
     choices = [tuple(stored)] if stored is not None else [(name,) for name in STATES]
@@ -194,6 +194,6 @@ def _bodies(env: TaskEnv, observation: Any) -> NDArray[np.float32]:
 
 
 def _image(camera: str, observation: Any) -> NDArray[np.float32]:
-    """Return the image of a camera, with values from 0 to 1; shape (3, H, W)."""
+    """Return the image from a camera, with values from 0 to 1; shape (3, H, W)."""
     image: NDArray[np.float32] = observation[camera].transpose(2, 0, 1).astype(np.float32) / 255
     return image

@@ -16,7 +16,7 @@ from prag_asp.evaluation.policies.policy import Environment, PolicyMaker, seed_e
 
 
 class CallablePolicy:
-    """Calls a function of the observation, and of `info` if it has a parameter of that name.
+    """Calls a function of the observation, and of `info` if it has a parameter with that name.
 
     Its method `begin`, if it has one, is called before each episode. An instance of a class is made once, with the
     environment if its constructor has a parameter `env`.

@@ -3,7 +3,7 @@
 Messages are msgpack; an array is a map with the binary keys ``__ndarray__`` (true), ``data`` (its bytes), ``dtype``
 (NumPy's text) and ``shape``. The server begins with a map of metadata. Each request is a map with an observation, each
 response a map with ``actions``: an array of one action, or of a chunk of actions to perform in sequence. A text message
-reports an error of the server.
+reports an error on the server.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ class StableBaselinesPolicy:
         """Load the model in one thread, so that results do not depend on the machine's number of processors.
 
         Raises:
-            QueryError: the zip cannot be loaded, or its model is for other observations or actions.
+            QueryError: the zip cannot be loaded, or its model is for different observations or actions.
         """
         package, name = algorithm_of(path)
         try:
@@ -87,10 +87,10 @@ def algorithm_of(path: Path) -> tuple[str, str]:
 
 
 def maker(text: str) -> PolicyMaker:
-    """Return the maker of the policy of a zip.
+    """Return the maker of the policy in a zip.
 
     Raises:
-        QueryError: the file is not a zip of a known algorithm.
+        QueryError: the file is not a zip with a model from a known algorithm.
     """
     path = Path(text)
     algorithm_of(path)

@@ -1,9 +1,11 @@
 // The page of a task space. Its state is the query of its link; every view comes from the server.
 
 import { choice, fill, find, grouped, make, percent, sameResults, withArrows } from "./elements.js";
-import { ask, begin, Problem } from "./requests.js";
+import { showPhysics, withPhysics } from "./physics.js";
+import { ask, begin, doing, Problem } from "./requests.js";
 import { withTheme } from "./theme.js";
 
+const WATCHING = 1000; // milliseconds between two looks at what the server is doing
 const TYPING = 150; // milliseconds without a key until a condition is counted
 let state = new URLSearchParams(location.search);
 let vocabulary = null;
@@ -39,6 +41,7 @@ async function show() {
   find("problem").hidden = true;
   showConditions();
   const query = state.toString();
+  const ended = watch();
   try {
     const plan = await ask("page", "plan", { state: query });
     if (plan === null) return;
@@ -48,11 +51,35 @@ async function show() {
     await Promise.all([showComparison(), plan.count === "0" ? showWhy() : showFacets()]);
   } catch (error) {
     tell(error);
+  } finally {
+    ended();
   }
 }
 
+// Show what the server is doing while a view takes long, and why it will; return a function that ends this.
+let watching = null;
+function watch() {
+  clearInterval(watching);
+  fill("doing");
+  fill("note");
+  const own = setInterval(async () => {
+    const { words, note } = await doing();
+    if (own !== watching) return;
+    fill("doing", words === "" ? "" : `At work: ${words} ...`);
+    if (find("note").textContent !== note) fill("note", note);
+  }, WATCHING);
+  watching = own;
+  return () => {
+    if (own !== watching) return;
+    clearInterval(own);
+    watching = null;
+    fill("doing");
+    fill("note");
+  };
+}
+
 function showPlan(plan) {
-  const noun = plan.level === "plan" ? "plans" : "tasks";
+  const noun = plan.count === "1" ? plan.level : `${plan.level}s`;
   document.title = `${plan.title} - prag-asp explore`;
   fill("title", plan.title);
   const share = plan.count === plan.total ? "" : ` of ${grouped(plan.total)} (${percent(plan.share)})`;
@@ -68,6 +95,8 @@ function showPlan(plan) {
   showActions(plan);
   fill("same", ...sameResults([...extra, ...plan.same]));
   fill("empty");
+  const whole = plan.steps.length - 1 === plan.length && plan.length > 0 && plan.count !== "0";
+  showPhysics(vocabulary.has_scene && whole, state.toString());
 }
 
 function stepOf(step, place, last) {
@@ -304,6 +333,7 @@ async function start() {
     tell(error);
     return;
   }
+  withPhysics(vocabulary);
   find("weighting").hidden = !vocabulary.weighted;
   find("weighted").checked = vocabulary.weighted;
   const kinds = ["", "uses", "uses at least", "avoids", "has at least", "lacks", "ends", "achieves", "matches", ...vocabulary.whole];

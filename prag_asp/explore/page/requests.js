@@ -18,14 +18,35 @@ export function begin(kind) {
   latest.set(kind, (latest.get(kind) ?? 0) + 1);
 }
 
+// Tell the server that the results of a kind of requests are no longer needed.
+export function end(kind) {
+  begin(kind);
+  const query = new URLSearchParams({ window: `${own}/${kind}`, number: latest.get(kind) });
+  fetch(`api/end?${query}`, { keepalive: true }).catch(() => null); // a server that is gone has ended, too
+}
+
 // Return the view, or null if a newer state of this kind has begun.
-export async function ask(kind, view, fields = {}) {
+export const ask = (kind, view, fields = {}) => answer(kind, view, fields, (response) => response.json());
+
+// Return the picture that a view gives as a blob, or null if a newer state of this kind has begun.
+export const askPicture = (kind, view, fields) => answer(kind, view, fields, (response) => response.blob());
+
+// Return what the server is doing, in words; empty texts if it does not answer.
+export async function doing() {
+  try {
+    return await (await fetch("api/doing")).json();
+  } catch {
+    return { words: "", note: "" };
+  }
+}
+
+async function answer(kind, view, fields, read) {
   const number = latest.get(kind) ?? 0;
   const query = new URLSearchParams({ ...fields, window: `${own}/${kind}`, number });
   let response, value;
   try {
     response = await fetch(`api/${view}?${query}`, { signal: running.get(kind)?.signal });
-    value = await response.json();
+    value = await (response.ok ? read(response) : response.json());
   } catch (error) {
     if (error.name === "AbortError" || number !== (latest.get(kind) ?? 0)) return null;
     throw new Problem(["the command does not answer; start prag-asp explore again, and open its new link"]);

@@ -63,7 +63,7 @@ class StepRules:
 
     @cached_property
     def _by_action(self) -> Mapping[int, tuple[Mapping[int, list[RuleBody]], list[ActionSum], list[RuleBody]]]:
-        """For each atom: its bodies with an action, keyed by action; its sums; and its other bodies."""
+        """Map each atom to the bodies that contain an action (keyed by action), the sums, and all other bodies."""
         table = {}
         for atom in self.order:
             by_action: dict[int, list[RuleBody]] = {}

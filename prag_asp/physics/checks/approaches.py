@@ -103,5 +103,5 @@ def _not_above(passed: Sequence[Stop]) -> Iterator[str]:
 
 
 def _straight_off(off: Pose, low: Pose) -> bool:
-    """Return whether a tool pose is `LIFT` straight above another tool pose, or behind that pose along the fingers."""
+    """Return whether a tool pose is `LIFT` metres straight above another, or as far behind it along the fingers."""
     return near(off, raised(low, LIFT)) or near(off, backed(low))

@@ -1,4 +1,4 @@
-"""Check how a witness opens and closes furniture: by its handle, continuously, between its states."""
+"""Check how a witness moves furniture between its states: by the handle, and without jumps."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Openings = Mapping[str, float]
 
 
 def opening_problems(moment: Moment, physical: PhysicalTask, scene: Scene) -> Iterator[str]:
-    """Yield furniture whose opening is missing or beyond its limits, and other entities that have an opening."""
+    """Yield furniture whose opening is missing or out of range, and other entities for which an opening is given."""
     furniture = {entity for entity in physical.objects if scene.shapes[entity].traits.furniture}
     for entity in sorted(furniture):
         opening = moment.openings.get(entity, math.nan)

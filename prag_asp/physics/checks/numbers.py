@@ -1,4 +1,4 @@
-"""Check the numbers of a witness: complete, finite, and within the limits of the robots."""
+"""Check that the numbers in a witness are complete, finite, and within the limits of the robots."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Check by a dynamic simulation that the objects of a witness stay in place, and keep their relations.
+"""Check in a dynamic simulation that the objects of a witness stay in place, and keep their relations.
 
-The simulation has no arms: held objects are fixed. Its world is rebuilt for every witness, because PyBullet's
-results depend on the history of a world, down to the order of its bodies.
+The simulation has no arms: held objects are fixed. Its world is rebuilt for every witness, because PyBullet's results
+depend on the history of a world, even on the order of its bodies.
 """
 
 from __future__ import annotations
@@ -46,8 +46,8 @@ class Settling:
     def fault(self, physical: PhysicalTask, witness: Witness) -> PhysicsFault | None:
         """Return the reason why a state of a witness is not stable, or None if all states are stable.
 
-        An object may move by `LARGEST_MOVE`, turn by `LARGEST_TURN` and end with a speed of `LARGEST_SPEED`; then the
-        predicate of every fact of the state has to confirm the fact.
+        An object may move by `LARGEST_MOVE`, turn by `LARGEST_TURN` and end with a speed of `LARGEST_SPEED`;
+        afterwards, the predicate of every fact in the state has to confirm that fact.
         """
         scene = self._scene.with_sizes(witness.sizes)
         start_world(self._client)

@@ -20,9 +20,9 @@ from prag_asp.task import Task
 def check_witness(task: Task, witness: Witness, scene: Scene) -> list[str]:
     """Return the problems of a task's witness, or none if it passes; use `open_witness_check` for many witnesses.
 
-    Every state is loaded into a fresh simulator: all numbers are finite, joints are within their limits, facts have
-    their required truth values, nothing collides or falls, the simulator's forward kinematics agrees with the grasp of
-    the held object, and only the bodies that an action moves have moved.
+    Every state is loaded into a fresh simulator. A witness passes if all numbers are finite, joints are within their
+    limits, facts have their required truth values, nothing collides or falls, the simulator's forward kinematics agrees
+    with the grasp of the held object, and only the bodies that an action moves have moved.
 
     Raises:
         SceneError: the task names an entity that has no shape.

@@ -73,18 +73,18 @@ class ArmMotors:
         return joints + values[:7]
 
     def ee_position(self, joints: Floats, values: Floats) -> Floats:
-        """Return joint angles that bring the tool to the pose of an action."""
+        """Return joint angles that bring the tool to the pose that an action specifies."""
         self._goal = pose_from_vector(values)
         return track_joints(self._robot, joints, self._to_base @ self._goal)
 
     def ee_delta(self, joints: Floats, values: Floats) -> Floats:
-        """Return joint angles that move the target pose of the tool by an action."""
+        """Return joint angles that move the target pose of the tool by the motion that an action specifies."""
         goal = self._base @ self._robot.solver.forward(joints) if self._goal is None else self._goal
         self._goal = moved_pose(goal, values)
         return track_joints(self._robot, joints, self._to_base @ self._goal)
 
     def ee_delta_upright(self, joints: Floats, values: Floats) -> Floats:
-        """Return joint angles that move the upright tool by an action; the fingertips stay above the table."""
+        """Return joint angles that move the upright tool as an action states; the fingertips stay above the table."""
         robot = self._robot
         here = robot.solver.forward(joints)
         x, y, z, yaw, *_ = values.tolist()

@@ -24,7 +24,7 @@ EXCESS = 1e-6
 
 
 def recorded_actions(control: Control, scene: Scene, commands: Numbers) -> Floats:
-    """Return the actions of a control that lead from each motor command to the next; shape (N, size).
+    """Return the actions, in a control convention, that lead from each motor command to the next; shape (N, size).
 
     `commands` (N + 1, R, 8) holds the joint angles and the opening of each robot; the first row is the command before
     the actions.

@@ -85,7 +85,7 @@ class Actor:
         self._drive(robot, ways)
 
     def _fingers_move(self, waypoint: Waypoint) -> bool:
-        """Return whether an empty gripper has a different opening than a waypoint requires."""
+        """Return whether the opening of an empty gripper differs from the opening that a waypoint requires."""
         return self._arms[waypoint.robot].held is None and waypoint.width != self._commands[waypoint.robot].opening
 
     def _drive(self, robot: str, ways: list[Angles]) -> None:

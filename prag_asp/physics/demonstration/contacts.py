@@ -9,7 +9,7 @@ A task intends contacts between
 - two bodies that rest on moved bodies.
 
 Any other contact is a fault if its force exceeds `GENTLE`. An intended contact is a fault if it is deeper than
-`DEEPEST` or its force exceeds a bound for the object that the robot moves: `FIRM`, and `FACTOR` times its weight.
+`DEEPEST` or its force exceeds a bound for the object that the robot moves: `FIRM` plus `FACTOR` times its weight.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ Pair = tuple[str, str]
 
 
 class Touch(NamedTuple):
-    """A contact of two bodies in a frame: the largest force in newtons and depth in metres since the previous frame.
+    """A contact of two bodies in a frame: the largest force (newtons) and depth (metres) since the previous frame.
 
     The depth is 0 if it is unknown, as in recordings.
     """

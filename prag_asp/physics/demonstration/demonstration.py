@@ -56,12 +56,12 @@ class Demonstration:
     `times` (T,) are in seconds; `joints` (T, R, 7) in radians, in the order of `robots`; `widths` (T, R) the openings
     of their grippers in metres; `commands` (T, R, 8) the targets of the motors, joint angles and opening. `sizes` (O,
     3) are the sides in metres of the bounding boxes of `objects`, `poses` (T, O, 7) their x, y, z in metres and a
-    quaternion x, y, z, w; `openings` (T, F) are the openings of `furniture` in metres or radians. `contacts` (C, 3) are
-    a frame and the indices of two bodies in `bodies`, `forces` (C,) the largest normal force between them since the
-    previous frame, in newtons. `ends` holds, for each state of the task that was reached, the frame in which its facts
-    were checked, the initial state first. `cause` is empty if the task succeeded, otherwise one of `CAUSES`, and
-    `detail` describes the fault and its time. `footage` holds the camera images, if there were cameras, and `variation`
-    the changes of the world, if it was varied.
+    quaternion x, y, z, w; `openings` (T, F) are the openings of `furniture` in metres or radians. Each row of
+    `contacts` (C, 3) is a frame and the indices of two bodies in `bodies`, `forces` (C,) the largest normal force
+    between them since the previous frame, in newtons. `ends` holds, for each state of the task that was reached, the
+    frame in which its facts were checked, the initial state first. `cause` is empty if the task succeeded, otherwise
+    one of `CAUSES`, and `detail` describes the fault and its time. `footage` holds the camera images, if there were
+    cameras, and `variation` the changes of the world, if it was varied.
     """
 
     robots: tuple[str, ...]

@@ -101,7 +101,7 @@ class Footage:
     `frames` (N,) are the recorded frames of the episode; `tools` (N, R, 7) the tool poses as x, y, z in metres and a
     quaternion x, y, z, w; `deltas` (N, R, 6) the motion of the tools until the next image: a translation in metres and
     a rotation vector in radians, both along the axes of the scene; `grippers` (N, R) the openings in metres; `subgoals`
-    (N,) the index of the current subgoal. `legend` holds the names for the numbers of the segmentation.
+    (N,) the index of the current subgoal. `legend` holds the names for the numbers in the segmentation.
     """
 
     frames: NDArray[np.int32]

@@ -1,4 +1,4 @@
-"""A strip of the camera images of an episode, for notebooks: the first image and the last one of each subgoal."""
+"""A strip of camera images from an episode, for notebooks: the first image, and the last image of each subgoal."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MOST_IMAGES, WIDTH = 8, 160
 
 
 def strip_url(footage: Footage) -> str | None:
-    """Return the strip of the first camera as a data URL of a PNG image; None without a video or without Pillow."""
+    """Return the strip from the first camera as a data URL of a PNG image; None if there is no video or no Pillow."""
     if not footage.videos or find_spec("PIL") is None:
         return None
     from PIL import Image  # noqa: PLC0415 - an optional dependency

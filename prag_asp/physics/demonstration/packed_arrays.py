@@ -1,7 +1,7 @@
 """Compress arrays row by row, and write them into a .npz archive without decompressing them.
 
-An uncompressed video is large, so each image is compressed when it is taken. The format of the archive's parts is that
-of PKWARE's APPNOTE (6.3.10, 4.3.7, 4.3.12 and 4.3.16).
+An uncompressed video is large, so each image is compressed when it is taken. The format of the archive's parts follows
+PKWARE's APPNOTE (6.3.10, 4.3.7, 4.3.12 and 4.3.16).
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ def with_packed(archive: bytes, arrays: Mapping[str, Packed]) -> bytes:
 
 
 def read_packed(file: BinaryIO, names: Mapping[str, tuple[tuple[int, ...], str]]) -> dict[str, Packed]:
-    """Return arrays of an archive without unpacking them; `names` has their required shapes and types.
+    """Return arrays from an archive without unpacking them; `names` gives their required shapes and types.
 
     Raises:
         OSError: the file cannot be read.

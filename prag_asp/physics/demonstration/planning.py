@@ -155,6 +155,6 @@ def _corrected(leg: Leg, planned: Pose, situation: Situation, action: Action) ->
 
 
 def _turn(one: Pose, two: Pose) -> tuple[float, float, float, float]:
-    """Return the rotation about z that turns one pose to the heading of another, or the identity if it is not small."""
+    """Return the rotation about z that gives one pose the heading of another, or the identity if the turn is large."""
     angle = wrap(yaw_of(two.quaternion) - yaw_of(one.quaternion))
     return yaw_quaternion(angle if abs(angle) < LARGEST_TURN else 0.0)

@@ -64,7 +64,7 @@ class Mesh(NamedTuple):
 
 @cache
 def low_files(kind: str, fineness: Fineness = COARSE) -> Mapping[str, bytes]:
-    """Return the files of a robot with simplified meshes and without collisions: its URDF, then its meshes.
+    """Return the files of a robot that has simplified meshes and no collision shapes: its URDF, then its meshes.
 
     They are made once per process, which takes half a second.
 

@@ -1,4 +1,4 @@
-"""Render the table, its zones and the room by one ray per pixel.
+"""Render the table, its zones and the room with one ray per pixel.
 
 They are large, and TinyRenderer's time grows with the number of pixels in a triangle.
 """
@@ -83,7 +83,7 @@ def floors(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
 
 
 def _patch(scene: Scene, entity: str, numbers: Mapping[str, int], wall: float = 0.0) -> LevelPatch:
-    """Return the rectangle of a fixed entity's floor, as high as the walls are thick, up to the middle of the walls."""
+    """Return the floor of a fixed entity: a rectangle as high as the walls are thick, which extends to their middle."""
     (x, y, yaw), (half_x, half_y, _) = scene.fixed[entity], scene.shapes[entity].half
     half = (half_x - wall / 2, half_y - wall / 2)
     return LevelPatch(x, y, half, yaw, scene.color(entity), numbers[entity], wall)
@@ -98,7 +98,7 @@ def backdrop(
     light: Vector,
     raised: Sequence[LevelPatch] = (),
 ) -> Backdrop:
-    """Return an image from a camera pose of the table, the zones, the rectangles `raised` above it and the background.
+    """Return an image, from a camera pose, of table, zones, the rectangles `raised` above the table, and background.
 
     `table` is the number of the table; `light` is the direction to the light.
     """

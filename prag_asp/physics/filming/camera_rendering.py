@@ -28,7 +28,7 @@ from prag_asp.scene.variation import USUAL_LIGHT
 def render_cameras(demonstration: Demonstration, scene: Scene, staging: Staging) -> Demonstration:
     """Return an episode with camera images; its variation determines light, colours and cameras.
 
-    Each image is compressed when it is taken: memory holds one uncompressed image of each camera.
+    Each image is compressed when it is taken: memory holds one uncompressed image from each camera.
 
     Raises:
         QueryError: the scene lacks one of the cameras.
@@ -84,7 +84,7 @@ def moment_of(demonstration: Demonstration, frame: int) -> Moment:
 
 
 class _VideoRecorder:
-    """Collects the images of one camera."""
+    """Collects the images from one camera."""
 
     def __init__(self, camera: Camera, count: int, legend: Sequence[str]):
         width, height = camera.size

@@ -21,7 +21,7 @@ RATES = tuple(rate for rate in range(1, FRAMES_A_SECOND + 1) if FRAMES_A_SECOND 
 class Staging:
     """The cameras of a scene that record demonstrations, and the properties that vary: some of `KINDS`.
 
-    `size` is the width and height of images in pixels, by default the size of each camera; `rate` is in images per
+    `size` is the width and height of images in pixels, by default the size set for each camera; `rate` is in images per
     second.
 
     Raises:

@@ -1,4 +1,4 @@
-"""The room around the table, ray-traced: a floor of concrete and plain walls that darken towards the corners.
+"""The room around the table, ray-traced: a concrete floor and plain walls that darken towards the corners.
 
 The room is only a background: it has neither depth nor entities.
 """

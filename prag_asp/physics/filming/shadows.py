@@ -143,7 +143,7 @@ def _doubled(image: Floats) -> Floats:
 
 
 def blurred(image: Floats, radius: int) -> Floats:
-    """Return an image (H, W) after two box filters of a radius in pixels; it is repeated beyond its edges."""
+    """Return an image (H, W) after two box filters with a radius in pixels; beyond its edges, the image repeats."""
     for _ in range(2):
         for axis in range(2):
             width = [(radius + 1, radius) if axis == each else (0, 0) for each in range(2)]

@@ -178,7 +178,7 @@ class Studio:
         return self._shadows.places(pixels, (first, second, third))
 
     def _cast_shadows(self) -> None:
-        """Take the depth image of the light, if anything has moved."""
+        """Take the depth image from the light, if anything has moved."""
         if self._shadows_are_old:
             camera = self._shadows.camera
             _, depth, bodies = self._drawn(camera, camera.pose)
@@ -254,7 +254,7 @@ def open_studio(
 ) -> Iterator[Studio]:
     """Open a world for rendering some objects of a scene, and close it afterwards.
 
-    `light` is the direction to the light, `fineness` that of robots and shadows.
+    `light` is the direction to the light, and `fineness` sets how finely robots and shadows are rendered.
 
     Raises:
         SceneError: a robot cannot be loaded, PyBullet refuses a body, or an object has no body.

@@ -24,7 +24,7 @@ PLANKS, SEAM = 16, 2
 
 
 class Texture(NamedTuple):
-    """Copies of a texture, each with half the texels of the one before, and the side that they cover in metres."""
+    """Copies of a texture, each at half the resolution of the previous copy, and the side that they cover in metres."""
 
     levels: tuple[Floats, ...]
     side: float

@@ -169,7 +169,7 @@ def _point(start: Vector, far: float, way: Vector) -> Vector:
 
 
 def _on_planes(radius: float, long: float, axis: Vector, centre: Vector, window: PadWindow) -> Iterator[Vector]:
-    """Yield the points of both rims, and the first and the last one of the side along y, in the prism's sides."""
+    """Yield where a cylinder's rims meet the prism's sides, and in these sides the curved surface's ends along y."""
     for k, plane in ((0, window.x[0]), (0, window.x[1]), (2, window.z[0]), (2, window.z[1])):
         left = plane - centre[k]
         to = _unit_across(axis, AXES[k])

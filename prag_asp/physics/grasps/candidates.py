@@ -128,7 +128,7 @@ def _antipodal_pairs(
 
 
 def _axes(normal: Floats, least: float) -> Iterator[Floats]:
-    """Yield closing axes at a contact: the normal, and flatter axes in a cone with `least` as the half-angle's cosine.
+    """Yield closing axes at a contact: the normal, and flatter axes in a cone; `least` is the cosine of its half-angle.
 
     The hand is broad along this axis: the flatter the axis, the farther the hand is from the ground.
     """

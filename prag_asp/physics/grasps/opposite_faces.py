@@ -1,11 +1,11 @@
 """A bound on the width of every grasp of a body, for proofs that a gripper cannot hold it.
 
-Theorem. Let each pad touch a face of a body of convex parts within its friction cone. Let a be the axis along which the
-pads close and w the distance between them. The angle between a and the outward normal of one face is at most the
-friction angle phi, and so is the angle between -a and the normal of the other face: hence the angle between the first
-normal and the opposite of the second is at most 2 phi. Contact points p and q of the two faces are at most w apart
-along a, and across it at most the diagonal d of a pad. Therefore |p - q|² <= w² + d². If all pairs of faces within 2
-phi of opposite are farther apart than sqrt(o² + d²), no grasp has w <= o.
+Theorem. Let each pad touch a face of a body made of convex parts, within the friction cone of the face. Let a be the
+axis along which the pads close and w the distance between them. The angle between a and the outward normal of one face
+is at most the friction angle phi, and so is the angle between -a and the normal of the other face: hence the angle
+between the first normal and the opposite of the second is at most 2 phi. Contact points p and q of the two faces are at
+most w apart along a, and across it at most the diagonal d of a pad. Therefore |p - q|² <= w² + d². If all pairs of
+faces within 2 phi of opposite are farther apart than sqrt(o² + d²), no grasp has w <= o.
 
 The distance between two triangles is at least the distance between their centroids minus both radii. Triangles are
 divided until this bound decides, which takes few steps unless the body is close to the limit.

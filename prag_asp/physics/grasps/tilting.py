@@ -28,9 +28,10 @@ SHORTEST = 1e-4
 
 
 class TiltingLoad(NamedTuple):
-    """The torque of a body's weight, as a share of the maximum that the pads bear by pressure, or in `total`.
+    """The torque of a body's weight, as a share of the largest torque that the pads bear by pressure, or in total.
 
-    The total includes friction. Both shares assume that each pad presses with a force equal to the weight of the body.
+    For `total`, the pads also bear torque by friction. Both shares assume that each pad presses with a force equal to
+    the weight of the body.
     """
 
     pressure: float

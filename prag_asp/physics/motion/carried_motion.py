@@ -1,7 +1,7 @@
 """Limit the acceleration of a held object so that the friction of the pads bears the load.
 
-The pads hold an object of mass m by friction: they bear at most 2 mu F, with the force F of a finger and the
-coefficient mu of friction (Coulomb). Gravity and an acceleration a of the tool need at most m (g + |a|).
+The pads hold an object of mass m by friction: they bear at most 2 mu F, where F is the force of a finger and mu the
+coefficient of friction (Coulomb). Gravity and an acceleration a of the tool need at most m (g + |a|).
 """
 
 from __future__ import annotations

@@ -118,7 +118,7 @@ def free_path(
 def checked_path(
     simulator: Simulator, situation: Situation, arm: Arm, goal: Joints, time_step: float
 ) -> tuple[Joints, ...] | None:
-    """Return waypoints of a collision-free path from the state of the arm to a goal, a stride apart.
+    """Return waypoints, a stride apart, of a collision-free path from the state of the arm to a goal.
 
     The ends are omitted, and joints move linearly between waypoints. If the ends are in line with each other, only the
     straight path is tried. The result is None if no path is found.

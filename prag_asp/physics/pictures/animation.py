@@ -70,8 +70,8 @@ def animate(
     frames and the total number of frames.
 
     Raises:
-        PicturesMissingError: Pillow is not installed, or PyAV for an .mp4.
-        QueryError: the file has another suffix, the speed is not positive, or the demonstration does not belong to the
+        PicturesMissingError: Pillow or, for an .mp4, PyAV is not installed.
+        QueryError: the suffix is not supported, the speed is not positive, or the demonstration does not belong to the
             task.
         OutputError: the file cannot be written.
     """

@@ -21,12 +21,12 @@ NEAR, FAR = 0.1, 10.0
 
 
 def view_camera(view: View, size: tuple[int, int], oversampling: int = OVERSAMPLING) -> Camera:
-    """Return the camera of a view for pictures of a size in pixels."""
+    """Return the camera for pictures from a view; `size` is in pixels."""
     return Camera(*view, FIELD_OF_VIEW, size=(size[0] * oversampling, size[1] * oversampling), near=NEAR, far=FAR)
 
 
 def picture(studio: Studio, size: tuple[int, int], view: View) -> Image.Image:
-    """Return a picture, `size` in pixels, of the moment that the studio shows."""
+    """Return a picture of the moment that the studio shows; `size` is in pixels."""
     return reduced(studio.take(view_camera(view, size)), size)
 
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from prag_asp.physics.demonstration.footage import CameraImage
 from prag_asp.physics.filming.studio import Studio
 from prag_asp.physics.pictures.camera import OVERSAMPLING, pillow, reduced, view_camera
-from prag_asp.physics.pictures.views import DIRECTIONS, FAR, View, acting
+from prag_asp.physics.pictures.views import DIRECTIONS, FAR, View, acting, counting_camera
 from prag_asp.physics.witness import Moment
 from prag_asp.scene.cameras import FIELD_OF_VIEW, Camera
 from prag_asp.scene.scene import Scene
@@ -39,8 +39,8 @@ INSET, BORDER = 0.40, 2
 ROOM, LEAST_ROOM = 1.5, 0.09
 """The radius that a close-up shows, as a multiple of the object's radius, and at least in metres."""
 
-SMALL, CLOSE_UP = 96, 64
-"""The longer side of the images in which pixels are counted: of the picture, and of close-ups."""
+CLOSE_UP = 64
+"""The side in pixels of the images by which directions of a close-up are compared."""
 
 MOVED = 1e-3
 """The motion of an object or of a part of furniture that counts as a change, in metres or radians."""
@@ -67,7 +67,7 @@ def changed_entities(task: Task, moments: Sequence[Moment], scene: Scene, state:
 def highlighted(
     studio: Studio, moment: Moment, scene: Scene, changed: Sequence[str], size: tuple[int, int], view: View
 ) -> Image.Image:
-    """Return a picture of a moment, `size` in pixels, with outlines around what has changed, and with a close-up.
+    """Return a picture of a moment with outlines around what has changed, and with a close-up; `size` is in pixels.
 
     The studio must already show the moment.
     """
@@ -114,9 +114,7 @@ def _grown(mask: NDArray[np.bool_], pixels: int) -> NDArray[np.bool_]:
 
 def _most_hidden(studio: Studio, changed: Sequence[str], size: tuple[int, int], view: View) -> str | None:
     """Return the entity of which the robots hide most in a view, or None if all are well visible."""
-    scale = SMALL / max(size)
-    small = (max(16, round(size[0] * scale)), max(16, round(size[1] * scale)))
-    camera = Camera(*view, FIELD_OF_VIEW, size=small, near=0.1, far=FAR)
+    camera = counting_camera(view, size)
     seen, whole = studio.counts(camera), studio.counts(camera, robots=False)
     shares = {entity: seen[entity] / max(1, whole[entity]) for entity in changed}
     entity = min(shares, key=lambda each: shares[each], default=None)
@@ -143,7 +141,7 @@ def _close_up(studio: Studio, moment: Moment, scene: Scene, entity: str, side: i
 def _emptiest_corner(
     segmentation: NDArray[np.unsignedinteger], studio: Studio, size: tuple[int, int], side: int
 ) -> tuple[int, int]:
-    """Return the place of the upper left corner of a square in the corner of the picture that hides least."""
+    """Return where to put the upper left corner of a square so that it covers the emptiest corner of the picture."""
     width, height = size
     corners = [(width - side, 0), (0, 0), (width - side, height - side), (0, height - side)]
     bodies = segmentation > studio.legend.index(studio.table)

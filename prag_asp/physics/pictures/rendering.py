@@ -54,7 +54,7 @@ def film_strip(
     They are arranged in rows of at most `columns`; `size` is the size of one picture in pixels. What an action has
     changed is outlined, and shown in a close-up if the robot hides it. Below each picture are the action and its
     positive effects in plain words, large enough to be read at the width of a page. `headings` that are not None
-    replace the words for the actions; `captions` replace all words by a heading and a text for each state.
+    replace the words for the actions; `captions` replace all words with a heading and a text for each state.
 
     Raises:
         PicturesMissingError: Pillow is not installed.

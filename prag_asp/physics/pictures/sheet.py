@@ -80,13 +80,13 @@ def sheet_width(width: int, columns: int) -> int:
 
 
 def text_sizes(width: int, columns: int) -> tuple[int, int]:
-    """Return the sizes in pixels of headings and text on a sheet with pictures of a width in some columns."""
+    """Return the font sizes, in pixels, of headings and text on a sheet with `columns` columns of pictures."""
     text = max(TEXT, math.ceil(LEGIBLE * sheet_width(width, columns) / PAGE))
     return round(HEADING * text), text
 
 
 def line_count(headings: Iterable[str], width: int) -> int:
-    """Return the number of lines in the longest of some headings below a single picture of a width in pixels."""
+    """Return how many lines the longest heading takes below a single picture with a given width in pixels."""
     large = font(text_sizes(width, 1)[0])
     return max(len(wrap(heading, large, width - 2)) for heading in headings)
 
@@ -104,7 +104,7 @@ def wrap(text: str, letters: Any, width: int) -> list[str]:
 
 
 def font(size: int) -> Any:
-    """Return the font with a size in pixels."""
+    """Return the font in a given size in pixels."""
     from PIL import ImageFont  # noqa: PLC0415 - pictures are optional
 
     return ImageFont.load_default(size=size)

@@ -66,9 +66,7 @@ def best_view(
     shown = shown[:: math.ceil(len(shown) / MOST) or 1]
     if not shown:
         return views[0]
-    scale = SMALL / max(size)
-    small = (max(16, round(size[0] * scale)), max(16, round(size[1] * scale)))
-    cameras = [Camera(*view, FIELD_OF_VIEW, size=small, near=0.1, far=FAR) for view in views]
+    cameras = [counting_camera(view, size) for view in views]
     scores = [0.0] * len(views)
     for k, things in shown:
         studio.show(moments[k])
@@ -79,6 +77,13 @@ def best_view(
             scores[i] += sum(shares) / len(shares) + min(shares)
     scores[0] *= FAVOUR
     return views[scores.index(max(scores))]
+
+
+def counting_camera(view: View, size: tuple[int, int]) -> Camera:
+    """Return the camera with which pixels of a picture with this size are counted, in a smaller image."""
+    scale = SMALL / max(size)
+    small = (max(16, round(size[0] * scale)), max(16, round(size[1] * scale)))
+    return Camera(*view, FIELD_OF_VIEW, size=small, near=0.1, far=FAR)
 
 
 def acting(task: Task, scene: Scene, state: int) -> set[str]:

@@ -45,7 +45,7 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
 
 
 def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the strips to the four sides of the other body, and the four ranges of parallel yaws."""
+    """Return the strips on the four sides of the other body, and the four ranges of parallel yaws."""
     subject, other = arguments
     at, half = situation.body(other).centre, situation.half(other)
     centre, own = extent(situation.shape(subject), quaternion)

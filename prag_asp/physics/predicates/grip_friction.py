@@ -45,8 +45,8 @@ def grasps_in_body(situation: Situation, entity: str, robot: str) -> tuple[Grasp
 def bearable(scene: Scene, entity: str, robot: str) -> float:
     """Return the largest mass in kilograms that a robot's fingers can hold by friction on a body's material.
 
-    By Coulomb's law, the mass is 2 mu F / g, with the force F of a finger and the product mu of both friction
-    coefficients, as PyBullet combines them.
+    By Coulomb's law, the mass is 2 mu F / g, where F is the force of a finger and mu is the product of both friction
+    coefficients, which is how PyBullet combines them.
     """
     return 2 * pad_friction(scene, entity) * robot_of(scene, robot).grip_force / GRAVITY
 

@@ -192,7 +192,7 @@ def _way_to_grasp(situation: Situation, robot: str, entity: str) -> float:
 
 
 def _holding_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the place for the tool (the object's centre or best grasp), and the opening to grip the object there."""
+    """Return the place for the tool (the object's centre or best grasp), and the opening with which it grips."""
     tight, (robot, entity) = GRIP_TOLERANCE - MARGIN, arguments
     if situation.shape(entity).model is not None:
         for grasp in grasps_in_body(situation, entity, robot):
@@ -246,7 +246,7 @@ def _at_demands(scene: Scene, arguments: Arguments, near: float = CENTRE_TOLERAN
 
 
 def _holding_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
-    """Yield the reasons why a body is too wide for the gripper, too low for the fingers, or too heavy.
+    """Yield the reasons why a body is too wide for the gripper, too flat for the fingers, or too heavy.
 
     A body with a model can be narrow and high in parts, so its bounding box proves nothing.
     """

@@ -103,7 +103,7 @@ class Predicate:
     distance: fingers, for instance, have to open before they close around an object.
 
     For the search: with `on_the_spot`, a rotation about z suffices to satisfy the predicate anywhere; with
-    `seen_close`, people recognise the relation only between near bodies. A sample of the volume `otherwise` violates
+    `seen_close`, people recognise the relation only between near bodies. A sample from the volume `otherwise` violates
     the predicate. The `tight_volume` has no margin at its border, and is used to pack objects.
 
     For proofs, which have to be valid for all poses of the bodies: the reasons why it is `impossible`, its `demands` on
@@ -172,7 +172,7 @@ def words(entity: str) -> str:
 
 
 def states(text: str) -> SentenceFunction:
-    """Return a function that fills ``{0}`` and ``{1}`` in a template with arguments, ``{is}`` with "is" or "is not"."""
+    """Return a function that fills in a template: arguments for ``{0}`` and ``{1}``, "is" or "is not" for ``{is}``."""
 
     def sentence(arguments: Arguments, value: bool = True) -> str:
         return text.format(*map(words, arguments), **{"is": "is" if value else "is not"})

@@ -1,9 +1,9 @@
 """Exclusions that physics proves: single fluents that never hold, and pairs that never hold together.
 
-They come from proofs alone and only forbid that fluents hold, so they are Horn clauses, like all invariants of a
-domain: they exclude exactly the plans with a state that is known to satisfy a proof, and each of these plans is proved
-infeasible. Exclusions of three or more fluents stay in physics: in partially known states, clauses of three literals
-cannot be propagated exactly.
+They come from proofs alone and only forbid fluents from holding, so they are Horn clauses, like all invariants of a
+domain: they exclude exactly the plans with a state that is known to satisfy the premises of a proof, and each of these
+plans is proved infeasible. Exclusions of three or more fluents stay in physics: in partially known states, clauses of
+three literals cannot be propagated exactly.
 """
 
 from __future__ import annotations

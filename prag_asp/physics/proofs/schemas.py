@@ -194,5 +194,5 @@ def _in_variables(reason: str, entities: Entities) -> str:
 
 
 def _kind(reason: str) -> str:
-    """Return a reason with all variables masked: a cycle has no first element."""
+    """Return a reason with all variables masked, because a cycle has no first element."""
     return re.sub(rf"\b[{VARIABLES}]\b", "_", reason)

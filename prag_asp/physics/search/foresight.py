@@ -53,7 +53,7 @@ def _rooms(physical: PhysicalTask, scene: Scene, k: int, entity: str, wide: bool
 
 
 def _later(physical: PhysicalTask, scene: Scene, k: int, entity: str) -> Iterator[tuple[int, str, Direction]]:
-    """Yield each object that is placed beside one at rest since state `k`: the state, the object and its direction.
+    """Yield each object that is placed beside one at rest from state `k` on: the state, the object and its direction.
 
     After the initial state, an object that is moved onto or into another object takes no room beside that object.
     """
@@ -74,7 +74,7 @@ def _later(physical: PhysicalTask, scene: Scene, k: int, entity: str) -> Iterato
 
 
 def _beside(facts: Iterable[Fact], entity: str) -> Iterator[tuple[str, Direction]]:
-    """Yield the objects that facts place beside an object, and their directions from it, as the robot sees them."""
+    """Yield each object that facts say is beside `entity`, with its direction from `entity` as seen by the robot."""
     for fact in facts:
         direction = fact.predicate.direction
         if fact.value and direction is not None and entity in fact.arguments:

@@ -97,7 +97,7 @@ def turn(search: Search, snapshot: Snapshot, furniture: str, facts: Iterable[Fac
 
 
 def open_furniture(situation: Situation, furniture: str, opening: float, objects: Iterable[str]) -> Situation:
-    """Return a situation with another opening of furniture; the contents of a drawer move with it."""
+    """Return a situation with a different opening of furniture; the contents of a drawer move with it."""
     after = situation.with_opening(furniture, opening)
     if not mechanism(situation.shape(furniture)).slides:
         return after

@@ -155,7 +155,7 @@ def _from_above(search: Search, situation: Situation, entity: str) -> list[tuple
     allows, then at the top, where the palm clears nearby objects.
 
     Raises:
-        Failure: the object is too wide for the gripper, or too low.
+        Failure: the object is too wide for the gripper, or too flat.
     """
     shape, pose = situation.shape(entity), situation.pose(entity)
     x, y, z = pose.position

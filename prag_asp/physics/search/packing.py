@@ -166,7 +166,8 @@ def packed_poses(situation: Situation, request: PlacementRequest, filling: tuple
 def _frames(situation: Situation, entity: str, support: str, about: Iterable[Fact]) -> Iterator[float]:
     """Yield the yaws in radians along which an object is packed, first the yaw of its support or of the workspace.
 
-    A user-defined relation may require it in a rotated body, for example a slot: then the yaw of that body, too.
+    If a user-defined relation requires the object in a rotated body, such as a slot, the yaw of that body is also
+    tried.
     """
     first = 0.0 if support == TABLE else yaw_of(situation.pose(support).quaternion)
     yield first
@@ -184,7 +185,7 @@ def _fill(
     about: Callable[[str, Situation], Iterable[Fact]],
     filling: tuple[Corner, float],
 ) -> Situation:
-    """Return a situation with all objects placed from a corner with a spacing, by backtracking.
+    """Place all objects from a corner with a spacing, backtracking if necessary, and return the situation.
 
     Raises:
         Failure: there is no room for an object, or too many places were tried; the error names the last object that
@@ -233,7 +234,7 @@ def _places(
 def _taken(
     situation: Situation, request: PlacementRequest, quaternion: Quaternion, z: float, frame: float
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], list[Callable[[Vector, float], bool]]]:
-    """Return the places where an object at a height overlaps others, the places where it touches them, and more tests.
+    """Return the places where an object at a height overlaps others, the places where it touches them, and exact tests.
 
     A row of places (n, 4) has their centre, for the origin of the object, and their half-extents along x and y, seen
     from above in a frame rotated by a yaw: they apply to the bounding boxes of the bodies in this frame. If one of two

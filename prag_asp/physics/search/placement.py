@@ -86,7 +86,7 @@ def known_support(situation: Situation, entity: str, facts: Iterable[Fact]) -> s
 
 
 def choose_support(search: Search, situation: Situation, entity: str, facts: Iterable[Fact]) -> str:
-    """Return the support for an object to stand on or in: the support in the facts, or a random allowed support.
+    """Return the support for an object to stand on or in: the support that the facts name, or a random allowed one.
 
     If the facts name no support, it is the table, unless the object is known not to be on the table. If a user-defined
     relation lets the object stand on or in another object, that object is an equally likely choice.
@@ -117,7 +117,7 @@ def sample_pose(search: Search, situation: Situation, request: PlacementRequest)
     """Return a random pose for a request.
 
     Raises:
-        Failure: the volume is empty, or no sample of it satisfies the facts and is free.
+        Failure: the volume is empty, or no sample from it satisfies the facts and is free.
     """
     every_fact = request.facts
     request, situation = request.isolated(situation)

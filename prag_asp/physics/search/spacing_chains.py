@@ -1,4 +1,4 @@
-"""Keep objects apart for an object that is not placed yet: it will be to the left of one and to the right of the other.
+"""Leave room between two objects for one that is not placed yet: it will be left of one and right of the other.
 
 Objects are placed one after another. An object that its relations put between two others needs room there, whichever of
 the three is placed last.
@@ -19,7 +19,7 @@ from prag_asp.scene.geometry import Quaternion
 
 
 class SpacingChain(NamedTuple):
-    """A placed object, the direction from it to another object, and the room in metres for the objects between both."""
+    """A placed object, the direction from it to another object, and the room in metres for objects in between."""
 
     end: str
     side: Direction

@@ -76,7 +76,7 @@ def make_body(
 
 
 def mass_frame(scene: Scene, entity: str) -> Pose | None:
-    """Return the inertial frame of a body (centre of mass, principal axes) in its frame; None if both are equal.
+    """Return the inertial frame (centre of mass, principal axes) in the body's frame; None if the two frames are equal.
 
     PyBullet's poses of bodies are the poses of their inertial frames.
     """

@@ -94,7 +94,7 @@ def visible_pieces(solids: Sequence[Solid], looks: Sequence[Look], color: str) -
 
 
 def _own_file(solid: Solid) -> tuple[str, dict[str, bytes]]:
-    """Return the name of the file that a mesh collides with, and the file by name; both empty for other solids."""
+    """Return the name of a mesh's collision file, and the file by name; both are empty for other solids."""
     if not solid.mesh:
         return "", {}
     name, content = mesh_file(solid)

@@ -1,7 +1,7 @@
 """A kinematic PyBullet world with the robots, the table and one body for each object of the scene.
 
 Bodies are made once and reused, because making and removing them leaks memory. Bodies that a task does not use are
-parked, each at a separate place. PyBullet does not report unknown bodies and poses that are not finite, so both are
+parked, each at a separate place. PyBullet does not report unknown bodies or poses that are not finite, so both are
 checked here.
 """
 

@@ -99,6 +99,6 @@ def _table(lines: list[str], word: str, values: Floats) -> Integers:
 
 
 def _unit(normals: Floats) -> Floats:
-    """Return vectors of length 1."""
+    """Return vectors scaled to length 1."""
     result: Floats = normals / np.maximum(np.linalg.norm(normals, axis=-1, keepdims=True), 1e-12)
     return result

@@ -45,7 +45,7 @@ class NoveltyCurriculum:
     name or pair is found, a new pass begins.
 
     Raises:
-        QueryError: `what` has another value.
+        QueryError: `what` is none of these.
     """
 
     what: What = "pairs"

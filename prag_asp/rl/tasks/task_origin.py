@@ -89,7 +89,7 @@ class TaskOrigin:
 
         Raises:
             QueryError: a domain is given with other tasks, or is invalid.
-            DomainError: there is no domain of this name.
+            DomainError: there is no domain with this name.
         """
         if requested is not None and (self.task is None or not isinstance(requested, Domain | str)):
             raise QueryError(f"domain {requested!r:.80}: give that of a task; a space and a dataset have their own")

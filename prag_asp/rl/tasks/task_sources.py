@@ -294,7 +294,7 @@ class DatasetSource:
         """Return the task with a given number in the dataset.
 
         Raises:
-            QueryError: the dataset has no task of this number.
+            QueryError: the dataset has no task with this number.
         """
         return self._assignment(require_rank(rank, self._count))
 

@@ -2,7 +2,7 @@
 
 A path is relative to the folder of the model or to a folder above it, the nearest first, as PyBullet resolves it. In
 ``package://NAME/PATH`` and ``model://NAME/PATH``, NAME is also a folder, or the package that contains the model, whose
-folder may have another name here. Files outside the folder of the domain are not found.
+folder may have a different name here. Files outside the folder of the domain are not found.
 """
 
 from __future__ import annotations

@@ -92,7 +92,7 @@ def resting(shape: Shape) -> Shape | None:
 def stable_rotations(points: Floats, centre: Floats) -> Iterator[tuple[float, Floats]]:
     """Yield each stable pose of a body: the height of the centre of mass in metres, and the rotation (3, 3).
 
-    The body rests on a face of the convex hull of `points` (n, 3) of its surface that is below its centre of mass (3,).
+    The body rests on a face, below its centre of mass (3,), of the convex hull of `points` (n, 3) on its surface.
     """
     hull = convex_hull(points)
     corners = np.unique(hull.reshape(-1, 3), axis=0)

@@ -184,7 +184,7 @@ class _Walls(NamedTuple):
 
 
 def _closed(heights: Floats, reach: int) -> Floats:
-    """Fill gaps of up to twice `reach` cells in heights: a morphological closing with a square."""
+    """Fill gaps that are at most twice `reach` cells wide in heights: a morphological closing with a square."""
     padded = np.pad(heights, 2 * reach, constant_values=-np.inf)
     window = (2 * reach + 1, 2 * reach + 1)
     grown = np.lib.stride_tricks.sliding_window_view(padded, window).max((2, 3))

@@ -43,7 +43,7 @@ MASSES, DENSITIES = (1e-4, 100.0), (1.0, 25000.0)
 
 
 def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
-    """Return the shape that a table of the kind ``mesh`` defines, and report problems of the table.
+    """Return the shape that a table of the kind ``mesh`` defines, and report problems in the table.
 
     Without `mass` and `density`, its model has a density of 1 kg/m³.
 

@@ -119,7 +119,7 @@ def read_scene(root: TableEntry, names: DomainNames) -> Scene:
 
 
 def _check_bodies(root: TableEntry, scene: Scene, names: DomainNames) -> None:
-    """Report bodies with an impossible place.
+    """Report bodies in impossible places.
 
     These are bodies larger than the table, fixed bodies that are off the table or overlap each other or a robot, and
     furniture without a place.

@@ -1,4 +1,4 @@
-"""The stability on the ground of a body from a file: whether it stands, and if not, how it comes to rest.
+"""Find out whether a body from a file stands on the ground and, if not, how it comes to rest.
 
 The base of a body is the convex hull of all its points within `CONTACT` of the lowest one. Boxes and meshes are sampled
 at their corners, cylinders and balls all around, balls also just above their lowest point.

@@ -234,7 +234,7 @@ def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[Element
 
 @contextmanager
 def _errors_at(path: Path, line: int, what: str) -> Iterator[None]:
-    """Prefix errors that the block raises with the line and name of a URDF element."""
+    """Put the line and name of a URDF element in front of the messages of errors that the block raises."""
     try:
         yield
     except SceneError as error:
@@ -274,7 +274,7 @@ def _thick(solid: Solid) -> Solid:
 
 
 def _lengths(element: ElementTree.Element, name: str, count: int, default: str = "") -> Size:
-    """Return the `count` positive numbers of an attribute, padded with zeros."""
+    """Return the `count` positive numbers in an attribute, padded with zeros."""
     values = _numbers(element.get(name, default), count, f"the {name} of <{element.tag}>")
     if min(values[:count]) <= 0.0:
         raise SceneError(f"<{element.tag}> has the {name} {element.get(name)!r}; give positive numbers")
@@ -282,7 +282,7 @@ def _lengths(element: ElementTree.Element, name: str, count: int, default: str =
 
 
 def _numbers(text: str, count: int, name: str) -> Size:
-    """Return the `count` finite numbers of a text, padded with zeros."""
+    """Return the `count` finite numbers in a text, padded with zeros."""
     try:
         values = [float(word) for word in text.split()]
     except ValueError:

@@ -21,7 +21,7 @@ def robot_of(scene: Scene, name: str) -> Robot:
     """Return the robot in a scene whose entity has a given name.
 
     Raises:
-        SceneError: the scene has no robot of that name.
+        SceneError: the scene has no robot with that name.
     """
     mount = scene.robots.get(name)
     if mount is None:

@@ -1,1 +1,1 @@
-"""Sampling of words with exact probabilities, many at once."""
+"""Sample many words at once, with exact probabilities."""

@@ -98,5 +98,5 @@ def test_a_plan_of_hundreds_of_actions_is_read() -> None:
      "Make sure that " + "the can is in the tray and that " * 3_000],
 )  # fmt: skip
 def test_endless_texts_are_refused_at_once(writer: InstructionWriter, task: Task, text: str) -> None:
-    with pytest.raises(QueryError, match=r"no sentence|no instruction"):
+    with pytest.raises(QueryError, match=r"not a sentence|not an instruction"):
         writer.read(task, text)

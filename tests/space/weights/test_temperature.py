@@ -47,7 +47,13 @@ def test_a_root_that_is_a_fraction_is_found() -> None:
 
 @pytest.mark.parametrize(
     ("temperature", "message"),
-    [(0, "above 0"), ("-1", "above 0"), ("warm", "no exact number"), (0.5, "no exact number"), ("1/9999", "too large")],
+    [
+        (0, "above 0"),
+        ("-1", "above 0"),
+        ("warm", "not an exact number"),
+        (0.5, "not an exact number"),
+        ("1/9999", "too large"),
+    ],
 )
 def test_a_temperature_that_means_nothing_is_refused(temperature: object, message: str) -> None:
     with pytest.raises(QueryError, match=message):
