@@ -96,7 +96,10 @@ def _nearest_tables(audit: BenchmarkAudit, *, full: bool) -> Iterator[AuditTable
     distances = sorted({each.distance for each in audit.nearest})
     counts = Counter((each.suite, each.distance) for each in audit.nearest)
     rows = tuple((suite, *(str(counts[suite, distance]) for distance in distances)) for suite in suites)
-    note = "Each column counts the problems whose goal differs from the nearest goal in another suite by this number of facts."
+    note = (
+        "Each column counts the problems whose goal differs from the nearest goal in another suite by this number of "
+        "facts."
+    )
     yield AuditTable("distance to the nearest goal", ("suite", *map(str, distances)), rows, note)
     if full:
         listed = (
@@ -113,10 +116,8 @@ def _same_table(same: Sequence[Sequence[str]], *, full: bool) -> AuditTable:
         members = group if full else group[:SHOWN_MEMBERS]
         more = "" if len(members) == len(group) else " ..."
         rows.append((str(len(group)), ", ".join(members) + more))
-    total = plural(len(same), "goal")
-    return AuditTable(
-        "problems with the same goal", ("problems", "names"), tuple(rows), f"{total} {'occurs' if len(same) == 1 else 'occur'} in several problems."
-    )
+    note = f"{plural(len(same), 'goal')} {'occurs' if len(same) == 1 else 'occur'} in several problems."
+    return AuditTable("problems with the same goal", ("problems", "names"), tuple(rows), note)
 
 
 def _finding_table(audit: BenchmarkAudit) -> AuditTable:

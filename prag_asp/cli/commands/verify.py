@@ -58,8 +58,10 @@ def _verify_split(folder: Path, trust: bool) -> None:
     note = SPLIT.read(folder)
     assert note is not None
     tasks, first = plural(sum(part.tasks for part in note.parts), "task"), note.parts[0].name
-    proofs = [f"all others at least {plural(note.distance, 'edit')} from the whole part {first}"] * (note.distance > 1)
+    edits = plural(note.distance, "edit")
+    proofs = [f"every task outside {first} is at least {edits} from every task of {first}"] * (note.distance > 1)
     if note.combinations:
-        held = plural(len(note.combinations), "combination")
-        proofs.append(f"{first} covers all {note.reachable} and lacks {held} of which each other task has one")
-    say("; ".join([f"{folder}: ok", f"{tasks}, {', '.join(proofs)}"]))
+        held = plural(len(note.combinations), "larger combination")
+        proofs.append(f"{first} covers all {note.reachable} combinations")
+        proofs.append(f"{first} lacks {held}, and every other task contains at least one of them")
+    say("; ".join([f"{folder}: ok", tasks, *proofs]))
