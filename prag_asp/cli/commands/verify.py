@@ -25,8 +25,8 @@ def verify(*, folder: str, trust: bool, physics: bool, workers: int) -> None:
     """Verify the contents of a dataset, a suite, or a split with --distance or --cover.
 
     Checks files, counts, plans, instructions and witnesses: tasks are sampled again with the seed, plans are checked by
-    clingo, witnesses in a new simulation. Prints a line for each error, with its file and row (from 0); the exit code
-    is 1 if there is an error.
+    clingo, and witnesses are checked in a new simulation. Prints a line for each error, with its file and row (from 0);
+    the exit code is 1 if there is an error.
     """
     from prag_asp.dataset.suites.suite_manifest import count_tasks
     from prag_asp.dataset.suites.verifying import verify as wrong
