@@ -18,7 +18,9 @@ def serve_page(views: Mapping[str, View], turns: Turns, page: str, *, port: int,
     """Serve views, and print the link of a page, given as its file and query; with `opens`, open it in the browser."""
     from prag_asp.explore.page_server import PageServer
     from prag_asp.explore.space_pages import PAGE
+    from prag_asp.processes.progress_events import hear
 
+    hear(turns.tell)
     with PageServer(PAGE, views, turns, port=port, report=tell_line) as server:
         link = f"{server.link}{page}"
         say(link)

@@ -36,7 +36,13 @@ OF_MODELS = ("project", "optimal")
 @domain_options(
     *DOMAIN,
     click.option(
-        "-n", "--length", type=parse_length, metavar="N", help="Number of actions of a task; required without --models."
+        "-n",
+        "--length",
+        type=parse_length,
+        metavar="N",
+        default="0",
+        show_default=False,
+        help="Number of actions of a task; required without --models.",
     ),
     *ENGINE,
     options.trust,
@@ -101,10 +107,10 @@ def _serve_tasks(request: DomainOptions, by: Any, prefix: str | None, *, port: i
     from prag_asp.explore.page_state import PageState, parse_query
     from prag_asp.explore.space_pages import space_views
     from prag_asp.explore.turns import Turns
-    from prag_asp.processes.progress_events import hear
 
-    if request.length is None:
-        (parameter,) = (each for each in click.get_current_context().command.params if each.name == "length")
+    context = click.get_current_context()
+    if context.get_parameter_source("length") is not ParameterSource.COMMANDLINE:
+        (parameter,) = (each for each in context.command.params if each.name == "length")
         raise click.MissingParameter(param=parameter)
     turns = Turns()
     limits = replace(exit_control.limits(cached=request.cached), since=None, seconds=None, stop=turns.stop)
@@ -114,7 +120,6 @@ def _serve_tasks(request: DomainOptions, by: Any, prefix: str | None, *, port: i
         explored = replace(_explored(request, limits), progress=turns.tell)
         explored.chosen(state)  # a wrong condition or prefix is reported here; the page counts
     end_progress()
-    hear(turns.tell)
     serve_page(space_views(explored), turns, f"?{state.query}", port=port, opens=opens)
 
 

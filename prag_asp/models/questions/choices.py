@@ -39,7 +39,7 @@ def parse_choice(text: str, known: Collection[clingo.Symbol]) -> Choice:
         with not_too_deep(text):
             symbol = clingo.parse_term(name, logger=lambda *_: None)
     except RuntimeError:
-        raise QueryError(f"{text[:40]!r} is no literal; write an atom, such as p(1), or not p(1)") from None
+        raise QueryError(f"{text[:40]!r} is not a literal; write an atom, such as p(1), or not p(1)") from None
     if symbol not in known:
         raise QueryError(unknown(str(symbol), map(str, known), "shown atom"))
     return Choice(symbol, name != words)
