@@ -1,4 +1,4 @@
-"""A local page that browses a task space: states of the page, the views that they show, and the server.
+"""Local pages that browse a task space or the answer sets of a program: states of the page, the views that they show, and the server.
 
 PageState  <->  query of a link
     |

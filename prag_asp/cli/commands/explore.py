@@ -13,7 +13,7 @@ from prag_asp.atom import split_actions
 from prag_asp.cli import options
 from prag_asp.cli.arguments import parse_constant_options, parse_length
 from prag_asp.cli.domain_options import DOMAIN, ENGINE, DomainOptions, domain_options
-from prag_asp.cli.page_serving import serve_page
+from prag_asp.cli.page_serving import serve_models, serve_page
 from prag_asp.cli.terminal import end_progress, progress
 from prag_asp.errors import QueryError
 from prag_asp.safe_reading import STANDARD_INPUT
@@ -82,8 +82,6 @@ def explore(
     """
     if models:
         _refuse(OF_TASKS, "it is about tasks; leave it out with --models")
-        from prag_asp.cli.models_page import serve_models
-
         serve_models(request, project=project, optimal=optimal, port=port, opens=opens)
     else:
         _refuse(OF_MODELS, "it is about answer sets; add --models")

@@ -13,9 +13,9 @@ from fractions import Fraction
 import clingo
 
 from prag_asp.errors import QueryError
-from prag_asp.explore.explored_program import MOST_COMPARED, AtomNumbers, ExploredProgram, ModelsResult
-from prag_asp.explore.models_state import ModelsState
 from prag_asp.explore.plan_view import share
+from prag_asp.explore.programs.explored_program import MOST_COMPARED, AtomNumbers, ExploredProgram, ModelsResult
+from prag_asp.explore.programs.models_state import ModelsState
 from prag_asp.explore.same_result import SameResult
 from prag_asp.integers import digits_of
 from prag_asp.models.questions.choices import NOT
