@@ -54,7 +54,7 @@ OF_MODELS = ("project", "optimal")
 @options.prefix
 @click.option(
     "--models", is_flag=True,
-    help="DOMAIN... are the files of any clingo program: show its answer sets. --where chooses and excludes atoms.",
+    help="Show the answer sets of the clingo program in the files DOMAIN...; --where chooses and excludes atoms.",
 )  # fmt: skip
 @click.option("--project", is_flag=True, help="With --models: as for prag-asp models.")
 @click.option("--optimal", is_flag=True, help="With --models: as for prag-asp models.")
