@@ -72,13 +72,14 @@ SHOWN = 5
 )  # fmt: skip
 @click.option(
     "--except", "excluded", metavar="FILE|DIR", multiple=True, shell_complete=shell_completion.files,
-    help="Leave out the tasks of a file of scenario ids, or of another dataset; may be repeated.",
+    help="Leave out the tasks in a file of scenario ids or in another dataset; may be repeated.",
 )  # fmt: skip
 @options.strata_options
 @click.option("--skeletons", is_flag=True, help="With --split: parts also share no skeleton.")
 @click.option(
     "--hold-out", "held", metavar="WHAT", shell_complete=shell_completion.names,
-    help="Entity, class, action or pair that occurs only in the part test; it gets a fifth, or its share of --split.",
+    help="Entity, class, action or pair that occurs only in the part test, which gets a fifth of the tasks, or its "
+    "share in --split.",
 )  # fmt: skip
 @click.option(
     "--starts", type=whole(1), default=1, show_default=True, metavar="K",
@@ -101,13 +102,13 @@ SHOWN = 5
 )  # fmt: skip
 @click.option(
     "--phrasings", default="", metavar="'K of N'",
-    help="Use only every N-th phrasing, from the K-th; '1 of 2' and '2 of 2' share no phrasing.",
+    help="Use only every N-th phrasing, starting with the K-th; '1 of 2' and '2 of 2' share no phrasing.",
 )  # fmt: skip
 @click.option("--shard", type=whole(1), metavar="K", help="Maximum number of tasks in a file.  [default: 1000]")
 @max_draws
 @click.option(
     "--part", metavar="K/N",
-    help="Validate only every N-th sampled task, from the K-th: one of N jobs, which prag-asp merge joins.",
+    help="Run job K of N, which validates every N-th sampled task; prag-asp merge combines the results of all jobs.",
 )  # fmt: skip
 @ray
 @click.option(

@@ -54,7 +54,7 @@ def covering_tasks(space: TaskSpace, strength: int) -> CoveringTasks:
     found = covering_set(space, strength)
     tell_line(
         f"{plural(len(found.tasks), 'task')} for all {plural(len(found.reachable), 'reachable combination')} of "
-        f"{plural(strength, 'factor')}; no set has fewer than {found.at_least}"
+        f"{plural(strength, 'factor')}; at least {plural(found.at_least, 'task')} needed"
     )
     return CoveringTasks(space, found)
 

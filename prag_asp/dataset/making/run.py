@@ -337,13 +337,11 @@ def too_few(part: PartManifest, available: TaskOrder, limit: int, candidates: in
     tallies = [tally for shard in part.shards for tally in shard.tally]
     trivial = sum(tally.trivial for tally in tallies)
     if trivial and part.draws in {trivial, available.size}:
-        return f"{summary}, {trivial} of them trivial: {TRIVIAL}; keep these by --trivial"
+        return f"{summary}, {trivial} of them trivial: {TRIVIAL}; keep these with --trivial"
     if part.draws >= limit:
         proved = sum(tally.infeasible for tally in tallies)
         if proved == part.draws - trivial:
-            which = (
-                "all proved infeasible" if not trivial else f"all others than {trivial} trivial ones proved infeasible"
-            )
+            which = "all proved infeasible" if not trivial else f"all but {trivial} trivial ones proved infeasible"
             return f"{summary}, {which}; change the domain or its scene, or see prag-asp learn"
         if 2 * proved > part.draws:
             return f"{summary}, {proved} of them proved infeasible; see prag-asp learn, which excludes such tasks"
