@@ -125,7 +125,7 @@ PUBLIC = {
     "LimitReached", "Limits", "OutputError", "PragError", "QueryError", "Reasons", "Scene", "SceneError", "Task",
     "TaskSpace",
     "__version__", "answer_sets", "bounded", "explain", "fewest_changes", "load_domain", "load_scene",
-    "parse_atom", "shipped_domains", "why_empty", "write_new_domain",
+    "parse_atom", "shipped_domains", "show_progress", "why_empty", "write_new_domain",
 }  # fmt: skip
 HEAVY = {
     "inflect",
