@@ -53,7 +53,8 @@ RECORDINGS = "demonstrations"
 """The folder of the recordings in a dataset."""
 
 JOURNAL = "journal.part"
-"""The file with the results of the draws since the last shard, to resume an interrupted run; removed at the end."""
+"""The file with the results of the draws since the last shard, used to resume an interrupted run and removed at the
+end."""
 
 Progress = Callable[[str, int, int], None]
 """Reports progress: a message, the number of tasks so far, and the number requested."""
@@ -63,7 +64,7 @@ Progress = Callable[[str, int, int], None]
 class DrawRecord:
     """A draw to write: its result, with a `job_result` unless it comes from the journal.
 
-    `task` holds the task and its texts, or None if the job result has their row.
+    `task` holds the task and its texts, or is None if the job result already contains their row.
     """
 
     placed: RankedDraw
@@ -129,7 +130,7 @@ class DatasetRun:
             with uninterrupted():
                 self._journal.close()
         for note in self._manifest.parts:
-            # Other machines may have the rest, and a stratum may have too few feasible tasks.
+            # Other machines may have the rest, or a stratum may have too few feasible tasks.
             exhausted = (spec.part is not None or bool(spec.strata)) and note.draws >= number_of(note.size)
             if note.tasks < note.requested and not exhausted:
                 raise NotFound(too_few(note, parts[note.name], self._limit(note.name)))
@@ -140,7 +141,7 @@ class DatasetRun:
         return self._spec.draws_of(self._shares[name], self._max_draws)
 
     def _resumed(self, request: Manifest) -> Manifest:
-        """Return the manifest that the run continues; it is complete if there is nothing to do."""
+        """Return the manifest with which the run continues; it is complete if there is nothing to do."""
         spec, shares = self._spec, self._shares
         manifest = DATASET.read(self._folder) or request
         if manifest.identity != request.identity:
@@ -185,7 +186,7 @@ class DatasetRun:
         write_manifest(self._folder, self._manifest)
 
     def _fill(self, writer: PartWriter, part: TaskOrder, journaled: list[DrawResult]) -> None:
-        """Add draws to a part until it has the requested tasks, or the limit of draws is reached."""
+        """Add draws to a part until it has the requested tasks, or until the limit on draws is reached."""
         note, parts = writer.note, self._parts
         plan = DrawPlan(self._spec.deal) if parts is None else parts.plan(note.name)
         limit = min(self._limit(note.name), part.size)
@@ -286,7 +287,7 @@ class DatasetRun:
 
 
 def too_few(part: PartManifest, available: TaskOrder, limit: int) -> str:
-    """Return the message for a part with fewer tasks than requested, with the reason."""
+    """Return the message for a part that has fewer tasks than requested, with the reason."""
     draws = plural(part.draws, "draw")
     summary = f"only {part.tasks} of {plural(part.requested, 'task')} for {part.name} found in {draws}"
     tallies = [tally for shard in part.shards for tally in shard.tally]

@@ -76,7 +76,7 @@ class PartReader:
 
 
 class _Cursor:
-    """A cursor over the rows of a table in a shard, which are sorted by a numeric column."""
+    """Moves along the rows of a table in a shard, which are sorted by a numeric column."""
 
     def __init__(self, folder: Path, table: str, shard: Shard) -> None:
         self._groups = row_groups(folder, table, shard, digest=True)

@@ -1,4 +1,4 @@
-"""A suite as a value: its parts, each with the conditions that distinguish it from the others."""
+"""A suite as a value: its parts, with the conditions that distinguish each from the others."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class HeldOut:
-    """Something that only some parts contain: the condition that a task has it, and the negation of this condition."""
+    """Something that only some parts contain: the condition that a task has it, and the negation of that condition."""
 
     what: str
     having: str
@@ -30,8 +30,9 @@ class HeldOut:
 class SuitePart:
     """A part: the tasks from which it samples, the number of samples, and the language of their texts.
 
-    `where` holds all its conditions, including those of the suite and of everything held out. `unseen` is held out from
-    the other parts, `of` is the part whose tasks it repeats, and `shares` are the parts with which it may share tasks.
+    `where` holds all its conditions, including those of the whole suite and those that exclude what is held out.
+    `unseen` is held out from the other parts, `of` is the part whose tasks this part repeats, and `shares` are the
+    parts with which it may share tasks.
     """
 
     name: str
@@ -51,7 +52,7 @@ class SuitePart:
     phrasings: str = ""
 
     def apart(self, other: SuitePart) -> bool:
-        """Return whether no sentence for an action can occur in both parts."""
+        """Return whether the two parts cannot have the same sentence for an action."""
         mine, others = Phrasings.parse(self.phrasings), Phrasings.parse(other.phrasings)
         return self.language != other.language or mine.disjoint(others)
 
@@ -62,7 +63,7 @@ class SuitePart:
 
 @dataclass(frozen=True)
 class Suite:
-    """Parts over the tasks of one domain; `path` and `text` belong to the file that defines the suite."""
+    """Parts over the tasks of one domain; `path` and `text` are those of the file that defines the suite."""
 
     name: str
     domain: Domain
@@ -78,7 +79,7 @@ class Suite:
     text: str = field(default="", repr=False)
 
     def place(self, *keys: str) -> str:
-        """Return the file and line of a key, for the beginning of a message."""
+        """Return the file and the line of a key, to begin a message."""
         return f"{self.path}:{key_line(self.text, keys)}"
 
     def at_most(self, tasks: int) -> Suite:
@@ -97,7 +98,7 @@ class Suite:
         """Return the request for the dataset of a part.
 
         Raises:
-            QueryError: values of the part contradict each other; the message names the part.
+            QueryError: values of the part conflict; the message names the part.
         """
         try:
             return DatasetSpec.of(

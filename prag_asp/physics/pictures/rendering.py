@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from PIL import Image
 
 GIVE = 0.005
-"""The tolerance by which measured joint angles and openings may exceed their limits, in radians and metres."""
+"""The amount by which measured joint angles (radians) and openings (metres) may exceed their limits."""
 
 START_FACTS = 4
 """The maximum number of facts in the caption of an initial state."""
@@ -49,12 +49,12 @@ def film_strip(
     headings: Sequence[str | None] | None = None,
     captions: Sequence[tuple[str, str]] | None = None,
 ) -> Image.Image:
-    """Return a picture of the states of a witness or a demonstration, or of `frames` of them, including first and last.
+    """Return a picture of all states of a witness or a demonstration, or of `frames` of them, including the two ends.
 
     They are arranged in rows of at most `columns`; `size` is the size of one picture in pixels. What an action has
     changed is outlined, and shown in a close-up if the robot hides it. Below each picture are the action and its
-    positive effects in plain words, large enough to be read at the width of a page. `headings` that are not None
-    replace the words for the actions; `captions` replace all words with a heading and a text for each state.
+    positive effects in plain words, large enough to be legible at the width of a page. `headings` that are not None
+    replace the words for the actions; `captions` replace all words by a heading and a text for each state.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
@@ -83,7 +83,7 @@ def film_strip(
 def still(
     task: Task, shown: Witness | Demonstration, scene: Scene, state: int, *, size: tuple[int, int] = (960, 800)
 ) -> Image.Image:
-    """Return a picture of one state, 0 for the initial one, without a caption; `size` is in pixels.
+    """Return a picture of one state (0 is the initial state) without a caption; `size` is in pixels.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
@@ -175,7 +175,7 @@ def make_captions(
     headings: Sequence[str | None] | None,
     captions: Sequence[tuple[str, str]] | None = None,
 ) -> list[tuple[str, str]]:
-    """Return the heading and text of each state; the first text explains left and right if the robot defines them."""
+    """Return the heading and text of each state; if left and right are the robot's, the first text says so."""
     texts = [captions[k] if captions is not None else caption(task, scene, k, headings) for k in chosen]
     if scene.frame == "viewer" or not any(SIDES.search(text) for pair in texts for text in pair):
         return texts
@@ -185,7 +185,7 @@ def make_captions(
 
 
 def _fact_words(candidates: Sequence[Fact], most: int = 2) -> str:
-    """Return the facts with the lowest caption ranks in words; facts of user-defined predicates come first."""
+    """Return the facts that come first in captions, in words; facts of user-defined predicates precede all others."""
     worth = (fact for fact in candidates if fact.predicate.caption_rank < math.inf)
     ranked = sorted(worth, key=lambda fact: fact.predicate.caption_rank)
     return ", ".join(fact.sentence() for fact in ranked[:most] or candidates[:1])
