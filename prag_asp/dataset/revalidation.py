@@ -134,7 +134,7 @@ def _fault(task: Task, expected: Task) -> str:
 def _outcomes(
     records: Iterator[CheckedRecord], scene: Scene, witness_only: bool, options: Mapping[str, Any]
 ) -> Iterator[Outcome]:
-    """Yield the outcome of each task, in order: by a new search for a witness, or by a check of its witness."""
+    """Yield the outcome of each task, in order: search for a new witness, or check the witness that it has."""
     waiting: deque[tuple[Record, Outcome | None]] = deque()
 
     def jobs() -> Iterator[tuple[int, Any]]:

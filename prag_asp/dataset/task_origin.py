@@ -86,7 +86,7 @@ def errors_with_place(record: Record, domain: Domain | None = None, advice: str 
 
 
 def index_of(record: Record) -> int:
-    """Return the search index in the verdict of a record, to repeat the search, or without one a hash of the plan."""
+    """Return the search index in a record's verdict, to repeat the search, or else a hash of the plan."""
     index = (record.verdict or {}).get("index")
     if type(index) is int and index >= 0:
         return index

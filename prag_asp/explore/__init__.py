@@ -1,4 +1,4 @@
-"""A local page that browses a task space: states of the page, the views that they show, and the server.
+"""A local page for browsing a task space: states of the page, the views that they show, and the server.
 
 PageState  <->  query of a link
     |

@@ -191,7 +191,7 @@ class TableBuilder:
 
 
 def array_of(values: Sequence[Any], kind: pa.DataType) -> pa.Array:
-    """Return an Arrow array of texts, truth values, numbers of `NUMBERS`, lists or mappings of these, or None."""
+    """Return an Arrow array of texts, truth values, `NUMBERS`, lists or mappings of these, or None."""
     is_valid = [value is not None for value in values]
     validity = None if all(is_valid) else bits(is_valid)
     if pa.types.is_list(kind):

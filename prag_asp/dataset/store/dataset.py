@@ -102,7 +102,7 @@ class Dataset:
         )
 
     def _strip_url(self) -> str | None:
-        """Return camera images of the first episode as a data URL; None if its file is missing, damaged or large."""
+        """Return camera images of the first episode as a data URL, or None if its file is missing, damaged or large."""
         from prag_asp.physics.demonstration.footage_strip import strip_url
 
         with suppress(PragError, OSError):
@@ -235,7 +235,7 @@ class Dataset:
             yield entry, row["start"], self._recording(row["file"])
 
     def recorded_seconds(self) -> Iterator[tuple[DatasetEntry, int, float]]:
-        """Yield each recorded task, the number of an initial state, and the seconds of its episode, in order."""
+        """Yield each recorded task, the number of an initial state, and its episode's length in seconds, in order."""
         for entry, row in self._starts("recordings"):
             yield entry, row["start"], row["seconds"]
 

@@ -151,7 +151,7 @@ def _own_files(domain: Domain) -> Iterator[tuple[str, bytes]]:
             yield source.path.resolve().relative_to(folder).as_posix(), read_bytes(source.path)
     else:
         text, rules = "", domain.encodings.resolve()
-        for source in logic:  # the predicates of a rule of the encodings are reserved: it is included by its name
+        for source in logic:  # predicates of a rule in the encodings are reserved: it is included by name
             path = source.path.resolve()
             is_rule = path.is_relative_to(rules)
             include = f'#include "{path.relative_to(rules).as_posix()}".\n' if is_rule else ""

@@ -15,7 +15,7 @@ TRIVIAL = "the final state is the initial state"
 
 
 class RecordingInfo(msgspec.Struct):
-    """The recording from an initial state, as in its row, with the colours of entities if these are randomized."""
+    """The recording from an initial state, as stored in its row, with the colours of entities if randomized."""
 
     file: str
     sha256: str

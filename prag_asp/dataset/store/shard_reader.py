@@ -85,7 +85,7 @@ class _Cursor:
         self._place = 0
 
     def rows(self, column: str, number: int) -> pa.Table | None:
-        """Return the rows with a number, or None if there are none; callers request numbers in ascending order."""
+        """Return the rows with a number, or None if there are none; callers ask for numbers in ascending order."""
         pieces = []
         while self._forward(column):
             if self._keys[self._place] > number:

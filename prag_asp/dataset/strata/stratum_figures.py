@@ -84,7 +84,7 @@ class StratumFeed(Generic[Item]):
     """
 
     def __init__(self, strata: Sequence[tuple[str, int, int]], draws: Sequence[Iterable[tuple[int, Item]]]) -> None:
-        """`strata` has the name, the size and the quota of each stratum, and `draws` its numbered draws in order."""
+        """`strata` holds each stratum's name, size and quota, and `draws` holds its numbered draws in order."""
         self._strata, self._draws = strata, draws
         self._pending: deque[tuple[int, int]] = deque()
         self._found, self._drawn = [0] * len(strata), [0] * len(strata)

@@ -139,7 +139,7 @@ class _SuiteReader:
         )  # fmt: skip
 
     def _physics(self) -> tuple[Budget | None, Staging | None, bool]:
-        """Return the budget of physics, its staging, and whether it demonstrates; without a budget, physics is off.
+        """Return the budget of physics, its staging, and whether tasks are performed; without a budget, physics is off.
 
         By default, physics is on if the domain has a scene.
         """

@@ -82,7 +82,7 @@ class InitialStateChecks:
                 )
         whole = self._manifest.spec.deal.whole
         draws = {row["task"]: whole(row["draw"]) for _, row in rows}
-        before: dict[int, tuple[int, int]] = {}  # by task: the initial state due next, and the last search
+        before: dict[int, tuple[int, int]] = {}  # for each task: the next initial state, and the last search
         for place, row in witnesses:
             file = shard.files["witnesses"].path
             if row["task"] in count:

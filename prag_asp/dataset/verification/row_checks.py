@@ -166,7 +166,7 @@ class RowChecks:
         yield from self._wrong_verdict(table, entry)
 
     def _wrong_texts(self, entry: DatasetEntry, task: Task, colours: Mapping[str, str]) -> Iterator[str]:
-        """Yield the faults of the texts: they must be those that the seed yields; instructions must parse to the plan.
+        """Yield the faults of the texts, which must be those that the seed yields; instructions must parse to the plan.
 
         The parser gets only the text and the colours; instructions too long for it are not parsed.
         """

@@ -56,7 +56,7 @@ class Recorder:
         self._openings.append(list(self._world.openings().values()))
 
     def touches(self) -> list[Touch]:
-        """Return the contacts recorded from the end of the state before last to the end of the last state."""
+        """Return the contacts recorded since the end of the state before the latest one."""
         first = self._ends[-2] + 1 if len(self._ends) > 1 else 0
         begun = bisect_left(self._contacts, (first, 0, 0))
         forces = np.array(self._forces[begun:], dtype=np.float32).tolist()

@@ -228,7 +228,7 @@ def _over_volume(situation: Situation, arguments: Arguments, quaternion: Quatern
 
 
 def _at_demands(scene: Scene, arguments: Arguments, near: float = CENTRE_TOLERANCE) -> Iterator[Demand]:
-    """Yield constraints that the tool is at a body's height, at most `near` metres from its centre along each axis."""
+    """Yield constraints that the tool is at a body's height and is near its centre, within `near` metres per axis."""
     robot, entity = arguments
     if scene.shapes[entity].model is not None:
         beyond = pad_reach(robot_of(scene, robot))

@@ -46,7 +46,7 @@ def sample_openings(search: Search, situation: Situation, facts: Iterable[Fact])
 
 
 def sample_opening(search: Search, situation: Situation, furniture: str, facts: Iterable[Fact]) -> float:
-    """Return a random opening that the facts allow for furniture, in metres or radians; if there are none, 0 or full.
+    """Return a random opening of furniture that facts allow, in metres or radians; without facts, one of `ENDS`.
 
     Raises:
         Failure: the facts allow no opening.

@@ -26,10 +26,10 @@ COLLISION = -0.0015
 
 NOTHING_OPEN: Mapping[str, float] = {}
 CONTACT_BREAKING = 0.005
-"""The distance in metres at which contacts break. With PyBullet's default of 20 mm, contact points keep normals from
-before a held object was rotated; with 2 mm, a standing can sinks by up to 5 mm into its support.
+"""The distance in metres at which contacts break.
 
-All worlds of a process share this number.
+With PyBullet's default of 20 mm, contact points keep outdated normals after a held object has been rotated; with 2 mm,
+a standing can sinks by up to 5 mm into its support. All worlds of a process share this number.
 """
 
 

@@ -170,7 +170,7 @@ class _Walls(NamedTuple):
         return cls(points[:, 2], np.stack(places))
 
     def added(self, surface: Floats, cut: float) -> Floats:
-        """Return a surface, given by its heights on the grid, with the parts of walls below a cut between its points.
+        """Return a surface, given by its heights on the grid, after adding parts of walls, below a cut, that it lacks.
 
         The surface is the same array as before if no part is missing.
 

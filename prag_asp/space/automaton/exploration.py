@@ -188,7 +188,7 @@ class _BreadthFirst:
     def _near(self, rows: Rows, left: int) -> NDArray[np.intp]:
         """Return the indices of the states from which a plan may end within `left` steps.
 
-        If only a few of the first states of a layer are too far from the end, the other states are not tested.
+        If only a few states at the beginning of a layer are too far from the end, the others are not tested.
         """
         if len(self.states) < MANY or self._relaxation is None or self._worth_a_look == (left, False):
             return np.arange(len(rows))
