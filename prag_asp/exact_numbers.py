@@ -15,7 +15,7 @@ MAX_EXPONENT = 1000
 """The maximum number of digits before and after the decimal point."""
 
 EXPONENT = re.compile(r"[-+]?(?P<digits>[\d_.]*)(?:[eE](?P<exponent>[-+]?\d{1,18}))?\d*")
-"""A number as text; for an exponent, only the first 18 digits matter."""
+"""A number as text; digits after an exponent with 18 digits do not matter."""
 
 
 def parse_number(what: str, number: Number) -> Fraction:

@@ -66,7 +66,7 @@ class SimilarityMatrix:
         return values
 
     def save(self, file: str | Path) -> None:
-        """Write the matrix to a .npz with `units` and `denominator`, or to a .parquet with a row for each pair i < j.
+        """Write the matrix to a .npz file (`units` and `denominator`) or a .parquet file (one row for each pair i < j).
 
         Raises:
             QueryError: the file has neither extension.

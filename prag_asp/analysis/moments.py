@@ -185,7 +185,7 @@ def _check_columns(number: int) -> None:
 
 
 def _paired(words: LayeredAutomaton, names: NDArray[np.int64], texts: Sequence[str]) -> ValuedSteps:
-    """Return the words with states that know the preceding name, and each edge's pair of names from the second on."""
+    """Return the words with states that know the preceding name, and the pair of names of each edge after the first."""
     width = len(texts)
     states, before = np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64)
     edges, values = [], []

@@ -81,7 +81,7 @@ class _Structure:
         return canonical_form(self.colours, self.relations)
 
     def relation(self, mark: str, literal: FactValue, *before: Hashable) -> Relation:
-        """Return a fact as a relation of objects: a region becomes part of the label, and is replaced by its target."""
+        """Return a fact as a relation between objects; a region joins the label, with its target in its place."""
         label, objects = [mark, "" if literal.value else "not", literal.fact.name], [*before]
         for name in literal.fact.arguments:
             target, region = self.problem.parts.get(name, (name, ""))

@@ -250,7 +250,7 @@ def _is_fixed(problem: GroundProblem, fact: Atom) -> bool:
 
 
 def filled_pools(texts: Sequence[str]) -> Iterator[str]:
-    """Yield terms as pools of limited width: one term alone, several in parentheses, separated by semicolons."""
+    """Yield terms as pools of limited width: a single term, or several in parentheses, separated by semicolons."""
     terms = [f"{text};" for text in texts[:-1]] + [*texts[-1:]]
     for line in filled(terms, width=90):
         pool = line.removesuffix(";")

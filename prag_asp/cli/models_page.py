@@ -1,4 +1,4 @@
-"""The page of ``prag-asp explore --models``: the answer sets of any logic program."""
+"""The page of ``prag-asp explore --models``, which shows the answer sets of any logic program."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from prag_asp.errors import QueryError
 from prag_asp.safe_reading import STANDARD_INPUT
 
 ENGINES = ("auto", "diagram", "clingo")
-"""The engines that find facets."""
+"""The engines that can find facets."""
 
 
 def serve_models(request: DomainOptions, *, project: bool, optimal: bool, port: int, opens: bool) -> None:
     """Serve the page of a program until Ctrl-C.
 
     Raises:
-        PragError: the program is wrong, or a choice or the engine does not fit it.
+        PragError: the program is wrong, or does not allow a choice or the engine.
     """
     from prag_asp.explore.explored_program import ExploredProgram, Watch
     from prag_asp.explore.models_state import ModelsState

@@ -150,7 +150,7 @@ class Results:
         return dict(Counter(episode.cause for episode in self.episodes).most_common())
 
     def table(self) -> str:
-        """Return the rates as text, with Wilson's 95 % intervals; with strata, first the rate over the whole space."""
+        """Return the rates as text, with Wilson's 95 % intervals; if there are strata, the whole space comes first."""
         estimate = self.whole_space()
         rows: list[tuple[str, Rate | StratifiedRate]] = [] if estimate is None else [("whole space", estimate)]
         rows.append(("all", self.whole()))

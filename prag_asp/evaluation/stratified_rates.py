@@ -37,7 +37,7 @@ class StratifiedRate(NamedTuple):
 
 
 class StratifiedDifference(NamedTuple):
-    """The estimated rates of two policies over a whole space, their difference, and a 95 % interval for it."""
+    """The estimated rates of two policies over a whole space, and their difference with its 95 % interval."""
 
     first: Fraction
     second: Fraction
@@ -91,7 +91,7 @@ class EvaluatedStratum:
 
     @property
     def shifted(self) -> float:
-        """The mean, moved towards 1/2 as by one more success and one more failure, so that its variance is not 0."""
+        """The mean after adding one success and one failure, so that its variance is not 0."""
         n = len(self.values)
         return float((self.mean * n + 1) / (n + 2))
 

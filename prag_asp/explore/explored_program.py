@@ -54,7 +54,7 @@ class Watch:
 
 @dataclass(frozen=True)
 class AtomNumbers:
-    """The number of answer sets with an atom, and how much choosing and excluding it narrows them, if computed."""
+    """The number of answer sets with an atom and, if computed, how much choosing or excluding it narrows them."""
 
     count: int
     chosen: Narrowing | None

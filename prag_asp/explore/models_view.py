@@ -55,7 +55,7 @@ class AtomFacet:
 
 @dataclass(frozen=True)
 class Decision:
-    """A choice, and the number of answer sets left after it; links go back to it, and drop it alone."""
+    """A choice, and the number of answer sets that remain after it; the links go back to it, and drop only it."""
 
     literal: str
     count: str

@@ -67,7 +67,7 @@ def calls_elsewhere(explored: ExploredDomain) -> Call:
 
 @dataclass
 class TaskPhysics:
-    """The verdicts on tasks of a domain and their pictures, each computed once by `call` while it is cached."""
+    """The verdicts on a domain's tasks and their pictures, each computed by `call` only once while it is cached."""
 
     explored: ExploredDomain
     call: Call = call_here

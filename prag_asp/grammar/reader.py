@@ -45,7 +45,7 @@ class Where:
 
 @dataclass(frozen=True)
 class FactForms:
-    """The sentences for a fluent when true and when false, and its modifiers; a `silent` fluent is not mentioned."""
+    """The sentences for a fluent that is true or false, and its modifiers; a `silent` fluent is not mentioned."""
 
     true: tuple[Template, ...] = ()
     false: tuple[Template, ...] = ()

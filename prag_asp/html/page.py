@@ -37,7 +37,7 @@ def html_page(title: str, *parts: str, styles: Iterable[str] = (), scripts: Iter
 
 
 def fragment(*parts: str) -> Markup:
-    """Return parts with the style sheet, for a page of others such as a notebook; nothing else on it is changed."""
+    """Return parts with the style sheet, for use in a page such as a notebook, whose other contents do not change."""
     return element("div", element("style", Markup(style_sheet())), *parts, class_="prag")
 
 

@@ -29,7 +29,7 @@ class Complaint(NamedTuple):
 
 
 def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the problems with composites, stages and free actions; each check requires that the previous ones pass."""
+    """Yield the problems with composites, stages and free actions; each check runs only if the previous ones pass."""
     undeclared = list(_undeclared(facts, origins))
     yield from undeclared
     if facts.free and not facts.composites:

@@ -40,7 +40,7 @@ STATES = f"""
 """The rules for the states before a step, in which some fluents are known and satisfy the invariants."""
 
 BROKEN = f"_broken(F) :- fluent(F), changed(F,{STEP}), not holds(F,true,{STEP}), not holds(F,false,{STEP})."
-"""The rules for a step that leaves a fluent without a value."""
+"""The rule for a step that leaves a fluent without a value."""
 
 
 def unset_fluents(

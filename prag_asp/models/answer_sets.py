@@ -129,7 +129,7 @@ class AnswerSets:
         return replace(whole, choices=tuple(dict.fromkeys(choices)), whole=whole) if choices else self
 
     def compile(self, look: Callable[[], None] = lambda: None) -> bool:
-        """Compile the diagram unless that is done; return False if there is none because clingo has to enumerate.
+        """Compile the diagram if necessary; return False if there is none because clingo has to enumerate.
 
         `look` is called periodically; an exception that it raises ends the compilation.
         """

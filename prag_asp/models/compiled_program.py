@@ -91,7 +91,7 @@ class CompiledProgram:
         return "diagram" in self.__dict__
 
     def compile(self, look: Callable[[], None]) -> None:
-        """Compile the diagram, and call `look` after every 64 node visits; an exception in it ends the compilation."""
+        """Compile the diagram, calling `look` after every 64 node visits; an exception from it ends the compilation."""
         self.__dict__["diagram"] = self._compile(look)  # fills the cached_property
 
     def _compile(self, look: Callable[[], None] = lambda: None) -> WeightedDiagram:
