@@ -1,4 +1,4 @@
-"""The task of a page before physics: its verdict in words, its film strip, and the robot that executes it."""
+"""Physics for the task on a page: its verdict in words, its film strip, and a video of the robot executing it."""
 
 from __future__ import annotations
 
@@ -17,10 +17,11 @@ from prag_asp.stop_reason import StopKind
 from prag_asp.wording import plural
 
 LONGEST = 120
-"""Seconds after which physics gives up on a task of a page; almost all tasks of the examples take less than 10 s."""
+"""The number of seconds after which physics gives up on a page's task; almost all tasks of the examples take less than
+10 s."""
 
 VERDICTS, PICTURES = 64, 12
-"""Numbers of verdicts and of pictures that are cached; a picture has about 0.3 MB, and a video up to 3 MB."""
+"""The numbers of verdicts and of pictures that are cached; a picture takes about 0.3 MB, and a video up to 3 MB."""
 
 Call = Callable[..., Any]
 """Calls a function with arguments, here or in another process."""
@@ -49,7 +50,7 @@ def call_here(function: Callable[..., Any], *arguments: Any) -> Any:
 
 
 def calls_elsewhere(explored: ExploredDomain) -> Call:
-    """Return calls in another process, which ends after `LONGEST` seconds or when the page no longer needs it."""
+    """Return calls in another process, which ends after `LONGEST` seconds or once the page no longer needs it."""
 
     def call(function: Callable[..., Any], *arguments: Any) -> Any:
         limits = explored.limits
@@ -66,7 +67,7 @@ def calls_elsewhere(explored: ExploredDomain) -> Call:
 
 @dataclass
 class TaskPhysics:
-    """The verdicts on tasks of a domain and their pictures, each computed once by `call` while it is cached."""
+    """The verdicts on a domain's tasks and their pictures, each computed by `call` only once while it is cached."""
 
     explored: ExploredDomain
     call: Call = call_here
@@ -120,7 +121,7 @@ def _key(trial: Trial) -> tuple[object, ...]:
 
 
 def task_verdict(explored: ExploredDomain, trial: Trial, verdict: Verdict) -> TaskVerdict:
-    """Return a verdict in plain values, with the commands and the Python that give the same."""
+    """Return a verdict in plain values, with the commands and the Python code that yield the same."""
     tried = plural(verdict.restarts, "initial state")
     words = {
         "feasible": f"Feasible: the search found a witness after {tried}, which passes the tier {trial.budget.tier}.",
@@ -140,9 +141,10 @@ def task_verdict(explored: ExploredDomain, trial: Trial, verdict: Verdict) -> Ta
 
 
 def same_by_physics(explored: ExploredDomain, trial: Trial, *, feasible: bool) -> tuple[SameResult, ...]:
-    """Return how to get the verdict elsewhere, and of a feasible task its film strip and its animation.
+    """Return how to get the verdict elsewhere and, for a feasible task, its film strip and animation.
 
-    The command line has no search budget for pictures, so other budgets than the default have no command for them.
+    The commands for pictures have no option for the search budget, so there are none for budgets other than the
+    default.
     """
     state, budget = trial.state, trial.budget
     effort = f"{budget.restarts}x{budget.samples}"
@@ -178,7 +180,7 @@ def same_by_physics(explored: ExploredDomain, trial: Trial, *, feasible: bool) -
 
 
 def _saved_task(explored: ExploredDomain, trial: Trial) -> str:
-    """Return the command that saves the task of a page; "" if a file of tasks cannot name it or its domain."""
+    """Return the command that saves a page's task, or "" if a file of tasks cannot name it or its domain."""
     if trial.rank is None or len(explored.words) > 1:
         return ""
     return f"{shell_line(explored, 'task', trial.state, '--index', str(trial.rank))} --format jsonl > task.jsonl"

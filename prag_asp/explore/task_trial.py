@@ -1,4 +1,4 @@
-"""A task of a page that physics judges, and the work on it, which another process can do."""
+"""A task on a page for physics to judge, and the work on it, which another process can do."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ LARGEST_SEED = 2**63 - 1
 class Trial:
     """A task in its scene, with the seed, the index and the budget of the search for a witness.
 
-    `captions` are a heading and a text for the picture of each state. `state` is the page that shows the task, and
-    `rank` the rank of the task; None on a page of plans.
+    `captions` holds a heading and a text for the picture of each state. `state` is the page that shows the task, and
+    `rank` is the rank of the task, or None on a page of plans.
     """
 
     state: PageState
@@ -43,7 +43,7 @@ class Trial:
 
 
 def trial_of(explored: ExploredDomain, fields: Mapping[str, str]) -> Trial:
-    """Return the trial that the fields `state`, `seed`, `budget` and `tier` of a request state.
+    """Return the trial that a request specifies in the fields `state`, `seed`, `budget` and `tier`.
 
     Raises:
         PragError: a field is wrong, the page shows no whole task, or the domain has no scene.
@@ -64,7 +64,7 @@ def trial_of(explored: ExploredDomain, fields: Mapping[str, str]) -> Trial:
 
 
 def read_seed(fields: Mapping[str, str]) -> int:
-    """Return the seed of a request.
+    """Return the seed in a request.
 
     Raises:
         QueryError: it is not a whole number, or too large.
@@ -103,7 +103,7 @@ def draw_strip(trial: Trial, verdict: Verdict) -> bytes:
 
 
 def draw_film(trial: Trial, verdict: Verdict) -> tuple[str, bytes]:
-    """Return the media type and the animation of the robot that executes a feasible task: MP4, or WebP without PyAV.
+    """Return the media type and the animation of the robot executing a feasible task: MP4, or WebP without PyAV.
 
     Raises:
         QueryError: the robot fails to execute it.
