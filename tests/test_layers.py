@@ -78,7 +78,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "planners": GROUND | {"program", "domain", "logic"},
     "space": GROUND | {"html", "program", "reduction", "domain", "logic", "similarity"},
     "physics": GROUND | {"html", "program", "scene", "domain"},
-    "dataset": GROUND | {"html", "program", "scene", "grammar", "domain", "space", "physics", "versions"},
+    "dataset": GROUND | {"html", "program", "scene", "grammar", "domain", "space", "physics", "analysis", "versions"},
     "rl": GROUND | {"program", "scene", "domain", "logic", "space", "physics", "dataset"},
     "evaluation": GROUND | {"program", "domain", "space", "physics", "dataset", "rl", "versions"},
     "analysis": GROUND | {"html", "program", "domain", "logic", "space", "similarity"},

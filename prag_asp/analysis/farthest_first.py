@@ -18,6 +18,9 @@ from prag_asp.similarity.metrics import Metric
 if TYPE_CHECKING:
     from prag_asp.task import KnownDomain
 
+METRIC = "levenshtein-classes"
+"""The metric of tasks that commands choose far apart: edits of actions, which cost less between similar objects."""
+
 CHOSEN = -1.0
 """Stands for the distance of a chosen task from the chosen ones, so that it is not chosen twice."""
 

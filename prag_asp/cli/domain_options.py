@@ -39,7 +39,7 @@ class DomainOptions:
     encodings: str | None = None
     flat: bool = False
     learned: bool = True
-    length: int | Sequence[int] | None = 0
+    length: int | Sequence[int] = 0
     engine: str = "auto"
     where: tuple[str, ...] = ()
     cached: bool = True

@@ -100,7 +100,7 @@ max_draws = click.option(
     "--max-draws",
     type=whole(1),
     metavar="K",
-    help="Stop a part after K draws, feasible or not.  [default: 1000 per task]",
+    help="Stop a part after K samples, feasible or not.  [default: 1000 per task]",
 )
 
 
@@ -162,7 +162,8 @@ camera_options = grouped(
         click.option("--rate", type=int, metavar="N", help="Camera images per second.  [default: 10]"),
         click.option(
             "--vary", metavar="A,B,...", shell_complete=shell_completion.kinds_that_vary,
-            help="Randomize for each demonstration: friction, mass, light, camera, colour, within the scene's ranges.",
+            help="What to randomize in each demonstration, within the scene's ranges: friction, mass, light, camera, "
+            "colour.",
         ),
     ),
 )  # fmt: skip

@@ -56,7 +56,7 @@ COMMANDS = {
 GROUPS = {
     "Define": ("domains", "new", "check", "import", "explain"),
     "Count and sample": ("count", "explore", "task", "sample", "enumerate", "scenario", "split", "stats"),
-    "Check by physics": ("validate", "learn", "render"),
+    "Check with physics": ("validate", "learn", "render"),
     "Data": ("generate", "merge", "verify", "report", "suite", "export"),
     "Compare": ("similarity", "diversity", "audit"),
     "Learn and evaluate": ("evaluate", "compare", "power"),
@@ -144,7 +144,7 @@ CODES = "\n".join(["\b", "Exit codes:", *(f"{int(code):5}  {meaning}" for code, 
     help="Show the versions of prag_asp, clingo and PyBullet, and exit.",
 )  # fmt: skip
 def cli() -> None:
-    """Robot manipulation tasks from logic programs: counted exactly, sampled exactly, checked by physics.
+    """Robot manipulation tasks from logic programs: counted exactly, sampled exactly, checked with physics.
 
     DOMAIN is a shipped domain (see `prag-asp domains`), a folder with a domain.lp, or files: one or more .lp files, or
     - for standard input, or a domain and a problem in PDDL (two .pddl files). The domain.toml and learned.lp of a

@@ -93,7 +93,7 @@ task_selection = grouped(
         help="Rank of the task of length N to write, or all ranks from A to B."),
         click.option(
             "--tasks", metavar="FILE", shell_complete=shell_completion.files,
-            help="Write all tasks of a file of sample --format jsonl; - is standard input.",
+            help="Write all tasks in a file from sample --format jsonl; - is standard input.",
         ),
     ),
 )  # fmt: skip
@@ -228,7 +228,7 @@ def format_options(form: Decorator) -> Decorator:
             ),
             click.option(
                 "--level", type=click.Choice(LEVELS),
-                help="Detail of instructions: the final state only, what to do, or also the purpose of each action.",
+                help="Detail of instructions: only the final state, the actions, or also the purpose of each action.",
             ),
         ),
     )  # fmt: skip
@@ -236,6 +236,6 @@ def format_options(form: Decorator) -> Decorator:
 
 LINE_FORMAT = click.option(
     "--format", "form", type=click.Choice(FORMS), default="text", show_default=True,
-    help="Actions; sentences by the domain's [language]; instructions for a person who sees the scene; all known "
-    "data of a task; or its scenario id, from which prag-asp scenario reproduces the task.",
+    help="Actions; sentences from the domain's [language] table; instructions for a person who sees the scene; all "
+    "known data of a task; or its scenario id, from which prag-asp scenario reproduces the task.",
 )  # fmt: skip

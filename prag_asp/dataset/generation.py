@@ -43,6 +43,10 @@ def generate(
     task. The tasks of `excluded` scenarios of the same domain and conditions are left out, so the dataset is disjoint
     from earlier ones.
 
+    With ``cover=2`` instead of a number of tasks, they cover all combinations of 2 factors of an action; if physics
+    rejects a task, others with its combinations replace it. With ``diverse=50``, they are 50 tasks that are far apart,
+    chosen among sampled ones. dataset.json says what they reach.
+
     With a `stratification`, the parts are the strata of a sample, and dataset.json has the exact weight of a task in
     each part.
 
@@ -66,6 +70,8 @@ def generate(
     if stratification is not None:
         if spec is not None or request.get("split") is not None:
             raise QueryError("the parts of a stratified sample are its strata; leave the split out")
+        if request.get("tasks") is None:
+            raise QueryError("a stratified sample needs a number of tasks; give tasks")
         request |= {
             "split": stratified_shares(space, stratification, request["tasks"], request.get("seed", 0)),
             "strata": stratification.by,

@@ -28,8 +28,7 @@ class Learned:
     domain: Domain
 
     def __str__(self) -> str:
-        states = "states" if len(self.rules) == 1 else "state"
-        return f"{plural(len(self.rules), 'rule')} {states} {plural(self.proofs, 'proof')}"
+        return f"{plural(len(self.rules), 'rule')} from {plural(self.proofs, 'proof')}"
 
 
 def learn(

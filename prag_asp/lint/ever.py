@@ -50,7 +50,7 @@ def ever_problems(
     defined = ((each.node.name, each.node.arity) for each in statements if each.own and each.kind == ASTType.Defined)
     derived = (atom.signature for each in statements for atom in each.heads)
     if EVER not in (*defined, *derived):
-        text = 'ever is read, but no rule states it; add #include "rules/ever.lp".'
+        text = 'ever is read, but no rule derives it; add #include "rules/ever.lp".'
         yield next(iter(readers.values())).problem(text)
         return
     ever = {fluent for (fluent,) in unsorted_rows(grounder.control, *EVER)}

@@ -24,7 +24,7 @@ from prag_asp.models.diagram import WeightedDiagram
 from prag_asp.models.foundedness import list_models
 from prag_asp.models.ground_program import GroundModels, ground_models
 from prag_asp.models.program_reader import GivenProgram, places_of_costs, read_program
-from prag_asp.models.questions.choices import Choice, conditions_of_symbols, only_chosen, parse_choice
+from prag_asp.models.questions.choices import AtomChoice, conditions_of_symbols, only_chosen, parse_choice
 from prag_asp.models.questions.conflict import Conflict, find_conflict
 from prag_asp.models.questions.facets import Facet, facets_of_diagram, facets_of_lists
 from prag_asp.models.questions.optimum import Optimum, find_optimum, only_optimal
@@ -111,7 +111,7 @@ class AnswerSets:
     optimum: Optimum | None = None
     tell: Tell | None = None
     progress: Progress | None = None
-    choices: tuple[Choice, ...] = ()
+    choices: tuple[AtomChoice, ...] = ()
     whole: AnswerSets | None = field(default=None, repr=False, compare=False)
 
     def where(self, *literals: str) -> AnswerSets:

@@ -17,7 +17,7 @@ from prag_asp.models.enumeration.enumeration import Enumeration
 from prag_asp.models.ground_program import GroundModels
 from prag_asp.models.prepared_formula import PreparedFormula, prepare_formula
 from prag_asp.models.program_reader import GivenProgram
-from prag_asp.models.questions.choices import Choice
+from prag_asp.models.questions.choices import AtomChoice
 from prag_asp.models.questions.optimum import Optimum
 from prag_asp.models.shifting import is_head_cycle_free
 from prag_asp.processes.progress_events import stage
@@ -38,7 +38,7 @@ class CompiledProgram:
     optimum: Optimum | None
     progress: Progress | None
     note: Callable[[str], None]
-    choices: tuple[Choice, ...] = ()
+    choices: tuple[AtomChoice, ...] = ()
 
     @cached_property
     def no_clauses(self) -> str:

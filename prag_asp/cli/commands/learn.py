@@ -49,7 +49,8 @@ def learn(*, request: DomainOptions, number: int, seed: int, validation: Physics
     """Propose rules that exclude what physics proves impossible.
 
     Prints rules for the file learned.lp and their effect: the numbers of plans, tasks and skeletons of length N, and
-    how many of K uniformly sampled tasks pass physics, before and after. An existing learned.lp is ignored.
+    how many of K uniformly sampled tasks pass the physics checks, without and with the rules. An existing learned.lp is
+    ignored.
     """
     from prag_asp.dataset import learn as learn_rules
     from prag_asp.dataset.scenes import scene_of

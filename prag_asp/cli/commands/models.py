@@ -66,7 +66,7 @@ constant_option = click.option(
 
 where_option = click.option(
     "--where", metavar="LITERAL", multiple=True,
-    help="Only answer sets that show an atom, such as 'in(1)', or not, such as 'not in(1)'; may be repeated.",
+    help="Only answer sets that contain a shown atom ('in(1)') or do not contain it ('not in(1)'); may be repeated.",
 )  # fmt: skip
 
 program_options = grouped(
@@ -76,7 +76,8 @@ program_options = grouped(
         constant_option,
         click.option(
             "--project", is_flag=True,
-            help="Count answer sets once if they agree on the atoms of #project; without #project, on the shown atoms.",
+            help="Count answer sets that agree on the atoms of #project once; without #project, those that agree on "
+            "the shown atoms.",
         ),
         click.option("--weighted", is_flag=True, help="Weight answer sets by facts such as weight(in(1),2)."),
         click.option(
@@ -86,7 +87,7 @@ program_options = grouped(
         click.option(
             "--engine", type=click.Choice(ENGINES), default="auto", show_default=True,
             help="ganak or d4, model counters (count only); diagram, a compiled decision diagram; clingo, enumeration; "
-            "or auto, which tries several of them with limited work.",
+            "or auto, which tries several of them.",
         ),
         where_option,
     ),
@@ -171,7 +172,7 @@ def list_(*, program: ProgramOptions, number: int | None, form: str) -> None:
 @program_options
 @format_option
 def marginals(*, program: ProgramOptions, form: str) -> None:
-    """Print for each shown atom the share of answer sets that contain it.
+    """Print what share of the answer sets contains each shown atom.
 
     Shares are exact. With --weighted, they are shares of the total weight.
     """
@@ -189,7 +190,7 @@ def marginals(*, program: ProgramOptions, form: str) -> None:
 @program_options
 @format_option
 def facets(*, program: ProgramOptions, form: str) -> None:
-    """Print which shown atoms are facets, and how much each narrows the answer sets.
+    """Print the facets among the shown atoms, with their significance.
 
     A facet is an atom that some answer sets contain and others do not. For each shown atom, prints the exact share of
     the answer sets that contain it; for a facet, also the shares by which the numbers of answer sets and of facets

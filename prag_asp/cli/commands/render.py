@@ -77,7 +77,7 @@ SMALLEST, LARGEST = 16, 4096
 @options.seed
 @click.option(
     "-o", "--output", metavar="PATH", default="pictures", show_default=True, shell_complete=shell_completion.files,
-    help="File for one task; folder for several, with files named by the tasks' numbers.",
+    help="File for one task; folder for several tasks, whose files are named after the tasks' numbers.",
 )  # fmt: skip
 def render(
     *,
@@ -93,7 +93,7 @@ def render(
     seed: int,
     output: str,
 ) -> None:
-    """Draw pictures of the tasks of a file.
+    """Draw pictures of the tasks in a file.
 
     Draws all tasks, or those with the given NUMBERs, which count the lines of the file from 1. Prints the names of the
     files written. A task without a witness is validated first. For an animation, the robot executes the task, unless

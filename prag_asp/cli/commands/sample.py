@@ -44,7 +44,7 @@ DRAWS_PER_TASK = 1000
 @click.option("--distinct", is_flag=True, help="Sample without replacement: no task occurs twice.")
 @click.option(
     "--except", "excluded", metavar="FILE|DIR", shell_complete=shell_completion.files,
-    help="With --distinct: leave out the tasks of a file of scenario ids (--format scenario), or of a dataset.",
+    help="With --distinct: leave out the tasks in a file of scenario ids (--format scenario) or in a dataset.",
 )  # fmt: skip
 @click.option(
     "--cover", type=whole(1, 8), metavar="T",
@@ -57,7 +57,7 @@ DRAWS_PER_TASK = 1000
 @physics_options
 @camera_options
 @click.option(
-    "--max-draws", type=whole(1), metavar="K", help="Stop after K draws, feasible or not.  [default: 1000 per task]"
+    "--max-draws", type=whole(1), metavar="K", help="Stop after K samples, feasible or not.  [default: 1000 per task]"
 )
 @format_options(LINE_FORMAT)
 @options.output

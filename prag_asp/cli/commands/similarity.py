@@ -43,7 +43,7 @@ SHOWN = 5
 )  # fmt: skip
 @click.option(
     "--costs", metavar="FILE", shell_complete=shell_completion.files,
-    help="Instead of a metric: edit distance with the costs in a TOML file.",
+    help="Use an edit distance with the costs in a TOML file instead of a metric.",
 )  # fmt: skip
 @click.option(
     "--up-to", type=click.Choice(["domain", "names", "classes"]), default="domain", show_default=True,

@@ -47,7 +47,8 @@ def stats(
 ) -> None:
     """Print exact statistics of a random task of length N.
 
-    These are the entropy, the expected number of each action, and the probability that a task contains it.
+    These are the entropy, the expected number of occurrences of each action, and the probability that a task contains
+    it.
     """
     require_writable(output)
     if plot:

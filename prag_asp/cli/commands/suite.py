@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     "--count",
     "counts",
     is_flag=True,
-    help="Print the numbers of tasks, of shared tasks and of held-out tasks of the parts; write nothing.",
+    help="Print the numbers of tasks, of shared tasks and of held-out tasks in the parts; write nothing.",
 )
 @click.option(
     "-o",

@@ -40,7 +40,7 @@ def validate(
     witness_only: bool,
     output: str | None,
 ) -> None:
-    """Validate the tasks of a file: plans and feasibility.
+    """Validate the tasks in a file: plans and feasibility.
 
     Prints a line for each task: its number, its verdict and the reason. Use the same --rule, --encodings, --flat and
     --where as when the tasks were generated.

@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.task import Task
 
-METRIC = "levenshtein-classes"
-"""The metric of tasks that are far apart: edits of actions, which cost less between similar objects."""
-
 
 @dataclass(frozen=True)
 class CoveringTasks:
@@ -57,7 +54,7 @@ def covering_tasks(space: TaskSpace, strength: int) -> CoveringTasks:
     found = covering_set(space, strength)
     tell_line(
         f"{plural(len(found.tasks), 'task')} for all {plural(len(found.reachable), 'reachable combination')} of "
-        f"{plural(strength, 'factor')}; no set has fewer than {found.at_least}"
+        f"{plural(strength, 'factor')}; at least {plural(found.at_least, 'task')} needed"
     )
     return CoveringTasks(space, found)
 
@@ -65,7 +62,7 @@ def covering_tasks(space: TaskSpace, strength: int) -> CoveringTasks:
 def far_apart(records: Iterable[Record], count: int, space: TaskSpace) -> Iterator[Record]:
     """Yield `count` tasks that are far apart, or all if there are fewer, and print how far apart they are."""
     from prag_asp.analysis.all_pairs import pair_distances
-    from prag_asp.analysis.farthest_first import diverse_choice
+    from prag_asp.analysis.farthest_first import METRIC, diverse_choice
 
     given = list(records)
     if len(given) <= count:

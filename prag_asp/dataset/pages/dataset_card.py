@@ -144,6 +144,14 @@ def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[s
     yield f"Tasks of {lengths} actions{where}, drawn {drawn} and without replacement by seed {spec.seed}."
     if spec.strata:
         yield f"Each part is a stratum, the tasks of one {spec.strata}; `dataset.json` has the weight of its tasks."
+    if manifest.cover:
+        cover, factors = manifest.cover, plural(manifest.cover.strength, "factor")
+        yield f"The tasks cover {cover.covered} of {cover.reachable} reachable combinations of {factors}."
+    for name, figures in (manifest.diverse or {}).items():
+        yield (
+            f"Those of {name} are chosen among {figures.candidates} candidates: they are at least "
+            f"{figures.separation:.4g} apart ({figures.metric})."
+        )
     if spec.part is not None:
         yield f"This is part {spec.part} of a dataset: `prag-asp merge` makes it from all of them."
     if spec.budget:

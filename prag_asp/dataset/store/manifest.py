@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import msgspec
 
 from prag_asp.dataset.dataset_spec import DatasetSpec
+from prag_asp.dataset.store.chosen_figures import CoverFigures, DiverseFigures
 from prag_asp.dataset.store.domain_snapshot import DomainSnapshot, FileRecord
 from prag_asp.dataset.store.draw_results import TRIVIAL
 from prag_asp.dataset.store.manifest_file import ManifestFile
@@ -135,7 +136,8 @@ class SpaceSize(msgspec.Struct):
 class Manifest(msgspec.Struct):
     """The contents of dataset.json.
 
-    `lengths` and `where` define the space of its tasks; `spaces` holds the exact size of that space by length.
+    `lengths` and `where` define the space of its tasks; `spaces` holds the exact size of that space by length. `cover`
+    and `diverse` (by part) hold what chosen tasks reach.
     """
 
     complete: bool
@@ -149,6 +151,8 @@ class Manifest(msgspec.Struct):
     covered: Share | None = None
     pictures: list[FileRecord] = []
     versions: str = ""
+    cover: CoverFigures | msgspec.UnsetType = msgspec.UNSET
+    diverse: dict[str, DiverseFigures] | msgspec.UnsetType = msgspec.UNSET
 
     def __post_init__(self) -> None:
         names = [part.name for part in self.parts]

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
+from copy import deepcopy
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import msgspec
+
+from prag_asp.dataset.making.chosen_draws import choice_of, chosen_order, record_figures
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.manifest import NAME, Manifest
 from prag_asp.dataset.store.tables import TableReader
@@ -67,6 +71,20 @@ def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progre
         yield Finding(NAME, None, f"what was requested cannot be drawn: {error}")
         return
     yield from wrong_sizes(manifest, {length: space.at(length) for length in lengths}, parts)
-    rows = RowChecks(manifest, domain, tables, progress)
+    rows, figures = RowChecks(manifest, domain, tables, progress), deepcopy(manifest)
+    figures.cover = figures.diverse = msgspec.UNSET
     for note in manifest.parts:
-        yield from rows.wrong(note, with_tasks(space, parts[note.name].pick(count())))
+        draws = parts[note.name].pick(count())
+        try:
+            choice = choice_of(space, spec, parts[note.name], spec.candidates_of(spec.division.shares[note.name]))
+            if choice is not None:
+                passed = list(tables.rows(note, "tasks", ["draw", "plan"]))
+                draws = chosen_order(choice, {row["draw"] for row in passed})
+        except PragError as error:
+            yield Finding(NAME, None, f"parts, {note.name}: its tasks cannot be chosen again: {error}")
+            continue
+        yield from rows.wrong(note, with_tasks(space, draws))
+        if choice is not None:
+            record_figures(figures, note.name, choice.figures(passed))
+    if (manifest.cover, manifest.diverse) != (figures.cover, figures.diverse):
+        yield Finding(NAME, None, f"{'cover' if spec.cover else 'diverse'} is not what the tasks reach")

@@ -15,7 +15,7 @@ from prag_asp.logic.ground.rules import Condition, GroundRecorder
 from prag_asp.models.atom_weights import weight_of
 from prag_asp.models.ground_program import GroundModels
 from prag_asp.models.program_reader import GivenProgram
-from prag_asp.models.questions.choices import Choice, add_choices
+from prag_asp.models.questions.choices import AtomChoice, add_choices
 from prag_asp.models.questions.optimum import Optimum
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.grounding import Grounder
@@ -40,7 +40,7 @@ class Enumeration:
     stated: Mapping[clingo.Symbol, Fraction]
     optimum: Optimum | None = None
     progress: Callable[[str], None] | None = None
-    choices: tuple[Choice, ...] = ()
+    choices: tuple[AtomChoice, ...] = ()
 
     def __iter__(self) -> Iterator[Printed]:
         return (printed for printed, _ in self._enumerate())

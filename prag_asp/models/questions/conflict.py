@@ -23,7 +23,7 @@ from prag_asp.logic.ground.rules import Condition, GroundRecorder
 from prag_asp.models.aspif import is_aspif
 from prag_asp.models.ground_program import GroundModels, ground_models
 from prag_asp.models.program_reader import GivenProgram, read_program
-from prag_asp.models.questions.choices import Choice, conditions_of_symbols, parse_choice, rules_of_choice
+from prag_asp.models.questions.choices import AtomChoice, conditions_of_symbols, parse_choice, rules_of_choice
 from prag_asp.models.questions.ground_lines import liftable_text
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.constants import Constant
@@ -75,7 +75,7 @@ def explain_program(
 
 
 def find_conflict(
-    given: GivenProgram, ground: GroundModels, choices: Sequence[Choice] = (), *, project: bool = False
+    given: GivenProgram, ground: GroundModels, choices: Sequence[AtomChoice] = (), *, project: bool = False
 ) -> Conflict | None:
     """Return lines of a program and choices that exclude every answer set, or None if one agrees with the choices."""
 
@@ -147,7 +147,7 @@ class _LiftableLines:
     _literals: Sequence[int]
     _shown: Mapping[clingo.Symbol, Sequence[Condition]]
 
-    def with_choices(self, choices: Sequence[Choice], ground: GroundModels, *, project: bool) -> _LiftableLines:
+    def with_choices(self, choices: Sequence[AtomChoice], ground: GroundModels, *, project: bool) -> _LiftableLines:
         """Return these lines and choices of the symbols of a ground program; a choice can be lifted like a line."""
         if not choices:
             return self

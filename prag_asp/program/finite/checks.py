@@ -182,7 +182,7 @@ def _depth(inner: Iterable[int]) -> int:
 
 def ever_larger(name: str) -> str:
     """Return the message about a rule that never terminates."""
-    return f"this rule makes ever larger terms of {name} and never ends; {BOUND}"
+    return f"this rule derives ever larger terms of {name} without end; {BOUND}"
 
 
 def out_of_range(operation: str) -> str:

@@ -164,7 +164,7 @@ def test_the_command_proposes_measures_and_writes(tmp_path: Path, after: Domain)
     assert int(table["passed"][0]) < int(table["passed"][3])
 
     written = run("learn", folder, "-n", "2", "--count", "0", "--write")
-    assert written.returncode == 0 and written.stdout.startswith("4 rules state 10 proofs\n")
+    assert written.returncode == 0 and written.stdout.startswith("4 rules from 10 proofs\n")
     assert "10 learned invariants" in run("check", folder).stdout
     for options, count in (([], plans[1]), (["--no-learned"], plans[0])):
         assert run("count", folder, "-n", "2", "--by", "plan", *options).stdout == f"{count}\n"

@@ -130,6 +130,7 @@ class ExploredProgram:
         """Compile a diagram, if there is one, and return the limit that was reached, or ""."""
         self.watch.begin()
         try:
+            self.watch.look()
             found.compile(self.watch.look)
         except LimitReached as error:
             return _problem(error)

@@ -13,12 +13,13 @@ from fractions import Fraction
 import clingo
 
 from prag_asp.errors import QueryError
-from prag_asp.explore.explored_program import MOST_COMPARED, AtomNumbers, ExploredProgram, ModelsResult
-from prag_asp.explore.models_state import ModelsState
 from prag_asp.explore.plan_view import share
+from prag_asp.explore.programs.explored_program import MOST_COMPARED, AtomNumbers, ExploredProgram, ModelsResult
+from prag_asp.explore.programs.models_state import ModelsState
 from prag_asp.explore.same_result import SameResult
 from prag_asp.integers import digits_of
 from prag_asp.models.questions.choices import NOT
+from prag_asp.models.questions.facets import Narrowing
 
 SHOWN_FACETS = 200
 """The maximum number of facets that a view lists."""
@@ -208,20 +209,20 @@ def _decisions(explored: ExploredProgram, state: ModelsState) -> Iterable[Decisi
 
 def _facet(symbol: clingo.Symbol, atom: AtomNumbers, result: ModelsResult, state: ModelsState) -> AtomFacet:
     text, count = str(symbol), result.count
-    chosen, excluded = (
-        narrowing and Significance(_fraction(narrowing.of_facets), _share(narrowing.of_facets))
-        for narrowing in (atom.chosen, atom.excluded)
-    )
     return AtomFacet(
         text,
         "" if count is None else digits_of(atom.count),
         "" if count is None else share(atom.count, count),
-        chosen,
+        _significance(atom.chosen),
         state.choosing(text).query,
         "" if count is None else digits_of(count - atom.count),
-        excluded,
+        _significance(atom.excluded),
         state.choosing(f"{NOT}{text}").query,
     )
+
+
+def _significance(narrowing: Narrowing | None) -> Significance | None:
+    return None if narrowing is None else Significance(_fraction(narrowing.of_facets), _share(narrowing.of_facets))
 
 
 def _sample(explored: ExploredProgram, state: ModelsState, result: ModelsResult) -> AtomList | None:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from prag_asp.explore.explored_program import ExploredProgram
-from prag_asp.explore.models_state import parse_models_query
-from prag_asp.explore.models_view import models_conflict_view, models_view
 from prag_asp.explore.page_server import View
+from prag_asp.explore.programs.explored_program import ExploredProgram
+from prag_asp.explore.programs.models_state import parse_models_query
+from prag_asp.explore.programs.models_view import models_conflict_view, models_view
 
 MODELS_PAGE = "models.html"
 """The file of the page, in the folder of all pages."""
