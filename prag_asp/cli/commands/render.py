@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -69,6 +69,10 @@ SMALLEST, LARGEST = 16, 4096
     help="Size of a frame in pixels.  [default: 360x320; state 960x800; animation 400x350]",
 )  # fmt: skip
 @click.option("--speed", type=float, default=2.0, show_default=True, help="Playback speed of an animation.")
+@click.option(
+    "--bystanders/--no-bystanders", default=True,
+    help="Also draw objects that the task does not name, at places that it does not use.  [default: yes]",
+)  # fmt: skip
 @click.option("--columns", type=whole(1), default=3, show_default=True, help="Frames per row of a strip.")
 @click.option(
     "--recordings", metavar="DIR", shell_complete=shell_completion.files,
@@ -88,6 +92,7 @@ def render(
     state: int | None,
     size: str | None,
     speed: float,
+    bystanders: bool,
     columns: int,
     recordings: str | None,
     seed: int,
@@ -112,7 +117,9 @@ def render(
     pixels = SIZES.get(form, SIZES["state"]) if size is None else parse_pixels(size)
     if not all(SMALLEST <= side <= LARGEST for side in pixels):
         raise QueryError(f"--size {size}: a picture has {SMALLEST} to {LARGEST} pixels a side")
-    drawing = _Renderer(form, state, pixels, columns, speed, seed, None if recordings is None else Path(recordings))
+    drawing = _Renderer(
+        form, state, pixels, columns, speed, bystanders, seed, None if recordings is None else Path(recordings)
+    )
     _check_output(Path(output), form)
     require_physics()
     with open_text(file) as stream:
@@ -151,6 +158,7 @@ class _Renderer:
     size: tuple[int, int]
     columns: int
     speed: float
+    bystanders: bool
     seed: int
     recordings: Path | None
 
@@ -191,18 +199,20 @@ class _Renderer:
             if state > len(task.actions):
                 raise QueryError(f"--state {state}: the states of the task are 0 to {len(task.actions)}")
         with errors_with_place(record, domain, MEND if self.recordings is None else RECORD):
+            drawing: dict[str, Any] = {"size": self.size, "bystanders": self.bystanders}
             if self.form == "strip":
-                image = film_strip(task, shown, scene, columns=self.columns, captions=captions, size=self.size)
+                image = film_strip(task, shown, scene, columns=self.columns, captions=captions, **drawing)
             elif self.form == "state":
-                image = still(task, shown, scene, state, size=self.size)
+                image = still(task, shown, scene, state, **drawing)
             else:
                 assert isinstance(shown, Demonstration)
                 headings = [heading.partition(". ")[2] for heading, _ in captions[1:]]
+                texts: dict[str, Any] = {"headings": headings, "bystanders": self.bystanders}
                 if self.form == "glb":
-                    replace_file(path, episode_glb(task, shown, scene, headings=headings))
+                    replace_file(path, episode_glb(task, shown, scene, **texts))
                 elif self.form == "html":
                     title = f"{task.domain}, task {number}"
-                    replace_file(path, episode_page(task, shown, scene, title=title, headings=headings).encode())
+                    replace_file(path, episode_page(task, shown, scene, title=title, **texts).encode())
                 else:
                     animate(
                         task,
@@ -211,8 +221,8 @@ class _Renderer:
                         path,
                         size=self.size,
                         speed=self.speed,
-                        headings=headings,
                         progress=lambda done, total: tell(done / total),
+                        **texts,
                     )
                 return
         save_picture(image, path, optimize=True)

@@ -7,7 +7,7 @@ and are merged by depth. Shadows come from a depth image that TinyRenderer takes
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 
 import numpy as np
@@ -59,7 +59,10 @@ RESTING = 0.002
 
 
 class Studio:
-    """A world for rendering some objects of a scene; use `open_studio`, which closes it."""
+    """A world for rendering some objects of a scene; use `open_studio`, which closes it.
+
+    `movable` are the objects that can move, and the furniture with a part that can.
+    """
 
     def __init__(
         self,
@@ -83,12 +86,15 @@ class Studio:
         }
         self._bodies = {
             entity: make_body(
-                client, scene, entity, (0.0, 0.0, -1.0), visual=True, floor=not has_still_floor(scene, entity)
+                client, scene, entity, parking_place(i), visual=True, floor=not has_still_floor(scene, entity)
             )
-            for entity in objects
+            for i, entity in enumerate(objects)
         }
         self.table = table = table_of(scene)
         zones = [entity for entity, shape in scene.shapes.items() if shape.kind == "zone"]
+        self.movable = tuple(
+            entity for entity in objects if entity not in scene.fixed or scene.shapes[entity].traits.furniture
+        )
         self.legend = (NOTHING, table, *scene.robots, *objects, *zones)
         self._dtype = np.dtype(segmentation_type(self.legend))
         numbers = {entity: number for number, entity in enumerate(self.legend)}
@@ -114,12 +120,15 @@ class Studio:
         self._shadows_are_old = True
 
     def show(self, moment: Moment) -> None:
-        """Show a moment: move all objects and arms."""
+        """Show a moment: move all objects and arms, and remove the objects that the moment lacks."""
         for name, arm in moment.arms.items():
             set_joints(self._client, self._arms[name], self._robots[name], arm.joints, arm.width)
             self._joints[name] = arm.joints
         for entity, pose in moment.poses.items():
             put_body(self._client, self._scene, entity, self._bodies[entity], pose)
+        for i, entity in enumerate(self._bodies):
+            if entity not in moment.poses:
+                move(self._client, self._bodies[entity], Pose(parking_place(i)))
         for entity, opening in moment.openings.items():
             set_opening(self._client, self._bodies[entity], opening)
         self._shadows_are_old = True
@@ -190,23 +199,39 @@ class Studio:
 
         Hands are listed under the names of their robots; `robots=False` removes the robots for this image.
         """
-        flags = pybullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX
-        pose = self.pose(camera)
         if robots:
-            _, _, numbers = self._drawn(camera, pose, flags)
+            labels, _ = self._labelled(camera)
         else:
             arms = {arm: read_pose(self._client, arm) for arm in self._arms.values()}
             for i, arm in enumerate(arms):
                 move(self._client, arm, Pose(parking_place(i)))
-            _, _, numbers = self._drawn(camera, pose, flags)
+            labels, _ = self._labelled(camera)
             for arm, place in arms.items():
                 move(self._client, arm, place)
-        seen: Counter[str] = Counter()
-        for value, count in zip(*np.unique(numbers[numbers >= 0], return_counts=True), strict=True):
-            body, link = int(value) & BODY, (int(value) >> LINK) - 1
+        numbers, counts = np.unique(labels[labels >= 0], return_counts=True)
+        return Counter(
+            {self.legend[number]: count for number, count in zip(numbers.tolist(), counts.tolist(), strict=True)}
+        )
+
+    def distances(self, camera: Camera, entities: Collection[str]) -> Floats:
+        """Return the distance in metres of each pixel that shows one of the entities, and 0 for the others.
+
+        Of robots only the hands count, of furniture only the moving parts.
+        """
+        labels, depth = self._labelled(camera)
+        chosen = [number for number, entity in enumerate(self.legend) if entity in entities]
+        return np.where(np.isin(labels, chosen), depth, np.float32(0.0))
+
+    def _labelled(self, camera: Camera) -> tuple[NDArray[np.int32], Floats]:
+        """Return the number of the entity in each pixel, -1 for none or for another part of it, and the distances."""
+        flags = pybullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX
+        _, depth, numbers = self._drawn(camera, self.pose(camera), flags)
+        labels = np.full(numbers.shape, -1, dtype=np.int32)
+        for value in np.unique(numbers[numbers >= 0]).tolist():
+            body, link = value & BODY, (value >> LINK) - 1
             if link in self._parts.get(body, (link,)):
-                seen[self.legend[self._numbers[body + 1]]] += int(count)
-        return seen
+                labels[numbers == value] = self._numbers[body + 1]
+        return labels, depth
 
     def _drawn(
         self, camera: Camera, pose: NDArray[np.float64], flags: int = 0

@@ -18,10 +18,11 @@ from prag_asp.physics.filming.appearance_meshes import FINE, MIDDLE
 from prag_asp.physics.filming.camera_rendering import moment_of
 from prag_asp.physics.filming.studio import Studio
 from prag_asp.physics.pictures.camera import picture, pillow, view_camera
-from prag_asp.physics.pictures.rendering import caption, check_headings, moments_of, open_stage
+from prag_asp.physics.pictures.picture_world import open_picture_world
+from prag_asp.physics.pictures.rendering import caption, check_headings, moments_of
 from prag_asp.physics.pictures.saving import save_picture
 from prag_asp.physics.pictures.sheet import MARGIN, PAPER, Panel, line_count, sheet
-from prag_asp.physics.pictures.views import View, best_view
+from prag_asp.physics.pictures.views import View
 from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
@@ -61,13 +62,15 @@ def animate(
     rate: int = RATE,
     fine: bool = False,
     headings: Sequence[str | None] | None = None,
+    bystanders: bool = True,
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> None:
     """Write an animation of a demonstration, `speed` times as fast, as a .gif, .webp or .mp4 according to the suffix.
 
     It shows `rate` frames per second with the current action below; `size` is the size of a frame in pixels. `fine`
-    renders frames like still pictures, which takes four times as long. `progress` is called with the number of rendered
-    frames and the total number of frames.
+    renders frames like still pictures, which takes four times as long. `bystanders` also shows objects that the task
+    does not name, where they hide and touch nothing. `progress` is called with the number of rendered frames and the
+    total number of frames.
 
     Raises:
         PicturesMissingError: Pillow or, for an .mp4, PyAV is not installed.
@@ -86,13 +89,15 @@ def animate(
     frames = [*range(0, len(demonstration.times) - 1, every), len(demonstration.times) - 1]
     captions = [caption(task, scene, k, headings)[0] for k in range(len(moments))]
     pictures = []
-    with open_stage(task, demonstration, moments, scene, FINE if fine else MIDDLE) as (studio, sized):
-        view = best_view(task, moments, sized, studio, size)
+    options: dict[str, Any] = {"fineness": FINE if fine else MIDDLE, "bystanders": bystanders}
+    with open_picture_world(task, demonstration, moments, scene, size, **options) as world:
+        studio, drawn = world.studio, (moment_of(demonstration, frame) for frame in frames)
+        view = world.choose_view(range(len(moments)), drawn)
         blank = pillow().new("RGB", size)
         lines = line_count(captions, size[0])
         pages = [sheet([Panel(blank, each)], 1, lines=lines) for each in captions]
         for frame in frames:
-            studio.show(moment_of(demonstration, frame))
+            world.show(moment_of(demonstration, frame))
             k = min(bisect_left(demonstration.ends.tolist(), frame), len(task.actions))
             page = pages[k].copy()
             page.paste(picture(studio, size, view) if fine else _quick_picture(studio, size, view), (MARGIN, MARGIN))
@@ -103,10 +108,10 @@ def animate(
     if path.suffix.lower() == ".mp4":
         _write_mp4(path, pictures, pauses, rate)
         return
-    options: dict[str, Any] = WEBP
+    encoding: dict[str, Any] = WEBP
     if path.suffix.lower() == ".gif":
-        pictures, options = _in_one_palette(pictures), {"disposal": 1}
-    save_picture(pictures[0], path, save_all=True, append_images=pictures[1:], duration=pauses, loop=0, **options)
+        pictures, encoding = _in_one_palette(pictures), {"disposal": 1}
+    save_picture(pictures[0], path, save_all=True, append_images=pictures[1:], duration=pauses, loop=0, **encoding)
 
 
 def _quick_picture(studio: Studio, size: tuple[int, int], view: View) -> Image.Image:

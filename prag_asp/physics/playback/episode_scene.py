@@ -11,8 +11,8 @@ from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.filming.appearance_meshes import MIDDLE
 from prag_asp.physics.filming.studio import FLIPPED
 from prag_asp.physics.pictures.camera import view_camera
-from prag_asp.physics.pictures.rendering import caption, check_headings, moments_of, open_stage
-from prag_asp.physics.pictures.views import best_view
+from prag_asp.physics.pictures.picture_world import open_picture_world
+from prag_asp.physics.pictures.rendering import caption, check_headings, moments_of
 from prag_asp.physics.playback.gltf import GltfCamera, gltf_file, time_marks
 from prag_asp.physics.playback.surroundings import surroundings
 from prag_asp.physics.playback.tracks import body_tracks
@@ -27,12 +27,18 @@ FRAME = (800, 600)
 
 
 def episode_glb(
-    task: Task, demonstration: Demonstration, scene: Scene, *, headings: Sequence[str | None] | None = None
+    task: Task,
+    demonstration: Demonstration,
+    scene: Scene,
+    *,
+    headings: Sequence[str | None] | None = None,
+    bystanders: bool = True,
 ) -> bytes:
     """Return a .glb file (binary glTF 2.0) of an episode: its bodies, and an animation at 20 poses a second.
 
     The extras of its scene hold the `actions` with their names and times in seconds, and the direction to the `light`.
-    `headings` that are not None replace the words for the actions.
+    `headings` that are not None replace the words for the actions. `bystanders` also shows objects that the task does
+    not name, where they touch nothing.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
@@ -41,8 +47,10 @@ def episode_glb(
     """
     moments = moments_of(task, demonstration)
     check_headings(task, headings)
-    with open_stage(task, demonstration, moments, scene, MIDDLE) as (studio, sized):
-        view = best_view(task, moments, sized, studio, FRAME)
+    with open_picture_world(
+        task, demonstration, moments, scene, FRAME, fineness=MIDDLE, bystanders=bystanders
+    ) as world:
+        view, sized, placed = world.choose_view(range(len(moments))), world.scene, world.placed
     camera = view_camera(view, FRAME)
     pose = camera.pose @ FLIPPED
     x, y, z = pose[:3, 3].tolist()
@@ -52,7 +60,7 @@ def episode_glb(
     light = USUAL_LIGHT if variation is None or variation.light is None else variation.light
     times = demonstration.times - demonstration.times[0]
     extras = {"actions": time_marks(names, [0.0, *times[demonstration.ends[1:]].tolist()]), "light": light}
-    return gltf_file(chain(surroundings(sized), body_tracks(demonstration, scene)), times, eye, extras)
+    return gltf_file(chain(surroundings(sized), body_tracks(demonstration, scene, placed)), times, eye, extras)
 
 
 def episode_page(
@@ -62,14 +70,16 @@ def episode_page(
     *,
     title: str = "",
     headings: Sequence[str | None] | None = None,
+    bystanders: bool = True,
 ) -> str:
     """Return a page that plays an episode in 3D; it needs no other file, and works offline.
 
-    The default title is the name of the domain.
+    The default title is the name of the domain; the other arguments are those of `episode_glb`.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
         QueryError: the demonstration does not belong to the task.
         SceneError: the scene does not allow the size of an object, or a file cannot be read.
     """
-    return player_page(title or task.domain, episode_glb(task, demonstration, scene, headings=headings))
+    content = episode_glb(task, demonstration, scene, headings=headings, bystanders=bystanders)
+    return player_page(title or task.domain, content)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import boxes, solids
 
 Poses = NDArray[np.float32]
+NOBODY: Mapping[str, Pose] = {}
 
 
 class BodyTrack(NamedTuple):
@@ -35,19 +36,24 @@ class BodyTrack(NamedTuple):
     poses: Poses
 
 
-def body_tracks(demonstration: Demonstration, scene: Scene) -> Iterator[BodyTrack]:
+def body_tracks(
+    demonstration: Demonstration, scene: Scene, bystanders: Mapping[str, Pose] = NOBODY
+) -> Iterator[BodyTrack]:
     """Yield the links of the robots (``robot/link``), the objects, and the moving parts of furniture (``name/part``).
+
+    `bystanders` are poses of further objects, which never move.
 
     Raises:
         SceneError: the scene does not allow the size of an object, or a file cannot be read.
     """
     sized = demonstration.sized_scene(scene)
     yield from _robot_tracks(demonstration, sized)
+    for entity, pose in bystanders.items():
+        yield _track(entity, _object_pieces(sized, entity), _rows([pose]))
     for i, entity in enumerate(demonstration.objects):
         shape, color, poses = sized.shapes[entity], sized.color(entity), demonstration.poses[:, i]
         if not shape.traits.furniture:
-            looks = () if shape.model is None else shape.model.looks
-            yield _track(entity, body_pieces(solids(shape), looks, color), poses)
+            yield _track(entity, _object_pieces(sized, entity), poses)
             continue
         parts, openings = mechanism(shape), demonstration.openings[:, demonstration.furniture.index(entity)]
         yield _track(entity, body_pieces(boxes(parts.body), (), color), poses)
@@ -80,6 +86,12 @@ def _robot_tracks(demonstration: Demonstration, scene: Scene) -> Iterator[BodyTr
             for i, link in enumerate(links):
                 if pieces[link]:
                     yield _track(f"{name}/{link}", pieces[link], frames[:, i])
+
+
+def _object_pieces(scene: Scene, entity: str) -> list[MeshPiece]:
+    """Return the pieces of an object, with furniture closed."""
+    shape = scene.shapes[entity]
+    return body_pieces(solids(shape), () if shape.model is None else shape.model.looks, scene.color(entity))
 
 
 def _track(name: str, pieces: Sequence[MeshPiece], poses: Poses) -> BodyTrack:

@@ -105,12 +105,15 @@ def test_trimesh_reads_the_file(content, file):
     assert low[1] == pytest.approx(-0.74, abs=1e-6) and 0.4 < high[1] < 1.5, "y points up, from the floor"
 
 
-def test_two_robots_and_zones_are_shown():
+def test_two_robots_zones_and_objects_that_the_task_does_not_name_are_shown():
     _, shown, scene = two = recorded("two_robots")
     file = read_glb(episode_glb(*two))
     assert {"left/panda_hand", "right/panda_hand", "left_side", "middle"} <= {
         each["name"] for each in file.json["nodes"]
     }
+    without = read_glb(episode_glb(*two, bystanders=False))
+    names, others = ({each["name"] for each in each_file.json["nodes"]} for each_file in (file, without))
+    assert names - others == {"plank_1", "bar_1"} and others < names
     for name in shown.robots:
         mount = scene.robots[name]
         assert np.allclose(file.poses(f"{name}/panda_link0")[0, :3], (mount.x, mount.y, 0.0))
