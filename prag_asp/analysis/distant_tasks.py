@@ -15,13 +15,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.analysis.layered_automaton import LayeredAutomaton, layered_words
+from prag_asp.analysis.layered_automaton import LayeredAutomaton, layered_words, layers_of
 from prag_asp.errors import LimitReached, QueryError
 from prag_asp.processes.progress_events import stage
 from prag_asp.space.automaton.automaton import NOTHING, Automaton, Completions, Ranking
 from prag_asp.space.limits import LimitClock
 from prag_asp.space.parts.ranked_tasks import RankedTasks, RankRange
 from prag_asp.space.task_space import TaskSpace
+from prag_asp.space.weights.weights import Weights
+from prag_asp.space.word_set import WordSet
 from prag_asp.stop_reason import StopKind, StopReason
 from prag_asp.task import Task
 
@@ -41,21 +43,40 @@ def tasks_apart(space: TaskSpace, other: TaskSpace, distance: int) -> RankedTask
     """Return the tasks of a space that are at least `distance` edits from each task of another part, in rank order.
 
     An edit inserts, removes or replaces an action, up to renaming of interchangeable entities. Both spaces are parts of
-    one space with one length, as `hold_out` and `split_skeletons` return them.
+    one space, as `hold_out` and `split_skeletons` return them.
 
     Raises:
         QueryError: the distance is not between 1 and 100, or the spaces have different symmetries or several lengths.
         LimitReached: a limit was reached, or the rows do not fit into memory.
     """
-    if not 1 <= distance <= FARTHEST:
-        raise QueryError(f"a distance of {distance}: give one from 1 to {FARTHEST}")
-    if space.symmetries != other.symmetries:
-        raise QueryError(f"{space.title} and {other.title} have different interchangeable entities; give parts of one")
-    words, plans = layered_words(space, "task"), layered_words(other, "plan")
-    stage("comparing the parts")
-    automaton = words_apart(words, plans, distance, space.engines.limits.begin())
-    apart = TasksApart(space, words.letters, automaton)
-    return RankedTasks(RankRange(range(apart.ranking.total)), apart)
+    apart = tasks_apart_from_all(space, [(other, distance)])
+    return RankedTasks(RankRange(range(apart.count())), apart)
+
+
+def tasks_apart_from_all(space: TaskSpace, others: Iterable[tuple[TaskSpace, int]]) -> TasksApart:
+    """Return the tasks of a space of one length that have a distance from each task of other parts of any lengths.
+
+    Raises:
+        QueryError: a distance is not between 1 and 100, or the spaces have different symmetries.
+        LimitReached: a limit was reached, or the rows do not fit into memory.
+    """
+    words = layered_words(space, "task")
+    automaton = NOTHING if words.edges is None else space.engines.engine("task", space.length).weighed(
+        space.length, Weights(), plain=True
+    ).automaton  # fmt: skip
+    for other, distance in others:
+        if not 1 <= distance <= FARTHEST:
+            raise QueryError(f"a distance of {distance}: give one from 1 to {FARTHEST}")
+        for length in (each for each in other.lengths if abs(each - space.length) < distance):
+            plans = other.at(length)
+            if space.symmetries != plans.symmetries:
+                raise QueryError(
+                    f"{space.title} and {plans.title} have different interchangeable entities; give parts of one"
+                )
+            stage("comparing the parts")
+            automaton = words_apart(words, layered_words(plans, "plan"), distance, space.engines.limits.begin())
+            words = LayeredAutomaton(space.length, words.letters, layers_of(automaton, space.length))
+    return TasksApart(space, words.letters, automaton)
 
 
 @dataclass(frozen=True)
@@ -71,6 +92,25 @@ class TasksApart:
         """The ranks of the words."""
         return Ranking(Completions(self.automaton), self.space.length)
 
+    @property
+    def length(self) -> int:
+        """The number of actions of each task."""
+        return self.space.length
+
+    def count(self) -> int:
+        """Return the number of tasks."""
+        return self.ranking.total
+
+    def word(self, rank: int) -> tuple[str, ...]:
+        """Return the plan of a task, as `plan_at` does."""
+        return self.plan_at(rank)
+
+    def rank(self, word: Sequence[str]) -> int | None:
+        """Return the rank of the task of a plan, given as texts of actions; None if it is not one of these tasks."""
+        words = WordSet(self.space.engines, "task", self.length)
+        place = words.rank(tuple(word))
+        return None if place is None else self.ranking.rank([self.letters.index(each) for each in words.word(place)])
+
     def plan_at(self, rank: int) -> tuple[str, ...]:
         """Return the plan of the task with a given rank as the texts of its actions."""
         return tuple(self.letters[letter] for letter in self.ranking.unrank(rank))
@@ -85,8 +125,7 @@ class TasksApart:
         Raises:
             QueryError: the task is too near, or not in the space.
         """
-        plan = self.space.plan_at(self.space.index(task))
-        rank = self.ranking.rank([self.letters.index(action) for action in plan])
+        rank = self.rank(self.space.plan_at(self.space.index(task)))
         if rank is None:
             raise QueryError(f"the task is too near to the other part: {task}")
         return rank

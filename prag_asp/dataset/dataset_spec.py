@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from math import ceil
 from pathlib import Path
@@ -22,6 +22,7 @@ from prag_asp.tables.json_fields import Whole
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
     from prag_asp.exact_numbers import Number
+    from prag_asp.space.task_space import TaskSpace
     from prag_asp.space.weights.temperature import Temperature
     from prag_asp.space.without_replacement import Division
 
@@ -47,6 +48,20 @@ LARGEST_SEED = 2**63 - 1
 """The largest seed that a column of 64-bit integers holds."""
 
 
+class ApartSpec(msgspec.Struct, frozen=True):
+    """A set of tasks, given by lengths and conditions, from each of which tasks have at least a distance in edits."""
+
+    distance: Annotated[int, msgspec.Meta(ge=1, le=100)]
+    lengths: list[Whole]
+    where: list[str]
+
+    def space(self, near: TaskSpace) -> TaskSpace:
+        """Return the tasks, given a space of the same domain, whose limits apply."""
+        from prag_asp.space.task_space import TaskSpace
+
+        return TaskSpace(near.domain, self.lengths, limits=near.engines.limits).where(*self.where)
+
+
 class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     """The request for a dataset, as passed to `generate` and stored in dataset.json.
 
@@ -56,7 +71,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     tasks to leave out by their length and rank. With `over`, a skeleton or a goal is sampled uniformly before a task.
     With `strata`, the parts are the strata of a sample. With `cover`, the tasks begin with those that cover all
     combinations of that many factors; all of them are there, even if `tasks` is smaller. With `candidates`, the tasks
-    are chosen far apart among so many sampled ones.
+    are chosen far apart among so many sampled ones. With `apart`, all tasks are far from other sets of tasks.
 
     Raises:
         QueryError: a number is out of range.
@@ -84,6 +99,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     over: Literal["skeletons", "goals"] | msgspec.UnsetType = msgspec.UNSET
     cover: Annotated[int, msgspec.Meta(ge=1, le=8)] | msgspec.UnsetType = msgspec.UNSET
     candidates: Annotated[int, msgspec.Meta(ge=1, le=MOST_CANDIDATES)] | msgspec.UnsetType = msgspec.UNSET
+    apart: list[ApartSpec] | msgspec.UnsetType = msgspec.UNSET
 
     def __post_init__(self) -> None:
         if self.tasks < 1:
@@ -113,6 +129,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         cover: int | None = None,
         diverse: int | None = None,
         candidates: int | None = None,
+        apart: Sequence[ApartSpec] = (),
         **fields: Any,
     ) -> DatasetSpec:
         """Return the request for a dataset of `tasks` different feasible tasks of a domain, given its `fields`.
@@ -134,7 +151,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         With `cover`, the first tasks cover all reachable combinations of that many factors; if physics rejects one,
         others replace it. `tasks` can then be left out; if there are more, they are sampled uniformly. With `diverse`
         instead of `tasks`, that many tasks are far apart; they are chosen among `candidates`, by default 20 times as
-        many sampled tasks.
+        many sampled tasks. With `apart`, only tasks are sampled that are far from all tasks of other sets.
 
         Raises:
             QueryError: a value is out of range, or two of them contradict each other.
@@ -163,6 +180,10 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
                     f"tasks that cover combinations are chosen, and others sampled uniformly; leave {name} out"
                 )
         _check_choice(cover, diverse, division, part)
+        if apart and (cover is not None or strata is not None or not division.by_tasks):
+            raise QueryError(
+                "tasks that are far from others are sampled; leave cover, strata, skeletons and hold_out out"
+            )
         spec = cls(
             split={name: str(share) for name, share in division.shares.items()},
             skeletons=skeletons,
@@ -176,6 +197,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
             over=over or msgspec.UNSET,
             cover=msgspec.UNSET if cover is None else cover,
             candidates=msgspec.UNSET if candidates is None else candidates,
+            apart=[*apart] or msgspec.UNSET,
             **fields,
         )
         budget = spec._budget_in(domain, bool(domain.settings.scene) if physics is None else physics)

@@ -168,7 +168,7 @@ def _check_ambiguity(language: TableEntry, reader: GrammarReader) -> None:
         alike = [each.arguments for each in reader.states.declared_actions if each.match(*signature)]
         if len({tuple(str(each[index]) for index in template.arguments) for each in alike}) < len(alike):
             reported.add((signature[0], ""))
-            text = f"a sentence omits {{{omitted[0]}}}, so two actions have the same sentence; mention it"
+            text = f"a sentence omits {{{omitted[0]}}}, so two actions have the same sentence; add it"
             entries[signature[0]].add(text, "sounds-alike")
 
 

@@ -48,7 +48,7 @@ def metric_with_costs(cost: ActionCost, actions: Iterable[Atom], background: Bac
                 )
     reason = table.violation()
     return Metric(
-        "own costs",
+        "custom costs",
         f"Dissimilarity, because {reason}" if reason else "Edit distance with given costs",
         "Wagner and Fischer 1974",
         features.actions,

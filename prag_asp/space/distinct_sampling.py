@@ -26,7 +26,7 @@ from prag_asp.space.sampling.rank_order import RankOrder, ShareOrder
 from prag_asp.space.sampling.remaining_words import RemainingWords, walks_of
 from prag_asp.space.sampling.samplers import GoalSampler, SkeletonSampler
 from prag_asp.space.task_sampling import TaskSampling
-from prag_asp.space.word_set import WordSet
+from prag_asp.space.word_set import RankedWords, WordSet
 
 BATCH = 512
 """Maximum number of tasks whose states are computed together."""
@@ -67,7 +67,7 @@ class UniformOrder:
     """
 
     whole: Sequence[WordSet]
-    sets: Sequence[WordSet]
+    sets: Sequence[RankedWords]
     order: RankOrder
     probabilities: Sequence[Fraction]
 

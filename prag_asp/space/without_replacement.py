@@ -27,7 +27,7 @@ from prag_asp.space.strata.allocation import StratifiedBy
 from prag_asp.space.strata.stratum import strata_of
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.weights.weights import Weights
-from prag_asp.space.word_set import WordSet
+from prag_asp.space.word_set import RankedWords, WordSet
 from prag_asp.task import Task
 from prag_asp.wording import unknown
 
@@ -145,13 +145,14 @@ def ordered_parts(
     evenly: bool = False,
     deal: Deal = ALL,
     excluded: Collection[tuple[int, int]] = (),
+    among: Sequence[RankedWords] | None = None,
 ) -> dict[str, TaskOrder]:
     """Return the tasks of each part of a space, in the order of sampling without replacement.
 
     Without weights, lengths have their exact shares, or alternate with `evenly`. With `over`, a skeleton or a goal of
     the space is sampled uniformly first; draws that are in other parts, or not new, are repeated. A `deal` selects the
     tasks of one of several workers. The `excluded` tasks, pairs of a length and a rank, are left out; parts keep their
-    other tasks.
+    other tasks. With `among`, all other tasks than these are left out; shares are then those of these tasks.
 
     Raises:
         QueryError: a part is empty, there is nothing to sample, an excluded rank has no task, or weights or `over` are
@@ -167,7 +168,15 @@ def ordered_parts(
         raise QueryError(
             f"lengths come evenly only with uniform sampling of tasks; leave --over {over} or --evenly out"
         )
-    sets = _sets(space, whole, division, seed)
+    own = _sets(space, whole, division, seed)
+    sets: Mapping[str, Sequence[RankedWords]] = own
+    if among is not None:
+        if not division.by_tasks:
+            raise QueryError(
+                "tasks that are far from others are divided by shares only; leave skeletons and hold_out out"
+            )
+        by_length = {words.length: words for words in among}
+        sets = {name: [by_length[words.length] for words in whole] for name in division.shares}
     orders = {
         name: order_of([words.count() for words in sets[name]], division, name, seed, evenly=evenly)
         for name in division.shares
@@ -181,8 +190,9 @@ def ordered_parts(
     parts: dict[str, TaskOrder] = {}
     for name, order in orders.items():
         if weights or over:
-            accepts = _acceptance(division, sets[name], order, with_exclusions=bool(excluded))
-            parts[name] = WeightedOrder(sampling, whole, sets[name], seed, order.size, accepts)
+            some = bool(excluded) or among is not None
+            accepts = _acceptance(division, sets[name], order, with_exclusions=some)
+            parts[name] = WeightedOrder(sampling, whole, own[name], seed, order.size, accepts)
         else:
             sizes = [words.count() for words in whole]
             probabilities = [Fraction(1, len(sizes) * size if evenly else sum(sizes)) for size in sizes]
@@ -240,15 +250,13 @@ def order_of(sizes: Sequence[int], division: Division, name: str, seed: int, *, 
 
 
 def _acceptance(
-    division: Division, sets: Sequence[WordSet], order: RankOrder, *, with_exclusions: bool
+    division: Division, sets: Sequence[RankedWords], order: RankOrder, *, with_exclusions: bool
 ) -> Callable[[int, tuple[str, ...]], bool] | None:
     """Return the membership test of a part, or None if it contains all words."""
-    if with_exclusions:
-        return lambda place, word: _is_in(order, place, sets[place].rank(word))
-    if len(division.shares) == 1:
+    if len(division.shares) == 1 and not with_exclusions:
         return None
-    if division.by_tasks:
-        return lambda place, word: order.number(place, sets[place].require_rank(word)) is not None
+    if with_exclusions or division.by_tasks:
+        return lambda place, word: _is_in(order, place, sets[place].rank(word))
     return lambda place, word: sets[place].rank(word) is not None
 
 
@@ -276,7 +284,7 @@ def _excluded_words(
     return found
 
 
-def _without(order: RankOrder, sets: Sequence[WordSet], words: Iterable[tuple[int, tuple[str, ...]]]) -> RankOrder:
+def _without(order: RankOrder, sets: Sequence[RankedWords], words: Iterable[tuple[int, tuple[str, ...]]]) -> RankOrder:
     """Return the order of a part without some words, which may belong to other parts."""
     ranks = ((place, sets[place].rank(word)) for place, word in words)
     numbers = {order.number(place, rank) for place, rank in ranks if rank is not None}

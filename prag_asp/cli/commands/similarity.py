@@ -150,7 +150,7 @@ def _text(found: TaskComparison) -> Iterator[str]:
     """Yield the distance, the renaming, the parts of a mixture and the edits."""
     yield f"{found.metric.name}: distance {_number(found.distance)}, similarity {found.similarity:.3f}"
     if found.renaming:
-        yield f"B with {', '.join(f'{old} as {new}' for old, new in sorted(found.renaming.items()))}"
+        yield f"renamed in B: {', '.join(f'{old} to {new}' for old, new in sorted(found.renaming.items()))}"
     if found.parts:
         from prag_asp.similarity.metrics import COMBINED
 
@@ -247,7 +247,7 @@ def _novel(
             ("given tasks", f"{len(known.tasks)}"),
             ("mean novelty", f"{found.distances.mean():.4f}"),
             ("smallest novelty", f"{found.distances.min():.4f}"),
-            ("tasks that are given", f"{int((found.distances == 0).sum())}"),
+            ("tasks with novelty 0", f"{int((found.distances == 0).sum())}"),
         ]
     )
     for place in found.distances.argsort(kind="stable")[:SHOWN].tolist():

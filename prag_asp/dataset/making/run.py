@@ -18,6 +18,7 @@ from prag_asp.dataset.episode_files import name_of, remove_after
 from prag_asp.dataset.making.chosen_draws import FollowingOrder, ListedOrder, choice_of, record_figures
 from prag_asp.dataset.making.draw_plan import DrawPlan
 from prag_asp.dataset.making.executors import Executor
+from prag_asp.dataset.making.ordered_tasks import requested_parts
 from prag_asp.dataset.pages.dataset_card import write_card
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.domain_snapshot import MEND, DomainSnapshot, write_snapshot
@@ -40,7 +41,7 @@ from prag_asp.output import Journal, file_in, make_folder, replace_file
 from prag_asp.processes.workers import uninterrupted
 from prag_asp.safe_reading import read_bytes
 from prag_asp.space.distinct_sampling import TaskOrder
-from prag_asp.space.without_replacement import ordered_parts, with_tasks
+from prag_asp.space.without_replacement import with_tasks
 from prag_asp.versions import versions
 from prag_asp.wording import plural
 
@@ -105,10 +106,7 @@ class DatasetRun:
         spec = self._spec
         self._captioner = captioner_of(self._space.domain, spec.language, spec.seed, spec.phrasings)
         DATASET.require_folder(self._folder, JOURNAL)
-        parts = ordered_parts(
-            self._space, spec.division, seed=spec.seed, weights=self._space.weights(spec.weights, spec.temperature),
-            over=spec.over or None, evenly=spec.evenly, deal=spec.deal, excluded=spec.excluded_ranks,
-        )  # fmt: skip
+        parts = requested_parts(self._space, spec)
         make_folder(self._folder)
         values, spaces = request_of(self._space, spec), {each: self._space.at(each) for each in self._space.lengths}
         request = Manifest(

@@ -293,13 +293,14 @@ class Dataset:
     def _ranked(self, length: int, rank: int) -> Iterator[tuple[PartManifest, Mapping[str, Any]]]:
         """Yield the row of the task with a given rank, if the dataset has such a task.
 
-        If sampling is uniform and the split is only by tasks, the number of the draw follows from the rank.
+        If all tasks are sampled uniformly and the split is only by tasks, the number of the draw follows from the rank.
         """
         from prag_asp.space.without_replacement import order_of
 
         spec, lengths = self.manifest.spec, [space.length for space in self.manifest.spaces if space.tasks != "0"]
         divided = spec.skeletons or spec.hold_out is not None or spec.strata
-        uniform = not (spec.weights or spec.over or divided)
+        selected = spec.excluded or spec.apart or spec.cover or spec.candidates
+        uniform = not (spec.weights or spec.over or divided or selected)
         if uniform and (length not in lengths or not 0 <= rank < int(self._sizes[length])):
             return
         for note in self._notes:

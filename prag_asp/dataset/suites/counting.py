@@ -17,6 +17,7 @@ from prag_asp.space.task_space import TaskSpace
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.dataset_spec import ApartSpec
     from prag_asp.dataset.suites.suite_spec import Suite, SuitePart
     from prag_asp.space.limits import Limits
 
@@ -86,7 +87,7 @@ def count_suite(
     count = _SuiteCounter(suite, limits, progress)
     sizes = {}
     for name, part in suite.parts.items():
-        sizes[name] = count.by_length(name, part.where, part.lengths)
+        sizes[name] = count.by_length(name, part.where, part.lengths, [part])
         total = sum(sizes[name].values())
         if total < part.tasks:
             problem = f"{plural(part.tasks, 'task')} requested for {name}, but its space has {total}"
@@ -96,13 +97,16 @@ def count_suite(
     shared = []
     for one, other in combinations(suite.parts.values(), 2):
         both = [length for length in one.lengths if length in other.lengths]
-        tasks = count.by_length(f"{one.name} and {other.name}", (*one.where, *other.where), both)
+        if other.name in one.distance or one.name in other.distance:
+            both = []  # the same task would be at the distance 0
+        tasks = count.by_length(f"{one.name} and {other.name}", (*one.where, *other.where), both, [one, other])
         shared.append(Overlap(one.name, other.name, digits_of(sum(tasks.values())), one.declares(other)))
     unseen = []
     for held in suite.held:
         for part in suite.parts.values():
             if held.what not in part.unseen:
-                tasks = count.by_length(f"{held.what} in {part.name}", (*part.where, held.having), part.lengths)
+                what = f"{held.what} in {part.name}"
+                tasks = count.by_length(what, (*part.where, held.having), part.lengths, [part])
                 unseen.append(HeldOutCount(held.what, part.name, digits_of(sum(tasks.values()))))
     return Figures(sizes, tuple(shared), tuple(unseen))
 
@@ -120,13 +124,18 @@ class _SuiteCounter:
         parts = len(suite.parts)
         self._done, self._total = 0, parts + parts * (parts - 1) // 2 + parts * len(suite.held)
 
-    def by_length(self, what: str, clauses: Sequence[str], lengths: Sequence[int]) -> dict[int, int]:
-        """Return the number of tasks of each length that satisfy all of some conditions."""
+    def by_length(
+        self, what: str, clauses: Sequence[str], lengths: Sequence[int], parts: Sequence[SuitePart]
+    ) -> dict[int, int]:
+        """Return the number of tasks of each length that satisfy all of some conditions and the distances of parts."""
         self._progress(f"counting {what}", self._done, self._total)
         self._done += 1
         conditions = frozenset(clauses)
         if any({held.having, held.without} <= conditions for held in self._suite.held):
             return dict.fromkeys(lengths, 0)  # each is the negation of the other
+        if apart := [each for part in parts for each in self._suite.apart_from(part)]:
+            spaces = (self._domain.at(length).where(*dict.fromkeys(clauses)) for length in lengths)
+            return {space.length: count_apart(space, apart) for space in spaces}
         if any((conditions, length) not in self._counts for length in lengths):
             # Exploring the longest plans covers shorter ones, including those of other parts with these conditions.
             lengths_needed = self._lengths.get(conditions, set()).union(lengths)
@@ -135,6 +144,18 @@ class _SuiteCounter:
             for length in reversed(missing):
                 self._counts[conditions, length] = space.at(length).count()
         return {length: self._counts[conditions, length] for length in lengths}
+
+
+def count_apart(space: TaskSpace, apart: Sequence[ApartSpec]) -> int:
+    """Return the number of tasks of a space of one length that are far from all tasks of some sets.
+
+    Raises:
+        QueryError: the space and a set have different interchangeable entities.
+        LimitReached: a limit was reached.
+    """
+    from prag_asp.analysis.distant_tasks import tasks_apart_from_all
+
+    return tasks_apart_from_all(space, [(each.space(space), each.distance) for each in apart]).count()
 
 
 def refuse_leaks(suite: Suite, figures: Figures) -> None:

@@ -24,7 +24,10 @@ NAME, SPELLED = "suite.json", "suite.toml"
 
 
 class SuitePartManifest(msgspec.Struct):
-    """A part: its conditions, its exact size, the number of its tasks, and the record of its dataset.json."""
+    """A part: its conditions, its exact size, the number of its tasks, and the record of its dataset.json.
+
+    `distance` is its distance in edits from other parts, if it has one.
+    """
 
     name: str
     about: str
@@ -38,6 +41,7 @@ class SuitePartManifest(msgspec.Struct):
     requested: Whole
     tasks: Whole = 0
     dataset: FileRecord | None = None
+    distance: dict[str, Whole] | msgspec.UnsetType = msgspec.UNSET
 
 
 class SuiteManifest(msgspec.Struct):
@@ -75,7 +79,7 @@ def manifest_of(suite: Suite, figures: Figures, identity: str, versions: str) ->
         SuitePartManifest(
             part.name, part.about, part.of, list(part.unseen), list(part.where), part.language, part.phrasings,
             [SpaceSize(length, digits_of(tasks)) for length, tasks in figures.sizes[part.name].items()],
-            digits_of(figures.size(part.name)), part.tasks,
+            digits_of(figures.size(part.name)), part.tasks, distance={**part.distance} or msgspec.UNSET,
         )
         for part in suite.parts.values()
     ]  # fmt: skip

@@ -131,12 +131,23 @@ class _SuiteReader:
             for other in texts(table.shares):
                 if other not in others:
                     self._report.add(("parts", name, "shares"), unknown(other, others, "part"))
+            self._check_distances(name, table)
         self._raise_problems()
         return Suite(
             self._source.path.stem, self._domain, {name: parts[name] for name in self._parts}, self._table.title,
             self._table.description, self._table.uniform, budget, staging, demonstrate, tuple(held.values()),
             self._source.path, self._source.text,
         )  # fmt: skip
+
+    def _check_distances(self, name: str, table: PartTable) -> None:
+        """Report distances from parts that do not exist, or that have no tasks of their own."""
+        others = [each for each, other in self._parts.items() if each != name and other.of is None]
+        for other in table.distance:
+            if other not in others:
+                hint = unknown(other, others, "other part with tasks of its own")
+                self._report.add(("parts", name, "distance", other), hint)
+        if table.distance and table.skeletons:
+            self._report.add(("parts", name, "skeletons"), "a part with a distance is split by tasks; leave it out")
 
     def _physics(self) -> tuple[Budget | None, Staging | None, bool]:
         """Return the budget of physics, its staging, and whether it demonstrates; without a budget, physics is off.
@@ -239,6 +250,7 @@ class _SuiteReader:
         part = SuitePart(
             name, table.tasks, lengths, tuple(map(str, where.clauses)), own, None, texts(table.shares), table.about,
             self._table.seed if table.seed is None else table.seed, table.starts, shares, table.skeletons, table.evenly,
+            distance=table.distance,
         )  # fmt: skip
         return self._with_phrasings(part, table, self._table.language, self._table.phrasings)
 

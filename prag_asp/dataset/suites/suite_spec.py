@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from prag_asp.dataset.dataset_spec import DatasetSpec
+from prag_asp.dataset.dataset_spec import ApartSpec, DatasetSpec
 from prag_asp.errors import QueryError
 from prag_asp.grammar.phrasings import Phrasings
 from prag_asp.tables.toml_text import key_line
@@ -32,6 +32,7 @@ class SuitePart:
 
     `where` holds all its conditions, including those of the suite and of everything held out. `unseen` is held out from
     the other parts, `of` is the part whose tasks it repeats, and `shares` are the parts with which it may share tasks.
+    Each task is at least as many edits as `distance` says from all tasks that satisfy the conditions of other parts.
     """
 
     name: str
@@ -49,6 +50,7 @@ class SuitePart:
     evenly: bool = False
     language: str = "en"
     phrasings: str = ""
+    distance: Mapping[str, int] = field(default_factory=dict)
 
     def apart(self, other: SuitePart) -> bool:
         """Return whether no sentence for an action can occur in both parts."""
@@ -93,6 +95,11 @@ class Suite:
             self, parts={name: replace(part, tasks=min(tasks, part.tasks)) for name, part in self.parts.items()}
         )
 
+    def apart_from(self, part: SuitePart) -> list[ApartSpec]:
+        """Return the sets of tasks from which the tasks of a part have a distance."""
+        others = ((self.parts[name], distance) for name, distance in part.distance.items())
+        return [ApartSpec(distance, [*other.lengths], [*other.where]) for other, distance in others]
+
     def dataset_spec(self, part: SuitePart) -> DatasetSpec:
         """Return the request for the dataset of a part.
 
@@ -105,6 +112,7 @@ class Suite:
                 starts=part.starts, demonstrate=self.demonstrate, evenly=part.evenly,
                 weights={} if self.uniform or part.evenly else None, physics=self.budget is not None,
                 budget=self.budget, language=part.language, phrasings=part.phrasings, staging=self.staging,
+                apart=self.apart_from(part),
             )  # fmt: skip
         except QueryError as error:
             raise QueryError(f"{self.name}: parts.{part.name}: {error}") from None

@@ -39,6 +39,7 @@ class PartTable(msgspec.Struct):
     unseen: Words = []
     of: str | None = None
     shares: Words = []
+    distance: dict[str, Annotated[int, msgspec.Meta(ge=1, le=100)]] = {}
     seed: Seed | None = None
     starts: Annotated[int, msgspec.Meta(ge=1, le=MOST_STARTS)] = 1
     split: dict[str, Any] = {}

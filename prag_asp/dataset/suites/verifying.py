@@ -22,9 +22,10 @@ from prag_asp.dataset.verification.verifier import wrong_dataset
 from prag_asp.errors import DomainError, PragError, QueryError
 from prag_asp.program.sources import Source
 from prag_asp.safe_reading import read_bytes
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.suites.suite_spec import Suite
+    from prag_asp.dataset.suites.suite_spec import Suite, SuitePart
 
 KNOWN = (NAME, SPELLED, CARD)
 """The files of a suite next to its datasets."""
@@ -89,6 +90,7 @@ def _wrong_suite(path: Path, trust: bool, physics: bool, workers: int, progress:
             for finding in wrong_dataset(path / part.name, trust, physics, workers, report):
                 yield finding._replace(file=f"{part.name}/{finding.file}")
             yield from overlaps.wrong(part.name, data)
+            yield from _too_near(suite, own, data)
         except PragError as error:
             yield Finding(part.name, None, str(error))
 
@@ -122,13 +124,28 @@ def _wrong_note(suite: Suite, note: SuiteManifest, progress: Progress) -> Iterat
         yield Finding(NAME, None, f"parts are not those of {SPELLED}")
         return
     for part, right_part in zip(note.parts, right.parts, strict=True):
-        for field_ in ("about", "of", "unseen", "where", "language", "phrasings", "spaces", "size"):
+        for field_ in ("about", "of", "unseen", "where", "language", "phrasings", "spaces", "size", "distance"):
             if getattr(part, field_) != getattr(right_part, field_):
                 yield Finding(NAME, None, f"parts, {part.name}: {field_} is not what {SPELLED} says, counted again")
         if part.requested > right_part.requested:
             yield Finding(NAME, None, f"parts, {part.name}: has a request for more tasks than {SPELLED} says")
     for leak in figures.leaks:
         yield Finding(NAME, None, f"{leak.one} and {leak.other} have {leak.digits} tasks in common")
+
+
+def _too_near(suite: Suite, part: SuitePart, data: Dataset) -> Iterator[Finding]:
+    """Yield the tasks that are too near to another part; each distance is that of a shortest path.
+
+    The automaton from which the tasks were sampled is not used.
+    """
+    from prag_asp.analysis.neighbours import nearest_task
+
+    for name, distance in part.distance.items():
+        other = space_of(suite, suite.parts[name])
+        for row, task in enumerate(data.tasks()):
+            nearest = nearest_task(other, task).distance
+            if nearest < distance:
+                yield Finding(part.name, row, f"is {plural(nearest, 'edit')} from a task of {name}, not {distance}")
 
 
 @dataclass

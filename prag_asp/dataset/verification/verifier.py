@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from prag_asp.dataset.making.chosen_draws import choice_of, chosen_order, record_figures
+from prag_asp.dataset.making.ordered_tasks import requested_parts
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.manifest import NAME, Manifest
 from prag_asp.dataset.store.tables import TableReader
@@ -22,7 +23,7 @@ from prag_asp.dataset.verification.row_checks import RowChecks
 from prag_asp.errors import PragError
 from prag_asp.physics import require_physics
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.without_replacement import ordered_parts, with_tasks
+from prag_asp.space.without_replacement import with_tasks
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
@@ -63,10 +64,7 @@ def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progre
         return
     try:
         space = TaskSpace(domain, lengths).where(*manifest.where)
-        parts = ordered_parts(
-            space, spec.division, seed=spec.seed, weights=space.weights(spec.weights, spec.temperature),
-            over=spec.over or None, evenly=spec.evenly, deal=spec.deal, excluded=spec.excluded_ranks,
-        )  # fmt: skip
+        parts = requested_parts(space, spec)
     except PragError as error:
         yield Finding(NAME, None, f"what was requested cannot be drawn: {error}")
         return

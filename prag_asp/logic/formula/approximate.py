@@ -43,7 +43,7 @@ class Tolerance:
                 raise QueryError(f"{name} {number:g}: write a number from {least:g} to {most:g}")
 
     def __str__(self) -> str:
-        return f"within a factor {1 + self.epsilon:.10g} with probability at least {1 - self.delta:.10g}"
+        return f"within a factor of {1 + self.epsilon:.10g} with probability at least {1 - self.delta:.10g}"
 
 
 @dataclass(frozen=True)

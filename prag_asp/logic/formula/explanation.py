@@ -163,7 +163,7 @@ class _ReasonSearch:
         for fluent, value in needed:
             since = state.known_since(fluent, OPPOSITE[value], step - 1)
             if since is not None:
-                yield f"{who} {fluent} to be {value}, which is {OPPOSITE[value]} {since}"
+                yield f"{who} {fluent} to be {value}, but that has been {OPPOSITE[value]} {since}"
 
     def _contradictions(self, step: int, state: _State) -> Iterator[str]:
         time = min(step, len(self._plan))

@@ -88,11 +88,10 @@ class ShadowMap:
         shades = (gaps > BIAS).astype(np.float32)
         narrow = blurred(shades, max(1, round(NARROW / self._texel)))
         # The wide blur is taken from an image of half the size, which takes a quarter of the time.
-        radius = max(1, round(WIDE / self._texel / 2))
-        wide = blurred(_halved(shades), radius)
-        gap = blurred(_halved(np.where(shades > 0, gaps, np.float32(0.0))), radius) / np.maximum(wide, SLIGHT)
-        share = np.minimum(gap / np.float32(FAR_BODY), np.float32(1.0))
-        far, share = _doubled(wide), _doubled(share)
+        halves = _halved(np.stack([shades, np.where(shades > 0, gaps, np.float32(0.0))]))
+        wide, gap = blurred(halves, max(1, round(WIDE / self._texel / 2)))
+        share = np.minimum(gap / np.maximum(wide, SLIGHT) / np.float32(FAR_BODY), np.float32(1.0))
+        far, share = _doubled(np.stack([wide, share]))
         self._table_shadow = narrow + (far - narrow) * share
 
     def places(self, pixels: NDArray[np.int64], points: tuple[Floats, Floats, Floats]) -> LightPlaces:
@@ -116,39 +115,44 @@ class ShadowMap:
         """
         side, depths, owners = self.camera.size[0], self._depths.ravel(), self._bodies.ravel()
         limit = places.depths - np.float32(BIAS)
-        hidden: Floats = np.zeros(len(limit), dtype=np.float32)
-        for row, column in TAPS:
-            texels = np.clip(places.texels + np.int32(row * side + column), 0, side * side - 1)
-            hidden += (depths[texels] < limit) & (owners[texels] != bodies)
-        hidden /= np.float32(len(TAPS))
+        texels = places.texels + np.array([row * side + column for row, column in TAPS], dtype=np.int32)[:, None]
+        np.clip(texels, 0, side * side - 1, out=texels)
+        shaded = (depths[texels] < limit) & (owners[texels] != bodies)
+        hidden: Floats = shaded.sum(axis=0, dtype=np.float32) / np.float32(len(TAPS))
         return hidden
 
 
-def _halved(image: Floats) -> Floats:
-    """Return an image with half as many rows and columns."""
-    halved: Floats = (image[::2, ::2] + image[1::2, ::2] + image[::2, 1::2] + image[1::2, 1::2]) / np.float32(4.0)
+def _halved(images: Floats) -> Floats:
+    """Return images (..., H, W) with half as many rows and columns."""
+    corners = [images[..., row::2, column::2] for row, column in ((0, 0), (1, 0), (0, 1), (1, 1))]
+    halved: Floats = (corners[0] + corners[1] + corners[2] + corners[3]) / np.float32(4.0)
     return halved
 
 
-def _doubled(image: Floats) -> Floats:
-    """Return an image with twice as many rows and columns, interpolated linearly."""
-    for axis in range(2):
-        padded = np.concatenate([image.take([0], axis), image, image.take([-1], axis)], axis)
-        count = image.shape[axis]
-        here, before, after = (padded.take(range(k, k + count), axis) for k in (1, 0, 2))
-        pair = np.stack([here * 0.75 + before * 0.25, here * 0.75 + after * 0.25], axis + 1)
-        shape = [2 * length if each == axis else length for each, length in enumerate(image.shape)]
-        image = pair.reshape(shape).astype(np.float32)
-    return image
+def _doubled(images: Floats) -> Floats:
+    """Return images (..., H, W) with twice as many rows and columns, interpolated linearly."""
+    for axis in (-2, -1):
+        lines = images.swapaxes(0, axis)
+        most = lines * np.float32(0.75)
+        least = lines * np.float32(0.25)
+        doubled = np.empty((2 * len(lines), *lines.shape[1:]), dtype=np.float32)
+        doubled[0], doubled[2::2] = most[0] + least[0], most[1:] + least[:-1]
+        doubled[-1], doubled[1:-1:2] = most[-1] + least[-1], most[:-1] + least[1:]
+        images = doubled.swapaxes(0, axis)
+    return images
 
 
-def blurred(image: Floats, radius: int) -> Floats:
-    """Return an image (H, W) after two box filters with a radius in pixels; beyond its edges, the image repeats."""
+def blurred(images: Floats, radius: int) -> Floats:
+    """Return images (..., H, W) after two box filters with a radius in pixels; beyond its edges, an image repeats."""
+    width = np.float32(2 * radius + 1)
     for _ in range(2):
-        for axis in range(2):
-            width = [(radius + 1, radius) if axis == each else (0, 0) for each in range(2)]
-            sums = np.cumsum(np.pad(image, width, mode="edge"), axis=axis, dtype=np.float32)
-            length = image.shape[axis]
-            upper, lower = np.arange(2 * radius + 1, 2 * radius + 1 + length), np.arange(length)
-            image = (sums.take(upper, axis) - sums.take(lower, axis)) / np.float32(2 * radius + 1)
-    return image
+        for axis in (-2, -1):
+            lines = images.swapaxes(0, axis)
+            count = len(lines)
+            padded = np.empty((count + 2 * radius + 1, *lines.shape[1:]), dtype=np.float32)
+            padded[: radius + 1], padded[radius + 1 : radius + 1 + count], padded[radius + 1 + count :] = (
+                lines[0], lines, lines[-1],
+            )  # fmt: skip
+            sums = np.cumsum(padded, axis=0, out=padded)
+            images = ((sums[2 * radius + 1 :] - sums[:count]) / width).swapaxes(0, axis)
+    return images

@@ -148,17 +148,16 @@ class Studio:
         colors, depth, bodies = self._drawn(camera, pose)
         in_front = (bodies >= 0) & (depth < behind.depth + RESTING)
         self._cast_shadows()
-        shown = behind.rgb.copy()
-        pixels = shown.reshape(-1, 3)
-        light = 1.0 - (1.0 - AMBIENT / behind.shade) * self._shadows.on_table(places)
-        pixels[places.pixels] = pixels[places.pixels] * light[:, None]
+        light = np.ones(bodies.size, dtype=np.float32)
+        light[places.pixels] -= (1.0 - AMBIENT / behind.shade) * self._shadows.on_table(places)
         bodies_at = self._places(camera, pose, depth, in_front)
-        light = 1.0 - (1.0 - BODY_SHADOW) * self._shadows.on_bodies(bodies_at, bodies.ravel()[bodies_at.pixels])
-        pixels[bodies_at.pixels] = colors.reshape(-1, 3)[bodies_at.pixels] * light[:, None]
+        hidden = self._shadows.on_bodies(bodies_at, bodies.ravel()[bodies_at.pixels])
+        light[bodies_at.pixels] = 1.0 - (1.0 - BODY_SHADOW) * hidden
+        shown = np.where(in_front[..., None], colors, behind.rgb) * light.reshape(*bodies.shape, 1)
         depths = np.where(in_front, depth, behind.depth)
         depths[~np.isfinite(depths)] = 0.0
         return CameraImage(
-            shown,
+            shown.astype(np.uint8),
             depths.astype(np.float16),
             np.where(in_front, self._numbers[bodies + 1], behind.numbers).astype(self._dtype),
         )
@@ -190,7 +189,7 @@ class Studio:
         """Take the depth image from the light, if anything has moved."""
         if self._shadows_are_old:
             camera = self._shadows.camera
-            _, depth, bodies = self._drawn(camera, camera.pose)
+            _, depth, bodies = self._drawn(camera, self.pose(camera))
             self._shadows.update(np.where(bodies >= 0, depth, np.float32(np.inf)), bodies)
             self._shadows_are_old = False
 

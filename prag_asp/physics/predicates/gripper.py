@@ -252,20 +252,20 @@ def _holding_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
     """
     robot, entity = arguments
     able, gripper, shape = robot_of(scene, robot), gripper_words(scene, robot), scene.shapes[entity]
-    opens, heavy = f"{gripper} opens {able.opening * 1000:.0f} mm", weight(scene, entity)
+    opens, heavy = f"{gripper} opens only to {able.opening * 1000:.0f} mm", weight(scene, entity)
     if shape.model is not None:
         if is_never_spanned(shape, ParallelGripper.of(able), pad_friction(scene, entity)):
-            yield f"{words(entity)} is wider than the gripper between all sides that face each other, {opens}"
+            yield f"all sides of {words(entity)} that face each other are too far apart: {opens}"
     else:
         # Bodies stand upright and are grasped from above, so their height does not count as a width.
         narrowest, height = shape.breadth(widest=False), shape.size[2]
         if narrowest > able.opening:
-            yield f"{words(entity)} is {narrowest * 1000:.0f} mm wide, {opens}"
+            yield f"{words(entity)} is {narrowest * 1000:.0f} mm wide, but {opens}"
         if height < lowest_body() - ROUNDING:
-            least = f"{gripper} takes what is at least {lowest_body() * 1000:.3g} mm high"
-            yield f"{words(entity)} is {height * 1000:.3g} mm high, {least}"
+            least = f"{gripper} holds only bodies that are at least {lowest_body() * 1000:.3g} mm high"
+            yield f"{words(entity)} is {height * 1000:.3g} mm high, but {least}"
     if heavy > able.payload:
-        yield f"{words(entity)} weighs {heavy:.3g} kg, {gripper} carries {able.payload:g} kg"
+        yield f"{words(entity)} weighs {heavy:.3g} kg, but {gripper} carries at most {able.payload:g} kg"
 
 
 def _holding_excludes(scene: Scene, arguments: Arguments, other: Predicate, others: Arguments) -> str | None:

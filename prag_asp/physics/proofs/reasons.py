@@ -23,7 +23,7 @@ def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
     """Yield reasons why a fact can never hold."""
     predicate = fact.predicate
     if fact.value and len(set(fact.arguments)) < len(fact.arguments):
-        yield f"it cannot be that {fact.sentence()}, because nothing is in a relation to itself"
+        yield f"it is impossible that {fact.sentence()}, because nothing is in a relation to itself"
         return
     if fact.value and predicate.impossible is not None:
         yield from predicate.impossible(scene, fact.arguments)
@@ -32,7 +32,7 @@ def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
     still = [entity for entity, kind in traits.items() if kind.body and not kind.furniture]
     situation = Situation(scene, {entity: fixed_pose(scene, entity) for entity in still})
     if entities and all(entity in still for entity in entities) and not fact.is_satisfied(situation):
-        yield f"it cannot be that {fact.sentence()}, because none of these bodies can move"
+        yield f"it is impossible that {fact.sentence()}, because none of these bodies can move"
 
 
 def gap_reasons(true: Sequence[Fact]) -> Iterator[str]:
@@ -67,7 +67,7 @@ def room_reasons(true: Sequence[Fact], axis: int, gaps: Sequence[Gap]) -> Iterat
     names = ", ".join(dict.fromkeys(words(entity) for entity, _ in row if entity))
     beside = [fact.predicate.direction is not None for fact in true]
     if ORIGIN not in row and all(aside or fact.predicate.supports for fact, aside in zip(true, beside, strict=True)):
-        yield f"the relations along {AXES[axis]} form a circle: {names}"
+        yield f"the relations along {AXES[axis]} form a cycle: {names}"
     elif any(beside):
         yield f"there is no room along {AXES[axis]} for the row {names}"
     else:
@@ -92,7 +92,7 @@ def reach_reasons(true: Sequence[Fact], scene: Scene, gaps: Sequence[Iterable[Ga
 def _never_together(facts: Iterable[Fact]) -> str:
     """Return the sentence which states that facts exclude each other."""
     *others, last = [fact.sentence() for fact in facts]
-    return f"it cannot be that {', '.join(others)} and {last}" if others else f"it cannot be that {last}"
+    return f"it is impossible that {', '.join(others)} and {last}" if others else f"it is impossible that {last}"
 
 
 def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:
