@@ -1,4 +1,4 @@
-"""prag_asp: robot manipulation tasks from logic programs, counted and sampled exactly and checked by physics.
+"""prag_asp: robot manipulation tasks from logic programs, counted and sampled exactly, and checked by physics.
 
     domains/<name>/  ->  Domain  ->  GroundStep  ->  TaskSpace  ->  Task  ->  Verdict
     (.lp + .toml)        parsed,     clingo          count,         value     PyBullet:

@@ -1,9 +1,9 @@
 """Find all tasks of a space that are at least a given number of edits away from every task of another part.
 
-A row holds the numbers of edits that turn a prefix of a plan into some prefix that leads to each state of the other
-part; numbers of at least the distance are treated as equal. Rows are states of a deterministic automaton for the
-neighbourhood of a whole regular language. It runs along with the automaton of the space, which gives an automaton of
-the tasks that remain: they are counted, ranked and sampled like other tasks.
+A row holds, for each state of the other part, the number of edits that turn a prefix of a plan into some prefix that
+leads to that state; numbers of at least the distance are treated as equal. Rows are states of a deterministic automaton
+for the neighbourhood of a whole regular language. Its product with the automaton of the space is an automaton of the
+tasks that remain, which are counted, ranked and sampled like other tasks.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ TOGETHER = 1 << 22
 """The number of edit counts that are computed together."""
 
 FARTHEST = 100
-"""The largest distance; rows fit into 8 bits."""
+"""The largest distance, so that rows fit into 8 bits."""
 
 MOST_ROWS = 1 << 15
-"""Maximum number of rows of edits of one layer; with more, there are usually exponentially many."""
+"""Maximum number of rows of edits in one layer; beyond it, their number usually grows exponentially."""
 
 Bytes = NDArray[np.int8]
 
@@ -132,7 +132,7 @@ class TasksApart:
 
 
 def words_apart(words: LayeredAutomaton, plans: LayeredAutomaton, distance: int, clock: LimitClock) -> Automaton:
-    """Return the automaton of the words that are at least `distance` edits from all plans.
+    """Return the automaton of the words that are at least `distance` edits away from all plans.
 
     Raises:
         LimitReached: a limit was reached.
@@ -173,7 +173,7 @@ def words_apart(words: LayeredAutomaton, plans: LayeredAutomaton, distance: int,
 class EditRows:
     """The rows of words: for each state of a layer, the least edits to a prefix of a plan that leads there.
 
-    A row has a block of numbers for each layer within the distance, see `_layers`; all other layers need too many
+    A row has a block of numbers for each layer within the distance (see `_layers`); all other layers need too many
     edits.
     """
 
@@ -199,7 +199,7 @@ class EditRows:
     def move(
         self, held: Bytes, origins: NDArray[np.int64], letters: NDArray[np.int64], place: int
     ) -> tuple[Bytes, NDArray[np.int64]]:
-        """Return the distinct rows after one more letter of some rows, and the number of each of them."""
+        """Return the distinct rows after some rows have read one more letter, and the number of each."""
         widest = max([len(sources) for sources, _, _ in self._steps], default=1)
         size = max(TOGETHER // max(widest, held.shape[1]), 1)
         parts = [
@@ -219,7 +219,7 @@ class EditRows:
         return np.ones(len(held), dtype=np.bool_) if last is None else last[:, 0] >= self._distance
 
     def _layers(self, place: int) -> range:
-        """Return the layers of the plans that may have fewer edits than the distance after some letters."""
+        """Return the layers that plans may have reached with fewer edits than the distance after some letters."""
         if self._plans.edges is None:
             return range(0)
         nearest = self._distance - 1

@@ -14,7 +14,7 @@ from prag_asp.audit.sources.problem_source import FailedRead, ProblemSource
 from prag_asp.errors import QueryError
 
 LEROBOT = "LeRobot"
-"""The format of texts without problems, which are found among those of other suites."""
+"""The format of texts without problems; their problems are looked up in other suites."""
 
 FORMATS: Mapping[str, str] = {
     "BDDL": "prag_asp.audit.sources.bddl_source",

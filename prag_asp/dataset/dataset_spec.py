@@ -30,7 +30,8 @@ SHARD = 1000
 """The default number of tasks in a full shard."""
 
 LARGEST_SHARD, MOST_STARTS = 20_000, 1000
-"""The maximum number of tasks of a shard and of witnesses of a task: they are in memory together, a few GB at most."""
+"""The maximum number of tasks in a shard and of witnesses for a task, which are all in memory together (a few GB at
+most)."""
 
 MOST_CANDIDATES = 100_000
 """The maximum number of candidates of tasks that are far apart: they are in memory together, a few kB each."""
@@ -39,7 +40,7 @@ FOR_EACH_DIVERSE = 20
 """The default number of candidates per requested task."""
 
 DRAWS_FOR_EACH = 1000
-"""The default number of draws per requested task after which sampling for a part stops."""
+"""The default number of draws, per requested task, after which sampling for a part stops."""
 
 ExcludedTask = Annotated[str, msgspec.Meta(pattern="^(0|[1-9][0-9]{0,8}):(0|[1-9][0-9]*)$")]
 """The length and the rank of a task, such as ``2:181``."""
@@ -132,18 +133,18 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         apart: Sequence[ApartSpec] = (),
         **fields: Any,
     ) -> DatasetSpec:
-        """Return the request for a dataset of `tasks` different feasible tasks of a domain, given its `fields`.
+        """Return the request for a dataset of `tasks` different feasible tasks from a domain, given its `fields`.
 
         Tasks are sampled without replacement, with `weights` or the weights of the domain; lengths occur in exact
         proportion, or in turn with `evenly`. With ``over="skeletons"`` (or ``"goals"``, at one length), a skeleton (or
-        a goal) is sampled uniformly first. With `split`, each part gets its share of the tasks, and no two parts have
-        a task (with `skeletons`: a skeleton) in common; with `hold_out`, only ``test`` has the held-out tasks. For each
-        task, witnesses from `starts` initial states are searched for. Unless `trivial`, tasks whose final state is the
-        initial state are left out. With `demonstrate`, the robot performs each task; `staging` specifies the cameras
-        that record it and the properties that vary. Without `physics`, the default if the domain has no scene, all
-        sampled tasks are accepted. Instructions are in a `language` of the domain, and use some of its `phrasings`,
-        such as ``1 of 2``. A shard has at most `shard` tasks. With ``part="3/64"``, only every 64th draw from the third
-        on is validated, for a 64th of the tasks.
+        a goal) is sampled uniformly first. With `split`, each part gets its share of the tasks, and no two parts have a
+        task (or, with `skeletons`, a skeleton) in common; with `hold_out`, only ``test`` has the held-out tasks. For
+        each task, witnesses are searched for from `starts` initial states. Unless `trivial` is set, tasks whose final
+        state is the initial state are left out. With `demonstrate`, the robot performs each task; `staging` specifies
+        the cameras that record it and the properties that vary. Without `physics`, which is the default if the domain
+        has no scene, all sampled tasks are accepted. Instructions are in a `language` of the domain, and use some of
+        its `phrasings`, such as ``1 of 2``. A shard has at most `shard` tasks. With ``part="3/64"``, only every 64th
+        draw from the third on is validated, for a 64th of the tasks.
 
         `excluded` holds the tasks to leave out, as pairs of a length and a rank. With `strata`, `split` holds the
         share of each stratum in the sample, as `stratified_shares` returns it; strata are sampled uniformly.
@@ -229,7 +230,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         """The division of the tasks into parts.
 
         Raises:
-            QueryError: the shares do not add up to 1, or contradict the other options.
+            QueryError: the shares do not add up to 1, or conflict with the other options.
         """
         from prag_asp.space.without_replacement import Division
 
@@ -248,7 +249,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         return ALL if self.part is None else Deal.parse(self.part)
 
     def tasks_of(self, share: Fraction) -> int:
-        """Return the number of tasks of a part with a share, rounded up, so that a larger request never yields fewer.
+        """Return the number of tasks in a part with a share, rounded up so that a larger request never yields fewer.
 
         Each of several machines generates the same number of tasks.
         """
@@ -263,7 +264,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         return max_draws or DRAWS_FOR_EACH * self.tasks_of(share)
 
     def fixed(self) -> dict[str, Any]:
-        """Return the values that may not change when a dataset grows: all except the number of tasks."""
+        """Return the values that must not change when a dataset grows: all except the number of tasks."""
         return {name: value for name, value in msgspec.to_builtins(self).items() if name != "tasks"}
 
 
@@ -306,7 +307,7 @@ def _check_choice(cover: int | None, diverse: int | None, division: Division, pa
 
 
 def budget_of(budget: Budget | None, demonstrate: str | Path | None) -> Budget:
-    """Return a budget, with the tier of demonstrations if these are recorded."""
+    """Return a budget that includes the tier of demonstrations if demonstrations are recorded."""
     budget = budget or Budget()
     return budget if demonstrate is None else Budget(budget.restarts, budget.samples, Tier.DEMONSTRATION)
 

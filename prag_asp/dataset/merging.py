@@ -37,9 +37,10 @@ def merge(
 ) -> Dataset:
     """Merge all machine parts of a dataset, generated with ``part="1/N"`` to ``"N/N"``, into a folder, and open it.
 
-    The bytes are those that one machine writes without `part`. The parts may be in any order, and are not changed.
-    Parts end at different draws; the few draws that no part has validated are validated here, by `workers` or `on` the
-    named cluster. The same call resumes an interrupted merge. With `trust`, physics may run Python files of the domain.
+    The bytes are the same as those that one machine writes without `part`. The parts may be given in any order, and are
+    not changed. Parts end at different draws; the few draws that no part has validated are validated here, by `workers`
+    or `on` the named cluster. The same call resumes an interrupted merge. With `trust`, physics may run Python files of
+    the domain.
 
     Raises:
         QueryError: a folder is not a part, parts belong to different datasets, a part is missing, or a file is damaged.
@@ -99,7 +100,7 @@ def _in_order(parts: Sequence[Dataset]) -> list[Dataset]:
 
 
 def _difference(part: Manifest, first: Manifest) -> str:
-    """Return how the dataset of a part differs from the dataset of the first part, or "" if it does not."""
+    """Return how the dataset of a part differs from that of the first part, or "" if it does not."""
     if part.spec.deal.of != first.spec.deal.of:
         return f"of {part.spec.deal.of} parts, not of {first.spec.deal.of}"
     difference = part.difference(first, ignored="part")

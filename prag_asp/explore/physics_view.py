@@ -1,4 +1,4 @@
-"""The task of a page before physics: its verdict in words, its film strip, and the episode of the robot."""
+"""Physics for the task on a page: its verdict in words, its film strip, and the robot executing it in 3D."""
 
 from __future__ import annotations
 
@@ -18,7 +18,8 @@ from prag_asp.stop_reason import StopKind
 from prag_asp.wording import plural
 
 LONGEST = 120
-"""Seconds after which physics gives up on a task of a page; almost all tasks of the examples take less than 10 s."""
+"""The number of seconds after which physics gives up on a page's task; almost all tasks of the examples take less than
+10 s."""
 
 VERDICTS, EPISODES, PICTURES = 64, 12, 12
 """Numbers of verdicts, episodes and pictures that are cached: a picture has 0.3 MB, a video or 3D scene up to 3 MB."""
@@ -50,7 +51,7 @@ def call_here(function: Callable[..., Any], *arguments: Any) -> Any:
 
 
 def calls_elsewhere(explored: ExploredDomain) -> Call:
-    """Return calls in another process, which ends after `LONGEST` seconds or when the page no longer needs it."""
+    """Return calls in another process, which ends after `LONGEST` seconds or once the page no longer needs it."""
 
     def call(function: Callable[..., Any], *arguments: Any) -> Any:
         limits = explored.limits
@@ -67,7 +68,7 @@ def calls_elsewhere(explored: ExploredDomain) -> Call:
 
 @dataclass
 class TaskPhysics:
-    """The verdicts on tasks of a domain, their episodes and pictures, each made once by `call` while it is cached."""
+    """The verdicts on a domain's tasks, their episodes and pictures, each made by `call` only once while it is cached."""
 
     explored: ExploredDomain
     call: Call = call_here
@@ -139,7 +140,7 @@ def _key(trial: Trial) -> tuple[object, ...]:
 
 
 def task_verdict(explored: ExploredDomain, trial: Trial, verdict: Verdict) -> TaskVerdict:
-    """Return a verdict in plain values, with the commands and the Python that give the same."""
+    """Return a verdict in plain values, with the commands and the Python code that yield the same."""
     tried = plural(verdict.restarts, "initial state")
     words = {
         "feasible": f"Feasible: the search found a witness after {tried}, which passes the tier {trial.budget.tier}.",
@@ -159,9 +160,10 @@ def task_verdict(explored: ExploredDomain, trial: Trial, verdict: Verdict) -> Ta
 
 
 def same_by_physics(explored: ExploredDomain, trial: Trial, *, feasible: bool) -> tuple[SameResult, ...]:
-    """Return how to get the verdict elsewhere, and of a feasible task its pictures.
+    """Return how to get the verdict elsewhere and, for a feasible task, its pictures.
 
-    The command line has no search budget for pictures, so other budgets than the default have no command for them.
+    The commands for pictures have no option for the search budget, so there are none for budgets other than the
+    default.
     """
     state, budget = trial.state, trial.budget
     effort = f"{budget.restarts}x{budget.samples}"
@@ -206,7 +208,7 @@ def same_by_physics(explored: ExploredDomain, trial: Trial, *, feasible: bool) -
 
 
 def _saved_task(explored: ExploredDomain, trial: Trial) -> str:
-    """Return the command that saves the task of a page; "" if a file of tasks cannot name it or its domain."""
+    """Return the command that saves a page's task, or "" if a file of tasks cannot name it or its domain."""
     if trial.rank is None or len(explored.words) > 1:
         return ""
     return f"{shell_line(explored, 'task', trial.state, '--index', str(trial.rank))} --format jsonl > task.jsonl"

@@ -1,4 +1,4 @@
-"""A task of a page that physics judges, and the work on it, which another process can do."""
+"""A task on a page for physics to judge, and the work on it, which another process can do."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ LARGEST_SEED = 2**63 - 1
 class Trial:
     """A task in its scene, with the seed, the index and the budget of the search for a witness.
 
-    `captions` are a heading and a text for the picture of each state. `state` is the page that shows the task, and
-    `rank` the rank of the task; None on a page of plans.
+    `captions` holds a heading and a text for the picture of each state. `state` is the page that shows the task, and
+    `rank` is the rank of the task, or None on a page of plans.
     """
 
     state: PageState
@@ -49,7 +49,7 @@ class Trial:
 
 
 def trial_of(explored: ExploredDomain, fields: Mapping[str, str]) -> Trial:
-    """Return the trial that the fields `state`, `seed`, `budget` and `tier` of a request state.
+    """Return the trial that a request specifies in the fields `state`, `seed`, `budget` and `tier`.
 
     Raises:
         PragError: a field is wrong, the page shows no whole task, or the domain has no scene.
@@ -70,7 +70,7 @@ def trial_of(explored: ExploredDomain, fields: Mapping[str, str]) -> Trial:
 
 
 def read_seed(fields: Mapping[str, str]) -> int:
-    """Return the seed of a request.
+    """Return the seed in a request.
 
     Raises:
         QueryError: it is not a whole number, or too large.

@@ -1,4 +1,4 @@
-"""Progress events: which stage the program is in, for messages about limits and for progress bars."""
+"""Progress events: the stage in which the program is, for messages about limits and for progress bars."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ class Note(str):
 
 
 OFTEN = 0.5
-"""Seconds between two reports of a loop."""
+"""Seconds between two progress reports of a loop."""
 
 _listeners: list[Listener] = []
 _now = ""
 
 
 def stage(words: str) -> None:
-    """Report that a stage begins, in words that follow ``while``: "grounding tabletop"."""
+    """Report that a stage begins, in words that can follow ``while``: "grounding tabletop"."""
     global _now  # noqa: PLW0603  a process does one thing at a time
     _now = words
     _publish(words)
@@ -48,7 +48,7 @@ def counted(items: Sequence[Item], what: str) -> Iterator[Item]:
 
 
 def note(words: str) -> None:
-    """Report a message to the user; the stage stays the same."""
+    """Report a message to the user; the stage remains the same."""
     _publish(Note(words))
 
 

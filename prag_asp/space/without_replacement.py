@@ -54,7 +54,7 @@ class DealtOrder:
 
 @dataclass(frozen=True)
 class Division:
-    """A division of tasks: by `shares` of tasks or of whole skeletons, by a held-out feature, or into strata.
+    """A division of tasks: into `shares` of tasks or of whole skeletons, by a held-out feature, or into strata.
 
     The shares of `strata` are those of a sample.
     """
@@ -73,7 +73,7 @@ class Division:
         hold_out: str | None = None,
         strata: StratifiedBy | None = None,
     ) -> Division:
-        """Return the division with some shares: by default a single part or, with `hold_out`, 4/5 for training.
+        """Return the division with the given shares: by default, a single part or, with `hold_out`, 4/5 for training.
 
         Raises:
             QueryError: the shares do not add up to 1, or do not fit the other options.
@@ -94,13 +94,13 @@ class Division:
 
     @property
     def by_tasks(self) -> bool:
-        """True if any two tasks may be in different parts."""
+        """Whether any two tasks may be in different parts."""
         return not self.skeletons and self.hold_out is None and self.strata is None
 
 
 @dataclass(frozen=True)
 class SpacePart:
-    """The tasks of one part of a divided space; `order` numbers the words of `sets`, one set for each length."""
+    """The tasks of one part of a divided space; `order` contains ranks of words in `sets`, one set for each length."""
 
     sets: Sequence[WordSet]
     order: RankOrder
@@ -124,7 +124,7 @@ class SpacePart:
 
 
 def space_part(space: TaskSpace, division: Division, name: str, *, seed: int) -> SpacePart:
-    """Return the part of a space that is in a dataset with the same division and seed, in no particular order.
+    """Return the tasks that this part has in a dataset with the same division and seed, in no particular order.
 
     Raises:
         QueryError: there is no such part, or there is nothing to sample.
@@ -149,7 +149,7 @@ def ordered_parts(
 ) -> dict[str, TaskOrder]:
     """Return the tasks of each part of a space, in the order of sampling without replacement.
 
-    Without weights, lengths have their exact shares, or alternate with `evenly`. With `over`, a skeleton or a goal of
+    Without weights, lengths have their exact shares or, with `evenly`, alternate. With `over`, a skeleton or a goal of
     the space is sampled uniformly first; draws that are in other parts, or not new, are repeated. A `deal` selects the
     tasks of one of several workers. The `excluded` tasks, pairs of a length and a rank, are left out; parts keep their
     other tasks. With `among`, all other tasks than these are left out; shares are then those of these tasks.
@@ -206,7 +206,7 @@ def _stratified_parts(
     """Return the tasks of each stratum, in the order of sampling without replacement.
 
     Raises:
-        QueryError: the strata of the space are not those of the division.
+        QueryError: the strata of the space differ from those of the division.
     """
     orders = {each.name: each.order for each in strata_of(space, by, seed=seed, most=len(division.shares))}
     if orders.keys() != division.shares.keys():
@@ -240,7 +240,7 @@ def _sets(space: TaskSpace, whole: Sequence[WordSet], division: Division, seed: 
 
 
 def order_of(sizes: Sequence[int], division: Division, name: str, seed: int, *, evenly: bool) -> RankOrder:
-    """Return the order of the ranks of a part, given the number of tasks of each length in the divided whole."""
+    """Return the order of the ranks in a part, given the number of tasks of each length in the whole."""
 
     def ranks(total: int) -> ShuffledRanks:
         places = divided(total, division.shares)[name] if division.by_tasks else range(total)
@@ -261,14 +261,14 @@ def _acceptance(
 
 
 def _is_in(order: RankOrder, place: int, rank: int | None) -> bool:
-    """Return whether the order contains the word with a given rank, if any, in the set at a place."""
+    """Return whether the order contains the word with a given rank, if there is one, in the set at a place."""
     return rank is not None and order.number(place, rank) is not None
 
 
 def _excluded_words(
     whole: Sequence[WordSet], excluded: Collection[tuple[int, int]]
 ) -> list[tuple[int, tuple[str, ...]]]:
-    """Return the place and the word of each excluded task of the lengths of `whole`.
+    """Return the place and the word of each excluded task whose length occurs in `whole`.
 
     Raises:
         QueryError: there is no task with a given rank.

@@ -18,12 +18,12 @@ from prag_asp.space.task_space import TaskSpace
 from prag_asp.task import Task
 
 WIDTH = 32
-"""Number of beginnings of tasks that the beam search keeps: more hardly ever find a better task."""
+"""The number of beginnings of tasks that the beam search keeps; more of them hardly ever lead to a better task."""
 
 
 @dataclass(frozen=True)
 class CoveringSet:
-    """Tasks that cover all reachable combinations of one strength; no set has fewer than `at_least` tasks."""
+    """Tasks that cover all reachable combinations of one strength; every such set has at least `at_least` tasks."""
 
     tasks: tuple[Task, ...]
     strength: int
@@ -32,10 +32,10 @@ class CoveringSet:
 
 
 def covering_set(space: TaskSpace, strength: int) -> CoveringSet:
-    """Return a small set of tasks that cover all reachable combinations of a space at a given strength.
+    """Return a small set of tasks that together cover all reachable combinations of a space at a given strength.
 
     Each task is the best one that a beam search finds: it covers the most combinations not covered by earlier tasks
-    (the greedy algorithm for set covers, Chvatal 1979). Tasks that later ones make superfluous are left out. The set
+    (the greedy algorithm for set covers, Chvatal 1979). Tasks that later tasks make superfluous are left out. The set
     need not be the smallest.
 
     Raises:
@@ -81,7 +81,7 @@ class _Choice:
         return layers
 
     def _bounds(self, rest: int) -> list[NDArray[np.int64]]:
-        """Return, for each layer and state, a bound on the combinations of `rest` that a word covers from there on."""
+        """Return, for each layer and state, a bound on the combinations in `rest` that a word covers from there on."""
         gains = np.array([(mask & rest).bit_count() for mask in self.masks], dtype=np.int64)
         bounds = [np.zeros(1, dtype=np.int64)]
         for step in reversed(self.words.edges or ()):
@@ -89,11 +89,11 @@ class _Choice:
         return bounds[::-1]
 
     def most(self, rest: int) -> int:
-        """Return a bound on the number of combinations of `rest` that one word covers."""
+        """Return a bound on the number of combinations in `rest` that one word covers."""
         return int(self._bounds(rest)[0][0])
 
     def all(self, rest: int, clock: LimitClock) -> list[Word]:
-        """Return words that together cover all combinations of `rest`.
+        """Return words that together cover all combinations in `rest`.
 
         Raises:
             LimitReached: a limit was reached.
@@ -111,7 +111,7 @@ class _Choice:
         return chosen
 
     def _best(self, rest: int) -> tuple[Word, int]:
-        """Return a word that covers many combinations of `rest`, at least one, and what it covers."""
+        """Return a word that covers many combinations in `rest`, at least one, and the combinations that it covers."""
         bounds = self._bounds(rest)
         beam: dict[tuple[int, int], Word] = {(0, 0): ()}
         for place, edges in enumerate(self._edges):
@@ -130,7 +130,7 @@ class _Choice:
 
 
 def _without_superfluous(words: Sequence[Word], masks: Sequence[int]) -> list[Word]:
-    """Return the words without those that the others make superfluous."""
+    """Return the words except those that the others make superfluous."""
     remaining = list(words)
     for word in words[::-1]:
         others = [other for other in remaining if other is not word]

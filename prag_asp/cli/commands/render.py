@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from prag_asp.scene.scene import Scene
 
 SIZES = {"strip": (360, 320), "state": (960, 800), "gif": (400, 350), "webp": (400, 350), "mp4": (400, 350)}
-"""Pixels of a frame for each form of picture."""
+"""The size of a frame in pixels for each form of picture."""
 
 ANIMATED = ("gif", "webp", "mp4")
 SCENES = ("html", "glb")
@@ -40,7 +40,7 @@ FASTEST = 1000
 
 RECORD = "record it again with --demonstrate"
 STILLS = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp")
-"""Suffixes of files for still pictures."""
+"""The suffixes of files for still pictures."""
 
 SMALLEST, LARGEST = 16, 4096
 
@@ -151,7 +151,7 @@ def render(
 
 @dataclass(frozen=True)
 class _Renderer:
-    """Draws tasks in one form."""
+    """Draws tasks in a given form."""
 
     form: str
     state: int | None
@@ -165,7 +165,7 @@ class _Renderer:
     def draw(
         self, record: Record, number: int, writer: InstructionWriter, path: Path, tell: Callable[[float], None]
     ) -> None:
-        """Draw one task into a file; `tell` receives the share that is done.
+        """Draw a task into a file; `tell` receives the share that has been done.
 
         Raises:
             QueryError: the task has no witness and none is found, or the robot fails to execute it.
@@ -228,7 +228,7 @@ class _Renderer:
         save_picture(image, path, optimize=True)
 
     def _shown(self, record: Record, number: int, scene: Scene) -> Witness | Demonstration:
-        """Return the episode of a task if there is a folder of episodes, otherwise its witness."""
+        """Return the episode of a task if there is a folder of episodes, or otherwise its witness."""
         from prag_asp.physics import Demonstration, check_demonstration, check_witness, validate_task
 
         if self.recordings is not None:
@@ -254,12 +254,12 @@ class _Renderer:
 
 
 def _suffixes(form: str) -> tuple[str, ...]:
-    """Return the possible suffixes for files in a form, the usual one first."""
+    """Return the possible suffixes for files of a form, the usual one first."""
     return (f".{form}",) if form in (*ANIMATED, *SCENES) else STILLS
 
 
 def _check_output(output: Path, form: str) -> None:
-    """Check that the output can be a picture, before anything is loaded.
+    """Before anything is loaded, check that the output can be a picture.
 
     Raises:
         QueryError: its suffix does not fit the form.
@@ -284,7 +284,7 @@ def _targets(output: Path, numbers: Sequence[int], form: str) -> dict[int, Path]
 
     Raises:
         QueryError: the output is one file, but there are several tasks.
-        OutputError: the folder cannot be made.
+        OutputError: the folder cannot be created.
     """
     suffix = _suffixes(form)[0]
     if _is_file(output):

@@ -36,8 +36,9 @@ def export(
     ``robomimic``, a new file. The export is written atomically, with the same bytes for the same dataset. `level` is
     the level of detail of the instructions: ``vague``, ``default`` or ``exact``. `action` is the convention of actions,
     one of `prag_asp.physics.control.control.CONTROLS`. The other options apply only to ``lerobot``, because the other
-    formats have all observations: `state` holds the conventions of the state, ``joint_position`` and ``ee_position``;
-    `objects`, the default without cameras, adds the poses of objects, and `depth` the depth images.
+    formats have all observations: `state` holds the conventions of the state, which are ``joint_position`` or
+    ``ee_position`` or both; `objects`, which is the default without cameras, adds the poses of objects; `depth` adds
+    the depth images.
 
     Raises:
         QueryError: there is no such format or convention, or the dataset has no recordings or no task.

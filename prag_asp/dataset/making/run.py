@@ -57,7 +57,8 @@ RECORDINGS = "demonstrations"
 """The folder of the recordings in a dataset."""
 
 JOURNAL = "journal.part"
-"""The file with the results of the draws since the last shard, to resume an interrupted run; removed at the end."""
+"""The file with the results of the draws since the last shard, used to resume an interrupted run and removed at the
+end."""
 
 Progress = Callable[[str, int, int], None]
 """Reports progress: a message, the number of tasks so far, and the number requested."""
@@ -67,7 +68,7 @@ Progress = Callable[[str, int, int], None]
 class DrawRecord:
     """A draw to write: its result, with a `job_result` unless it comes from the journal.
 
-    `task` holds the task and its texts, or None if the job result has their row.
+    `task` holds the task and its texts, or is None if the job result already contains their row.
     """
 
     placed: RankedDraw
@@ -130,7 +131,7 @@ class DatasetRun:
             with uninterrupted():
                 self._journal.close()
         for note in self._manifest.parts:
-            # Other machines may have the rest, and a stratum may have too few feasible tasks.
+            # Other machines may have the rest, or a stratum may have too few feasible tasks.
             exhausted = (spec.part is not None or bool(spec.strata)) and note.draws >= number_of(note.size)
             if note.tasks < note.requested and not exhausted:
                 diverse = (self._manifest.diverse or {}).get(note.name)
@@ -143,7 +144,7 @@ class DatasetRun:
         return self._spec.draws_of(self._shares[name], self._max_draws)
 
     def _resumed(self, request: Manifest) -> Manifest:
-        """Return the manifest that the run continues; it is complete if there is nothing to do."""
+        """Return the manifest with which the run continues; it is complete if there is nothing to do."""
         spec, shares = self._spec, self._shares
         manifest = DATASET.read(self._folder) or request
         if manifest.identity != request.identity:

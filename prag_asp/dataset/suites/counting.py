@@ -1,4 +1,4 @@
-"""Count the tasks of the parts of a suite exactly, and the tasks that two parts share."""
+"""Count exactly the tasks in each part of a suite, and the tasks that two parts share."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ Counted = Callable[[str, int, int], None]
 
 
 class Overlap(msgspec.Struct, frozen=True):
-    """The number of tasks that two parts share, and whether one of them declares that."""
+    """The number of tasks that two parts share, and whether one of the parts declares this."""
 
     one: str
     other: str
@@ -40,7 +40,7 @@ class Overlap(msgspec.Struct, frozen=True):
 
 
 class HeldOutCount(msgspec.Struct, frozen=True):
-    """The number of tasks in a part that contain something held out from this part."""
+    """The number of tasks in a part that contain something held out from it."""
 
     what: str
     part: str
@@ -78,7 +78,7 @@ def space_of(suite: Suite, part: SuitePart, *, limits: Limits = UNLIMITED) -> Ta
 def count_suite(
     suite: Suite, *, limits: Limits = UNLIMITED, progress: Counted = lambda words, done, total: None
 ) -> Figures:
-    """Count the tasks of all parts, the tasks that each pair shares, and the held-out tasks in each part.
+    """Count the tasks of all parts, the tasks that each pair of parts shares, and the held-out tasks in each part.
 
     Raises:
         QueryError: a part requests more tasks than its space has.
@@ -112,7 +112,7 @@ def count_suite(
 
 
 class _SuiteCounter:
-    """Counts tasks under conditions; each number is computed once."""
+    """Counts tasks under conditions; each number is computed only once."""
 
     def __init__(self, suite: Suite, limits: Limits, progress: Counted) -> None:
         self._suite, self._progress = suite, progress
@@ -137,7 +137,7 @@ class _SuiteCounter:
             spaces = (self._domain.at(length).where(*dict.fromkeys(clauses)) for length in lengths)
             return {space.length: count_apart(space, apart) for space in spaces}
         if any((conditions, length) not in self._counts for length in lengths):
-            # Exploring the longest plans covers shorter ones, including those of other parts with these conditions.
+            # Exploring the longest plans covers shorter ones, including those in other parts with these conditions.
             lengths_needed = self._lengths.get(conditions, set()).union(lengths)
             missing = sorted(length for length in lengths_needed if (conditions, length) not in self._counts)
             space = self._domain.at(missing[-1]).where(*dict.fromkeys(clauses))

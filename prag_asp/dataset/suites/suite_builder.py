@@ -43,14 +43,14 @@ def generate_suite(
     limits: Limits = UNLIMITED,
     progress: Progress = lambda words, done, total: None,
 ) -> SuiteManifest:
-    """Write a dataset for each part of a suite, in a folder named after it, and return the manifest of the suite.
+    """Write a dataset for each part of a suite, in a folder named after the part, and return the suite's manifest.
 
     The same call resumes an interrupted run, and more tasks for a part extend its dataset. The bytes depend only on the
     suite, not on the number of `workers`.
 
     Raises:
         QueryError: parts share tasks without declaring it, or the request for a part is wrong.
-        SceneError: the scene lacks the shape of an entity of a task.
+        SceneError: the scene lacks the shape of an entity in a task.
         OutputError: the folder contains something else, or a file cannot be written.
         NotFound: too few feasible tasks were found for some parts; all others are written.
         WorkerError: workers died repeatedly.
@@ -95,7 +95,7 @@ def generate_suite(
 
 
 def identity_of(suite: Suite) -> str:
-    """Return the digest of all inputs of the datasets of a suite, except the numbers of tasks."""
+    """Return the digest of all inputs to the datasets of a suite, except the numbers of tasks."""
     snapshot, _ = snapshot_of(suite.domain)
     parts = [[part.name, part.of, list(part.unseen), request_of(space_of(suite, part), suite.dataset_spec(part))]
              for part in suite.parts.values()]  # fmt: skip
@@ -103,5 +103,5 @@ def identity_of(suite: Suite) -> str:
 
 
 def progress_of_part(name: str, progress: Progress) -> Progress:
-    """Return a progress function that adds the name of a part to each message."""
+    """Return a progress function that puts the name of a part before each message."""
     return lambda words, done, total: progress(f"{name}: {words}", done, total)

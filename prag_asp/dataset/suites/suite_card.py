@@ -30,7 +30,7 @@ def _front(note: SuiteManifest) -> Iterator[str]:
 
 
 def _text(note: SuiteManifest) -> Iterator[str]:
-    """Yield the lines for readers."""
+    """Yield the lines of the card that are meant for people."""
     yield f"# {note.title or note.name}"
     yield ""
     if note.description:

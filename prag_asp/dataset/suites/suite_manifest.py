@@ -92,7 +92,7 @@ def manifest_of(suite: Suite, figures: Figures, identity: str, versions: str) ->
 
 
 def record_part(folder: Path, part: SuitePartManifest) -> None:
-    """Record the number of tasks of a part, and its dataset.json.
+    """Record the number of tasks in a part, and its dataset.json.
 
     Raises:
         QueryError: there is no such dataset.
@@ -110,7 +110,7 @@ def is_suite(folder: str | Path) -> bool:
 
 
 def count_tasks(folder: str | Path) -> int:
-    """Return the number of tasks of a dataset, or of all datasets of a suite.
+    """Return the number of tasks in a dataset, or in all datasets of a suite.
 
     Raises:
         QueryError: the folder contains neither, or cannot be read.

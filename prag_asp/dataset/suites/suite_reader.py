@@ -39,20 +39,20 @@ if TYPE_CHECKING:
 Kind = TypeVar("Kind")
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-"""The names of parts: they name folders, and splits for loaders."""
+"""The names that parts may have, because folders and splits for loaders are named after them."""
 
 STARTS = "starts "
 """The prefix of a condition on the initial state."""
 
 LONGEST_SIZE = 20
-"""The maximum number of characters of the size of camera images: Python does not convert arbitrarily many digits."""
+"""The maximum number of characters in the size of camera images; Python does not convert arbitrarily many digits."""
 
 
 def load_suite(name_or_path: str | Path, *, domain: Domain | None = None, trust: bool = False) -> Suite:
-    """Return a shipped suite, or the suite of a TOML file.
+    """Return a shipped suite, or the suite that a TOML file defines.
 
-    Its domain is a shipped domain, or a domain next to the file, unless another is given as `domain`. With `trust`,
-    physics may run the Python files of the domain.
+    Its domain is a shipped domain or one next to the file, unless another is given as `domain`. With `trust`, physics
+    may run the Python files of the domain.
 
     Raises:
         QueryError: there is no such suite, or the file has problems; the message has a line for each, with its place.
@@ -150,7 +150,7 @@ class _SuiteReader:
             self._report.add(("parts", name, "skeletons"), "a part with a distance is split by tasks; leave it out")
 
     def _physics(self) -> tuple[Budget | None, Staging | None, bool]:
-        """Return the budget of physics, its staging, and whether it demonstrates; without a budget, physics is off.
+        """Return the budget of physics, its staging, and whether tasks are performed; without a budget, physics is off.
 
         By default, physics is on if the domain has a scene.
         """
@@ -255,7 +255,7 @@ class _SuiteReader:
         return self._with_phrasings(part, table, self._table.language, self._table.phrasings)
 
     def _copy(self, name: str, table: PartTable, of: str, parts: Mapping[str, SuitePart]) -> Iterator[SuitePart]:
-        """Yield a part that words the tasks of another part differently, or nothing if that other part has problems."""
+        """Yield a part that words the tasks of another part differently, or nothing if the other part has problems."""
         if of not in self._parts or self._parts[of].of is not None:
             raise QueryError(f"{unknown(of, self._parts, 'part')}, with tasks of its own")
         if of not in parts:

@@ -1,4 +1,4 @@
-"""A suite as a value: its parts, each with the conditions that distinguish it from the others."""
+"""A suite as a value: its parts, with the conditions that distinguish each from the others."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class HeldOut:
-    """Something that only some parts contain: the condition that a task has it, and the negation of this condition."""
+    """Something that only some parts contain: the condition that a task has it, and the negation of that condition."""
 
     what: str
     having: str
@@ -53,7 +53,7 @@ class SuitePart:
     distance: Mapping[str, int] = field(default_factory=dict)
 
     def apart(self, other: SuitePart) -> bool:
-        """Return whether no sentence for an action can occur in both parts."""
+        """Return whether the two parts cannot have the same sentence for an action."""
         mine, others = Phrasings.parse(self.phrasings), Phrasings.parse(other.phrasings)
         return self.language != other.language or mine.disjoint(others)
 
@@ -64,7 +64,7 @@ class SuitePart:
 
 @dataclass(frozen=True)
 class Suite:
-    """Parts over the tasks of one domain; `path` and `text` belong to the file that defines the suite."""
+    """Parts over the tasks of one domain; `path` and `text` are those of the file that defines the suite."""
 
     name: str
     domain: Domain
@@ -80,7 +80,7 @@ class Suite:
     text: str = field(default="", repr=False)
 
     def place(self, *keys: str) -> str:
-        """Return the file and line of a key, for the beginning of a message."""
+        """Return the file and the line of a key, to begin a message."""
         return f"{self.path}:{key_line(self.text, keys)}"
 
     def at_most(self, tasks: int) -> Suite:
@@ -104,7 +104,7 @@ class Suite:
         """Return the request for the dataset of a part.
 
         Raises:
-            QueryError: values of the part contradict each other; the message names the part.
+            QueryError: values of the part conflict; the message names the part.
         """
         try:
             return DatasetSpec.of(

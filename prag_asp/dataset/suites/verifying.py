@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from prag_asp.dataset.suites.suite_spec import Suite, SuitePart
 
 KNOWN = (NAME, SPELLED, CARD)
-"""The files of a suite next to its datasets."""
+"""The files that a suite has besides its datasets."""
 
 
 def verify(
@@ -39,16 +39,17 @@ def verify(
     workers: int = 1,
     progress: Progress = lambda words, done, total: None,
 ) -> Iterator[Finding]:
-    """Yield findings about a dataset or a suite; none if it is correct and unchanged.
+    """Yield findings about a dataset or a suite; there are none if it is correct and unchanged.
 
     Each file must match its record in dataset.json, and there must be no other files. Each exact size is counted again.
-    Each draw is sampled again with its seed and must be in exactly one row, with a task that no other row has; clingo,
-    which is independent of the sampler, must accept its plan; its instructions must parse to the plan. With `physics`,
-    each witness is simulated again, and recordings are compared with their tasks; findings and their order do not
-    depend on the number of `workers`. With `trust`, physics may run the Python files of the domain.
+    Each draw is sampled again with its seed, and must be in exactly one row, with a task that no other row has; its
+    plan must be accepted by clingo, which is independent of the sampler; and its instructions must parse to the plan.
+    With `physics`, each witness is simulated again, and recordings are compared with their tasks; findings and their
+    order do not depend on the number of `workers`. With `trust`, physics may run the Python files of the domain.
 
     For a suite, all figures are counted again from its TOML file, and each dataset has to match the request of its
-    part. Parts must not share tasks without declaring it, nor texts if their phrasings are disjoint.
+    part. Parts must not share tasks without declaring it; if their phrasings are disjoint, they must not share texts
+    either.
 
     Raises:
         QueryError: there is no dataset, its files cannot be read, or its run has not ended.
@@ -113,7 +114,7 @@ def _wrong_files(folder: Path, note: SuiteManifest) -> Iterator[Finding]:
 
 
 def _wrong_note(suite: Suite, note: SuiteManifest, progress: Progress) -> Iterator[Finding]:
-    """Yield the figures that differ from a new count."""
+    """Yield figures that differ from those of a new count."""
     figures = count_suite(suite, progress=progress)
     right = manifest_of(suite, figures, identity_of(suite), note.versions)
     right.name = note.name  # the original name of the file, which is a copy named suite.toml here
@@ -152,7 +153,7 @@ def _too_near(suite: Suite, part: SuitePart, data: Dataset) -> Iterator[Finding]
 class _OverlapChecks:
     """Searches for tasks and texts that occur in several parts.
 
-    `tasks` holds the part and row of each task; `texts` holds, for each part, the row of each text.
+    `tasks` holds the part and the row of each task; `texts` holds, for each part, the row of each text.
     """
 
     suite: Suite

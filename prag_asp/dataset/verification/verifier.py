@@ -36,7 +36,7 @@ def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progre
     progress("files", 0, 1)
     recordings = set[str]()
     for shard in (shard for part in manifest.parts for shard in part.shards):
-        with suppress(PragError):  # the error of a table that cannot be read
+        with suppress(PragError):  # raised for a table that cannot be read
             recordings |= {row["file"] for row in tables.of_shard("recordings", shard, ["file"])}
     yield from wrong_files(data.folder, manifest, recordings)
     yield from wrong_figures(manifest)
@@ -57,7 +57,7 @@ def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progre
 
 
 def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progress: Progress) -> Iterator[Finding]:
-    """Yield findings about sizes and rows, which are counted and sampled again."""
+    """Yield findings about sizes, which are counted again, and about rows, which are sampled again."""
     spec, lengths = manifest.spec, manifest.lengths
     if [space.length for space in manifest.spaces] != lengths:  # counting other lengths might take forever
         yield Finding(NAME, None, "spaces are not of the lengths requested, so no task was checked")
