@@ -68,7 +68,7 @@ def calls_elsewhere(explored: ExploredDomain) -> Call:
 
 @dataclass
 class TaskPhysics:
-    """The verdicts on a domain's tasks, their episodes and pictures, each made by `call` only once while it is cached."""
+    """The verdicts on a domain's tasks, their episodes and pictures, each made by `call` once while cached."""
 
     explored: ExploredDomain
     call: Call = call_here
