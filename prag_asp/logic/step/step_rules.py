@@ -1,4 +1,4 @@
-"""The rules of a step in order of their dependencies, with an index of their readers."""
+"""The rules of a step in order of their dependencies, and an index of what reads each atom."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from prag_asp.logic.step.strata import Stratum, stratify
 
 @dataclass(frozen=True)
 class StepRules:
-    """The rules of a step that `constraints` and the atoms `written` and `labels` depend on, in order.
+    """The rules of a step on which `constraints` and the atoms `written` and `labels` depend, in order.
 
     `written` holds the atom of each variable after the step, or 0 if nothing derives it.
     """
@@ -41,7 +41,7 @@ class StepRules:
 
     @cached_property
     def no_action(self) -> Constants:
-        """The atoms of all actions, all false."""
+        """The atoms of all actions, all with the value false."""
         return dict.fromkeys(self.actions, False)
 
     @cached_property
@@ -85,7 +85,7 @@ class StepRules:
 
     @cached_property
     def readers(self) -> Mapping[int, list[int]]:
-        """For each atom, the atoms that its value can change."""
+        """For each atom, the atoms whose values it can change."""
         return _index((atom, self.step.bodies[atom]) for stratum in self.strata for atom in stratum.atoms)
 
     @cached_property

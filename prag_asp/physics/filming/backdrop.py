@@ -1,6 +1,6 @@
 """Render the table, its zones and the room with one ray per pixel.
 
-They are large, and TinyRenderer's time grows with the number of pixels in a triangle.
+They are large, and the time that TinyRenderer takes grows with the number of pixels in a triangle.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ AROUND = 0
 
 
 class Backdrop(NamedTuple):
-    """The image behind the robots and the objects: colours (H, W, 3), depths in metres and entity numbers (H, W).
+    """The image behind robots and objects: colours (H, W, 3), depths in metres (H, W) and entity numbers (H, W).
 
     The depth of the background is infinite. `level` (H, W) marks the horizontal surfaces on which shadows fall, and
     `shade` is their brightness in the light.
@@ -83,7 +83,7 @@ def floors(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
 
 
 def _patch(scene: Scene, entity: str, numbers: Mapping[str, int], wall: float = 0.0) -> LevelPatch:
-    """Return the floor of a fixed entity: a rectangle as high as the walls are thick, which extends to their middle."""
+    """Return the floor of a fixed entity as a rectangle, as high as the walls are thick, that ends in their middle."""
     (x, y, yaw), (half_x, half_y, _) = scene.fixed[entity], scene.shapes[entity].half
     half = (half_x - wall / 2, half_y - wall / 2)
     return LevelPatch(x, y, half, yaw, scene.color(entity), numbers[entity], wall)
@@ -98,7 +98,7 @@ def backdrop(
     light: Vector,
     raised: Sequence[LevelPatch] = (),
 ) -> Backdrop:
-    """Return an image, from a camera pose, of table, zones, the rectangles `raised` above the table, and background.
+    """Return the image from a camera pose of the table, zones, rectangles `raised` above the table, and background.
 
     `table` is the number of the table; `light` is the direction to the light.
     """
@@ -113,7 +113,7 @@ def backdrop(
     eye, half = pose[:3, 3].astype(np.float32), np.array([*scene.table.size, TABLE_THICKNESS], dtype=np.float32) / 2
     centre = np.array([*scene.table.centre, -TABLE_THICKNESS / 2], dtype=np.float32)
     for axis in range(3):
-        # The camera sees one of two opposite faces, and no other face of a convex body hides it.
+        # The camera sees at most one of two opposite faces, and no other face of a convex body hides it.
         away = float(eye[axis] - centre[axis])
         if abs(away) <= half[axis]:
             continue
@@ -163,7 +163,7 @@ def backdrop(
 
 
 def _within(x: Floats, y: Floats, zone: LevelPatch) -> NDArray[np.bool_]:
-    """Return which points of the table's top lie in a zone."""
+    """Return which points of the table top lie in a zone."""
     cosine, sine = math.cos(zone.yaw), math.sin(zone.yaw)
     along, across = cosine * (x - zone.x) + sine * (y - zone.y), cosine * (y - zone.y) - sine * (x - zone.x)
     inside: NDArray[np.bool_] = (np.abs(along) <= zone.half[0]) & (np.abs(across) <= zone.half[1])

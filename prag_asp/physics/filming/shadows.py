@@ -1,7 +1,7 @@
-"""Soft shadows from a depth image that a camera at the light takes.
+"""Soft shadows, computed from a depth image taken by a camera at the light.
 
-Williams, "Casting curved shadows on curved surfaces", 1978. The edges of a shadow are blurred more the farther the
-body is from the surface (Fernando, "Percentage-closer soft shadows", 2005).
+See Williams, "Casting curved shadows on curved surfaces", 1978. The farther a body is from the surface, the more the
+edges of its shadow are blurred (Fernando, "Percentage-closer soft shadows", 2005).
 """
 
 from __future__ import annotations
@@ -18,23 +18,23 @@ from prag_asp.scene.cameras import Camera
 from prag_asp.scene.scene import Scene
 
 AWAY = 6.0
-"""The distance of the light in metres: its rays are nearly parallel."""
+"""The distance of the light in metres, at which its rays are nearly parallel."""
 
 ABOVE, AROUND = 0.3, 0.9
 """The height in metres of the centre of the ball that the light's camera sees, and how far the ball extends beyond the
-bases of the robots, which is their reach."""
+bases of the robots: as far as they can reach."""
 
 NARROW, WIDE, FAR_BODY = 0.006, 0.045, 0.35
 """The blur of the shadows of near bodies and of bodies at the distance `FAR_BODY`, in metres."""
 
 BIAS = 0.003
-"""The distance in metres by which a body has to be nearer to the light to shade a surface."""
+"""How much nearer to the light, in metres, a body has to be to cast a shadow on a surface."""
 
 SLIGHT = np.float32(1e-4)
-"""Avoids division by zero."""
+"""A small number that avoids division by zero."""
 
 TAPS = tuple((row, column) for row in (-1, 0, 1) for column in (-1, 0, 1))
-"""The neighbours that decide, in equal parts, whether a point on a body lies in shadow, in texels."""
+"""The neighbours, in texels, that contribute equally to whether a point on a body lies in shadow."""
 
 
 def light_camera(scene: Scene, light: Vector, side: int) -> Camera:
@@ -57,8 +57,8 @@ def light_camera(scene: Scene, light: Vector, side: int) -> Camera:
 class LightPlaces(NamedTuple):
     """Where the points of some pixels lie in the light's image.
 
-    `pixels` (N,) are the numbers of the pixels, `texels` (N,) those of the light's image, and `depths` (N,) are the
-    distances in metres from the light along its axis.
+    `pixels` (N,) are the numbers of the pixels, `texels` (N,) are the numbers of the texels in the light's image, and
+    `depths` (N,) are the distances in metres from the light along its axis.
     """
 
     pixels: NDArray[np.int64]
@@ -82,7 +82,7 @@ class ShadowMap:
         self.update(np.full_like(self._table, np.inf), np.zeros(self._table.shape, dtype=np.int32))
 
     def update(self, depths: Floats, bodies: NDArray[np.int32]) -> None:
-        """Use a new image from the light: depths in metres, infinite where there are no bodies, and their numbers."""
+        """Use a new image from the light: depths in metres (infinite where there is no body), and body numbers."""
         self._depths, self._bodies = depths, bodies
         gaps = self._table - depths
         shades = (gaps > BIAS).astype(np.float32)
@@ -95,7 +95,7 @@ class ShadowMap:
         self._table_shadow = narrow + (far - narrow) * share
 
     def places(self, pixels: NDArray[np.int64], points: tuple[Floats, Floats, Floats]) -> LightPlaces:
-        """Return where the points of some pixels lie in the light's image; coordinates are in metres."""
+        """Return where the points shown by some pixels lie in the light's image; coordinates are in metres."""
         x, y, z = points
         across, down, depths = (row[0] * x + row[1] * y + row[2] * z + row[3] for row in self._outside[:3])
         side = self.camera.size[0]
@@ -104,14 +104,14 @@ class ShadowMap:
         return LightPlaces(pixels, rows * np.int32(side) + columns, depths)
 
     def on_table(self, places: LightPlaces) -> Floats:
-        """Return how much of the light is hidden from points of the table, from 0 to 1."""
+        """Return how much of the light is hidden from points on the table, from 0 to 1."""
         hidden: Floats = self._table_shadow.ravel()[places.texels]
         return hidden
 
     def on_bodies(self, places: LightPlaces, bodies: NDArray[np.int32]) -> Floats:
-        """Return how much of the light other bodies hide from points of bodies (N,), from 0 to 1.
+        """Return how much of the light is hidden from points on bodies by other bodies, from 0 to 1, shape (N,).
 
-        A body casts no shadow on itself: the renderer's shading already darkens what faces away from the light.
+        A body casts no shadow on itself, because the renderer already darkens what faces away from the light.
         """
         side, depths, owners = self.camera.size[0], self._depths.ravel(), self._bodies.ravel()
         limit = places.depths - np.float32(BIAS)
