@@ -1,4 +1,4 @@
-"""The report of an audit: tables of texts, from which a text, a web page and JSON are written."""
+"""The report of an audit: tables of texts, which are written as text, as a web page or as JSON."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class AuditTable:
 
 
 def audit_tables(audit: BenchmarkAudit, *, full: bool = False) -> Iterator[AuditTable]:
-    """Yield the tables of a report; with `full`, all groups, nearest problems and missing combinations."""
+    """Yield the tables of a report; with `full`, all groups, nearest problems and missing combinations are included."""
     rows = [
         (each.suite, *map(str, (each.files, each.problems, each.goals, each.tasks)))
         for each in ([*audit.suites, audit.total] if len(audit.suites) > 1 else audit.suites)

@@ -25,7 +25,7 @@ ENGINES = ("auto", "diagram", "clingo")
 
 
 def serve_page(views: Mapping[str, View], turns: Turns, page: str, *, port: int, opens: bool) -> None:
-    """Serve views, and print the link of a page, given as its file and query; with `opens`, open it in the browser."""
+    """Serve views, and print the link of a page, given by its file and query; with `opens`, open it in the browser."""
     from prag_asp.explore.page_server import PageServer
     from prag_asp.explore.space_pages import PAGE
     from prag_asp.processes.progress_events import hear

@@ -15,6 +15,7 @@ from prag_asp.dataset.store.domain_snapshot import snapshot_of
 from prag_asp.dataset.strata.stratified_sampling import allocated
 from prag_asp.errors import QueryError
 from prag_asp.missing import require_pyarrow
+from prag_asp.processes.progress_events import report_progress
 
 if TYPE_CHECKING:
     from prag_asp.dataset.scenario import Scenario
@@ -33,10 +34,10 @@ def generate(
     max_draws: int | None = None,
     excluded: Iterable[Scenario] = (),
     stratification: Stratification | None = None,
-    progress: Progress = lambda words, done, total: None,
+    progress: Progress = report_progress,
     **request: Any,
 ) -> Dataset:
-    """Write a dataset of different feasible tasks of a space into a folder, and open it.
+    """Write a dataset of different feasible tasks from a space into a folder, and open it.
 
     The request is a `spec`, or keywords such as ``tasks=100, seed=7, split={"train": 0.8, "test": 0.2}``, which
     `DatasetSpec.of` documents. Sampling for a part of the split stops after `max_draws` draws, by default 1000 per
@@ -53,11 +54,11 @@ def generate(
     The same call resumes an interrupted run; a larger number of tasks extends the dataset. The bytes of the dataset
     depend only on the request, not on the number of `workers` or on the machines that run them; with ``on="ray"``,
     these are the nodes of a Ray cluster. With ``part="3/64"``, the folder is one of 64 machine parts, which `merge`
-    combines into the dataset.
+    combines into one dataset.
 
     Raises:
         QueryError: the space is empty, or the request is wrong.
-        SceneError: the domain has no scene, or the scene lacks the shape of an entity of a task.
+        SceneError: the domain has no scene, or the scene lacks the shape of an entity in a task.
         OutputError: the folder contains something else, or a file cannot be written.
         NotFound: `max_draws` draws per part, or the whole space, contain too few feasible tasks; these are written.
         WorkerError: workers died repeatedly.
@@ -84,7 +85,7 @@ def generate(
 
 
 def stratified_shares(space: TaskSpace, stratification: Stratification, tasks: int, seed: int = 0) -> dict[str, str]:
-    """Return the share of each stratum in a sample of a number of tasks, as exact fractions.
+    """Return the share of each stratum in a sample of a given number of tasks, as exact fractions.
 
     Raises:
         QueryError: the space is empty, or too small or too finely divided for that many tasks.

@@ -1,4 +1,4 @@
-"""Learned rules: combinations of facts that physics proves impossible in the scene of a domain, as invariants."""
+"""Learned rules: combinations of facts that physics proves impossible in a domain's scene, stated as invariants."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def learn(
 ) -> Learned:
     """Return rules for the facts that physics proves impossible and that the domain does not itself exclude.
 
-    An existing learned.lp of the domain is ignored. Messages about the rules name the file `path`.
+    An existing learned.lp of the domain is ignored. Messages about the rules refer to the file `path`.
 
     Raises:
         SceneError: the domain has no scene, or the scene lacks the shape of an entity.

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 SHOWN = 20
-"""The number of missing combinations that the text lists."""
+"""The number of missing combinations that are listed in text."""
 
 FEATURES = ("actions", "classes", "names", "pairs")
 
@@ -145,7 +145,7 @@ def _covered_text(found: dict[str, Any]) -> Iterator[str]:
 
 
 def _given(file: str, space: TaskSpace) -> tuple[list[GivenTask], Dataset | None]:
-    """Return the tasks of a file or dataset that have the length of a space, and the dataset.
+    """Return the tasks in a file or dataset that have the length of a space, and the dataset.
 
     Raises:
         QueryError: a task belongs to another domain, or no task has this length.

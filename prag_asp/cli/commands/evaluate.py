@@ -1,4 +1,4 @@
-"""``prag-asp evaluate`` and ``prag-asp compare``: the success of a policy, and the difference of two."""
+"""``prag-asp evaluate`` and ``prag-asp compare``: the success of a policy, and how two policies differ."""
 
 from __future__ import annotations
 
@@ -159,7 +159,7 @@ def _source(
     """Return the scenarios that a command line names.
 
     Raises:
-        QueryError: the command line names no scenarios, or contradicts itself.
+        QueryError: the command line names no scenarios, or has contradictory options.
     """
     from prag_asp.dataset.scenarios import read_scenarios
     from prag_asp.evaluation.sources import FreshScenarios, NamedScenarios, StoredScenarios
@@ -192,7 +192,7 @@ def _source(
 
 
 def _options(texts: tuple[str, ...]) -> dict[str, Any]:
-    """Parse the environment options in texts such as NAME=VALUE; a value is JSON, or else a text.
+    """Parse the environment options in texts of the form NAME=VALUE; a value is JSON or else a text.
 
     Raises:
         QueryError: a text is not of the form NAME=VALUE.

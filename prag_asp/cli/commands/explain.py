@@ -120,7 +120,7 @@ def _explain_plan(request: DomainOptions, words: tuple[str, ...]) -> None:
 
 
 def _reasons(space: TaskSpace, action: str | None, step: int | None, *, smallest: bool) -> Iterator[str]:
-    """Yield lines that explain why a space is empty; none if it is not."""
+    """Yield lines that explain why a space is empty, or nothing if it is not."""
     from prag_asp.space.emptiness import why_empty
 
     found = why_empty(space, action=action, step=step, smallest=smallest)
@@ -141,7 +141,7 @@ def _reasons(space: TaskSpace, action: str | None, step: int | None, *, smallest
 
 
 def _other_lengths(space: TaskSpace) -> Iterator[str]:
-    """Yield a line with the shortest length that has a task, or one that no length has; none if this takes too long."""
+    """Yield a line with the shortest length that has a task, or one that there is none, unless this takes too long."""
     from prag_asp.space.emptiness import shortest_length
 
     where = " that satisfies the conditions" if space.condition else ""
@@ -154,7 +154,7 @@ def _other_lengths(space: TaskSpace) -> Iterator[str]:
 
 
 def _changes(space: TaskSpace, action: str | None, step: int | None) -> Iterator[str]:
-    """Yield lines whose removal leaves a task in an empty space; none if it is not empty."""
+    """Yield lines whose removal leaves a task in an empty space, or nothing if it is not empty."""
     from prag_asp.space.emptiness import fewest_changes
 
     found = fewest_changes(space, action=action, step=step)

@@ -26,10 +26,10 @@ OF_TASKS = (
     "length", "by", "prefix", "settings", "rules", "encodings", "flat", "learned", "strict", "untimed", "cached",
     "trust",
 )  # fmt: skip
-"""The names of the options that do not fit a program that describes no tasks."""
+"""The names of the options that do not apply to a program that describes no tasks."""
 
 OF_MODELS = ("project", "optimal")
-"""The names of the options that fit only such a program."""
+"""The names of the options that apply only to such a program."""
 
 
 @click.command()
@@ -91,8 +91,7 @@ def explore(
 def _refuse(names: Sequence[str], reason: str) -> None:
     """Check that no option with one of these names is given.
 
-    Raises:
-        QueryError: one is given.
+    Raises: QueryError: such an option is given.
     """
     context = click.get_current_context()
     for parameter in context.command.params:

@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
 USUAL = "dimacs"
-"""The form for a command line without a form."""
+"""The form for a command line that names no form."""
 
 
 class Forms(click.Group):
-    """The commands for each form; ``export DOMAIN ...`` is ``export dimacs DOMAIN ...``."""
+    """The commands for each form; ``export DOMAIN ...`` is the same as ``export dimacs DOMAIN ...``."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Insert the usual form if none is named, unless the first word is a misspelt form."""

@@ -201,7 +201,7 @@ def generate(
 
 
 def parse_shares_option(text: str) -> dict[str, str]:
-    """Return the parts of a text such as ``train=0.8,test=0.2``, with their shares as texts.
+    """Return the parts in a text such as ``train=0.8,test=0.2``, with their shares as texts.
 
     Raises:
         QueryError: the text does not have this form.
@@ -217,7 +217,7 @@ def parse_shares_option(text: str) -> dict[str, str]:
 
 @contextmanager
 def warnings_as_lines() -> Iterator[None]:
-    """Print each warning at once, in one line."""
+    """Print each warning at once, on one line."""
     with warnings.catch_warnings():
         warnings.simplefilter("always")
         warnings.showwarning = lambda message, *_, **__: tell_line(f"warning: {message}")
@@ -241,7 +241,7 @@ def _count_tasks(manifest: Manifest) -> str:
 
 
 def print_parts(dataset: Dataset) -> None:
-    """Print the parts of a dataset with their sizes, and on stderr why tasks were rejected."""
+    """Print the parts of a dataset with their sizes and, on stderr, why tasks were rejected."""
     from prag_asp.dataset.store.draw_results import TRIVIAL
 
     manifest = dataset.manifest

@@ -244,7 +244,7 @@ def _say_all(found: AnswerSets, listed: Iterator[AnswerSet], form: str) -> None:
         for each in listed:
             say(" ".join(map(str, each)))
         return
-    first = next(listed, None)  # an error comes before any output
+    first = next(listed, None)  # an error precedes any output
     say(_document(found, {"answer_sets": "["}).removesuffix("\n}"))
     texts = (json.dumps([str(symbol) for symbol in each]) for each in chain([] if first is None else [first], listed))
     for text, following in pairwise(chain(texts, [None])):
@@ -262,7 +262,7 @@ def _document(found: AnswerSets, fields: Mapping[str, str]) -> str:
 
 
 def _facet_object(facet: Facet) -> str:
-    """Return the share of an atom, and the numbers left after choosing or excluding it, as JSON."""
+    """Return the share of an atom and the numbers that remain after choosing or excluding it, as JSON."""
     objects = [
         f'{{"answer_sets": {digits_of(each.answer_sets)}, "facets": {each.facets}, '
         f'"of_answer_sets": "{_spelled(each.of_answer_sets)}", "of_facets": "{_spelled(each.of_facets)}"}}'
@@ -275,13 +275,13 @@ def _facet_object(facet: Facet) -> str:
 
 
 def _cells(facet: Facet) -> list[str]:
-    """Return the cells after the share in an atom's row of the table of facets."""
+    """Return the cells that follow the share in an atom's row in the table of facets."""
     both = (facet.chosen, facet.excluded)
     shrunk = [each and (each.of_answer_sets, each.of_facets) for each in both]
     return [_spelled(each[place]) if each else "-" for place in (0, 1) for each in shrunk]
 
 
 def _spelled(number: Fraction) -> str:
-    """Return a fraction in decimal digits, however many."""
+    """Return a fraction in decimal digits, however many there are."""
     over = digits_of(number.numerator)
     return over if number.denominator == 1 else f"{over}/{digits_of(number.denominator)}"

@@ -1,4 +1,4 @@
-"""``prag-asp scenario``: the tasks that scenario ids name, with the witnesses from their initial states."""
+"""``prag-asp scenario``: the tasks identified by scenario ids, with the witnesses from their initial states."""
 
 from __future__ import annotations
 

@@ -129,7 +129,7 @@ def _background(given: ComparedTasks, up_to: str) -> Background:
 
 
 def _metric(metric: str, costs: str | None, given: ComparedTasks, up_to: str) -> Metric:
-    """Return the metric with a given name, or the one that a file of costs defines; print why it is not a metric."""
+    """Return the metric with a given name or with the costs in a file; print why it is not a metric if so."""
     from prag_asp.similarity.metrics import metric_of
 
     if costs is None:
@@ -147,7 +147,7 @@ def _names(up_to: str) -> UpTo:
 
 
 def _text(found: TaskComparison) -> Iterator[str]:
-    """Yield the distance, the renaming, the parts of a mixture and the edits."""
+    """Yield the distance, the renaming, the parts of a mixture, and the edits."""
     yield f"{found.metric.name}: distance {_number(found.distance)}, similarity {found.similarity:.3f}"
     if found.renaming:
         yield f"renamed in B: {', '.join(f'{old} to {new}' for old, new in sorted(found.renaming.items()))}"

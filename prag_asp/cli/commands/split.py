@@ -154,7 +154,7 @@ def _proved(
 
 
 def _written(part: TaskSpace | RankedTasks, count: int, seed: int, cover: int | None, name: str) -> list[Task]:
-    """Return distinct tasks of a part, sampled uniformly; with `cover`, after tasks that cover all combinations.
+    """Return distinct tasks of a part, sampled uniformly; with `cover`, tasks that cover all combinations come first.
 
     Raises:
         QueryError: more tasks are needed to cover the combinations.
@@ -176,7 +176,7 @@ def _written(part: TaskSpace | RankedTasks, count: int, seed: int, cover: int | 
 
 
 def _with_warnings(divide: Callable[[], Parts]) -> Parts:
-    """Return the parts, and print warnings about them as lines."""
+    """Return the parts, and print warnings about them, each on one line."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         parts = divide()

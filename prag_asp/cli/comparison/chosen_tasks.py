@@ -1,4 +1,4 @@
-"""Tasks that ``prag-asp sample`` chooses: few that cover all combinations of factors, or some that are far apart."""
+"""Tasks that ``prag-asp sample`` chooses: a few that cover all combinations of factors, or some that are far apart."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CoveringTasks:
-    """The tasks of a covering set, in place of those that a space samples."""
+    """The tasks of a covering set, which take the place of those that a space samples."""
 
     space: TaskSpace
     found: CoveringSet
@@ -30,7 +30,7 @@ class CoveringTasks:
         return self.space.domain
 
     def stream(self, **drawing: Any) -> Iterator[Task]:
-        """Yield the tasks; no option of sampling applies."""
+        """Yield the tasks; the options for sampling do not apply."""
         return iter(self.found.tasks)
 
     def report(self, records: Iterable[Record]) -> Iterator[Record]:
@@ -48,7 +48,7 @@ class CoveringTasks:
 
 
 def covering_tasks(space: TaskSpace, strength: int) -> CoveringTasks:
-    """Return few tasks that cover all reachable combinations, and print their numbers."""
+    """Return a few tasks that cover all reachable combinations, and print their numbers."""
     from prag_asp.analysis.covering.covering_set import covering_set
 
     found = covering_set(space, strength)

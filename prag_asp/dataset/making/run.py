@@ -18,6 +18,7 @@ from prag_asp.dataset.episode_files import name_of, remove_after
 from prag_asp.dataset.making.chosen_draws import FollowingOrder, ListedOrder, choice_of, record_figures
 from prag_asp.dataset.making.draw_plan import DrawPlan
 from prag_asp.dataset.making.executors import Executor
+from prag_asp.dataset.making.ordered_tasks import requested_parts
 from prag_asp.dataset.pages.dataset_card import write_card
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.domain_snapshot import MEND, DomainSnapshot, write_snapshot
@@ -40,7 +41,7 @@ from prag_asp.output import Journal, file_in, make_folder, replace_file
 from prag_asp.processes.workers import uninterrupted
 from prag_asp.safe_reading import read_bytes
 from prag_asp.space.distinct_sampling import TaskOrder
-from prag_asp.space.without_replacement import ordered_parts, with_tasks
+from prag_asp.space.without_replacement import with_tasks
 from prag_asp.versions import versions
 from prag_asp.wording import plural
 
@@ -56,7 +57,8 @@ RECORDINGS = "demonstrations"
 """The folder of the recordings in a dataset."""
 
 JOURNAL = "journal.part"
-"""The file with the results of the draws since the last shard, to resume an interrupted run; removed at the end."""
+"""The file with the results of the draws since the last shard, used to resume an interrupted run and removed at the
+end."""
 
 Progress = Callable[[str, int, int], None]
 """Reports progress: a message, the number of tasks so far, and the number requested."""
@@ -66,7 +68,7 @@ Progress = Callable[[str, int, int], None]
 class DrawRecord:
     """A draw to write: its result, with a `job_result` unless it comes from the journal.
 
-    `task` holds the task and its texts, or None if the job result has their row.
+    `task` holds the task and its texts, or is None if the job result already contains their row.
     """
 
     placed: RankedDraw
@@ -105,10 +107,7 @@ class DatasetRun:
         spec = self._spec
         self._captioner = captioner_of(self._space.domain, spec.language, spec.seed, spec.phrasings)
         DATASET.require_folder(self._folder, JOURNAL)
-        parts = ordered_parts(
-            self._space, spec.division, seed=spec.seed, weights=self._space.weights(spec.weights, spec.temperature),
-            over=spec.over or None, evenly=spec.evenly, deal=spec.deal, excluded=spec.excluded_ranks,
-        )  # fmt: skip
+        parts = requested_parts(self._space, spec)
         make_folder(self._folder)
         values, spaces = request_of(self._space, spec), {each: self._space.at(each) for each in self._space.lengths}
         request = Manifest(
@@ -132,7 +131,7 @@ class DatasetRun:
             with uninterrupted():
                 self._journal.close()
         for note in self._manifest.parts:
-            # Other machines may have the rest, and a stratum may have too few feasible tasks.
+            # Other machines may have the rest, or a stratum may have too few feasible tasks.
             exhausted = (spec.part is not None or bool(spec.strata)) and note.draws >= number_of(note.size)
             if note.tasks < note.requested and not exhausted:
                 diverse = (self._manifest.diverse or {}).get(note.name)
@@ -145,7 +144,7 @@ class DatasetRun:
         return self._spec.draws_of(self._shares[name], self._max_draws)
 
     def _resumed(self, request: Manifest) -> Manifest:
-        """Return the manifest that the run continues; it is complete if there is nothing to do."""
+        """Return the manifest with which the run continues; it is complete if there is nothing to do."""
         spec, shares = self._spec, self._shares
         manifest = DATASET.read(self._folder) or request
         if manifest.identity != request.identity:

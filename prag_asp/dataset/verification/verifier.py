@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from prag_asp.dataset.making.chosen_draws import choice_of, chosen_order, record_figures
+from prag_asp.dataset.making.ordered_tasks import requested_parts
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.manifest import NAME, Manifest
 from prag_asp.dataset.store.tables import TableReader
@@ -22,7 +23,7 @@ from prag_asp.dataset.verification.row_checks import RowChecks
 from prag_asp.errors import PragError
 from prag_asp.physics import require_physics
 from prag_asp.space.task_space import TaskSpace
-from prag_asp.space.without_replacement import ordered_parts, with_tasks
+from prag_asp.space.without_replacement import with_tasks
 
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
@@ -35,7 +36,7 @@ def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progre
     progress("files", 0, 1)
     recordings = set[str]()
     for shard in (shard for part in manifest.parts for shard in part.shards):
-        with suppress(PragError):  # the error of a table that cannot be read
+        with suppress(PragError):  # raised for a table that cannot be read
             recordings |= {row["file"] for row in tables.of_shard("recordings", shard, ["file"])}
     yield from wrong_files(data.folder, manifest, recordings)
     yield from wrong_figures(manifest)
@@ -56,17 +57,14 @@ def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progre
 
 
 def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progress: Progress) -> Iterator[Finding]:
-    """Yield findings about sizes and rows, which are counted and sampled again."""
+    """Yield findings about sizes, which are counted again, and about rows, which are sampled again."""
     spec, lengths = manifest.spec, manifest.lengths
     if [space.length for space in manifest.spaces] != lengths:  # counting other lengths might take forever
         yield Finding(NAME, None, "spaces are not of the lengths requested, so no task was checked")
         return
     try:
         space = TaskSpace(domain, lengths).where(*manifest.where)
-        parts = ordered_parts(
-            space, spec.division, seed=spec.seed, weights=space.weights(spec.weights, spec.temperature),
-            over=spec.over or None, evenly=spec.evenly, deal=spec.deal, excluded=spec.excluded_ranks,
-        )  # fmt: skip
+        parts = requested_parts(space, spec)
     except PragError as error:
         yield Finding(NAME, None, f"what was requested cannot be drawn: {error}")
         return

@@ -19,7 +19,7 @@ from prag_asp.logic.formula.counter import APPROXMC, run_counter
 LEAST_EPSILON, MOST_EPSILON = 0.01, 100.0
 LEAST_DELTA, MOST_DELTA = 0.0001, 0.9999
 LARGEST_SEED = 2**32 - 1
-"""The largest seed of ApproxMC."""
+"""The largest seed that ApproxMC accepts."""
 
 OPTION = "--approximate"
 

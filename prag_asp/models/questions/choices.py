@@ -64,7 +64,7 @@ def conditions_of_symbols(ground: GroundModels, *, project: bool) -> Mapping[cli
 def add_choices(
     control: clingo.Control, choices: Sequence[AtomChoice], conditions: Mapping[clingo.Symbol, Sequence[Condition]]
 ) -> tuple[Rule, ...]:
-    """Add the constraints of choices to a control, and return them."""
+    """Add the constraints for choices to a control, and return them."""
     with control.backend() as backend:
         rules = tuple(
             rule

@@ -43,7 +43,7 @@ def film_strip(
     captions: Sequence[tuple[str, str]] | None = None,
     bystanders: bool = True,
 ) -> Image.Image:
-    """Return a picture of the states of a witness or a demonstration, or of `frames` of them, including first and last.
+    """Return a picture of all states of a witness or a demonstration, or of `frames` of them, including the two ends.
 
     They are arranged in rows of at most `columns`; `size` is the size of one picture in pixels. What an action has
     changed is outlined, and shown in a close-up if the robot hides it. Below each picture are the action and its
@@ -84,7 +84,7 @@ def still(
     size: tuple[int, int] = (960, 800),
     bystanders: bool = True,
 ) -> Image.Image:
-    """Return a picture of one state, 0 for the initial one, without a caption; `size` is in pixels.
+    """Return a picture of one state (0 is the initial state) without a caption; `size` is in pixels.
 
     `bystanders` also shows objects that the task does not name, in the same places in each state.
 
@@ -151,7 +151,7 @@ def make_captions(
     headings: Sequence[str | None] | None,
     captions: Sequence[tuple[str, str]] | None = None,
 ) -> list[tuple[str, str]]:
-    """Return the heading and text of each state; the first text explains left and right if the robot defines them."""
+    """Return the heading and text of each state; if left and right are the robot's, the first text says so."""
     texts = [captions[k] if captions is not None else caption(task, scene, k, headings) for k in chosen]
     if scene.frame == "viewer" or not any(SIDES.search(text) for pair in texts for text in pair):
         return texts
@@ -161,7 +161,7 @@ def make_captions(
 
 
 def _fact_words(candidates: Sequence[Fact], most: int = 2) -> str:
-    """Return the facts with the lowest caption ranks in words; facts of user-defined predicates come first."""
+    """Return the facts that come first in captions, in words; facts of user-defined predicates precede all others."""
     worth = (fact for fact in candidates if fact.predicate.caption_rank < math.inf)
     ranked = sorted(worth, key=lambda fact: fact.predicate.caption_rank)
     return ", ".join(fact.sentence() for fact in ranked[:most] or candidates[:1])
