@@ -11,6 +11,7 @@ from prag_asp.dataset.formats.export_format import FORMS, ExportFormat, Progress
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.missing import require_packages
+from prag_asp.processes.progress_events import report_progress
 from prag_asp.safe_reading import is_inside
 from prag_asp.wording import unknown
 
@@ -28,7 +29,7 @@ def export(
     state: Sequence[str] = ("joint_position",),
     objects: bool | None = None,
     depth: bool = False,
-    progress: Progress = lambda words, done, total: None,
+    progress: Progress = report_progress,
 ) -> Path:
     """Export a dataset, or a part or subset of one, and return the path of the export.
 
