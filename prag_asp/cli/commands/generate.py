@@ -276,6 +276,6 @@ def chosen_lines(manifest: Manifest) -> Iterator[str]:
         )
     for name, figures in (manifest.diverse or {}).items():
         yield (
-            f"{name}: tasks at least {figures.separation:.4g} apart ({figures.metric}); each of "
-            f"{plural(figures.candidates, 'candidate')} is within {figures.radius:.4g} of one of them"
+            f"{name}: tasks at least {figures.separation:.4g} apart ({figures.metric}), and at most "
+            f"{figures.radius:.4g} from any of {plural(figures.candidates, 'candidate')}"
         )
