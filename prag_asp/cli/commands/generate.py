@@ -50,7 +50,7 @@ SHOWN = 5
 )  # fmt: skip
 @click.option(
     "--diverse", type=whole(1), metavar="K",
-    help="Instead of --tasks: K tasks that are far apart, chosen among sampled ones.",
+    help="Instead of --tasks: choose K of the sampled tasks that are far apart.",
 )  # fmt: skip
 @click.option(
     "--candidates", type=whole(1, MOST_CANDIDATES), metavar="N",
