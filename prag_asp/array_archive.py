@@ -1,8 +1,8 @@
 """Read archives written by `numpy.savez`: only the expected arrays, and no more bytes than their headers declare.
 
 An archive of a few kilobytes can hold many gigabytes, and an array can be a pickle, which runs code. Therefore the
-sizes in the directory of the archive are checked before anything is unpacked, the header of each array before it is
-read, and no more bytes are unpacked than stated.
+sizes in the directory of the archive are checked before anything is unpacked, the header of each array is checked
+before the array is read, and no more bytes are unpacked than stated.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class BadArchive(Exception):
 
 
 def read_arrays(file: BinaryIO, names: Collection[str], at_most: int) -> dict[str, NDArray[Any]]:
-    """Return the named arrays that an archive contains; `at_most` bounds their total unpacked size in bytes.
+    """Return those of the named arrays that an archive contains; `at_most` limits their total unpacked size in bytes.
 
     Raises:
         OSError: the file cannot be read.
@@ -50,7 +50,7 @@ def read_arrays(file: BinaryIO, names: Collection[str], at_most: int) -> dict[st
 
 
 def _members(archive: ZipFile, names: Collection[str]) -> Mapping[str, ZipInfo]:
-    """Return the members of an archive, keyed by array name.
+    """Return the members of an archive by the names of their arrays.
 
     Raises:
         BadArchive: two members have the same name.
@@ -93,6 +93,6 @@ def _array(archive: ZipFile, name: str, member: ZipInfo) -> NDArray[Any]:
     if kind.kind == "U" and kind.itemsize:
         codes = array.view(np.dtype(np.uint32).newbyteorder(kind.byteorder))
         halves = (codes >= 0xD800) & (codes < 0xE000)
-        if (halves | (codes > maxunicode)).any():  # NumPy turns them into texts that crash
+        if (halves | (codes > maxunicode)).any():  # NumPy turns these into texts that crash
             raise BadArchive(f"{name} has invalid characters")
     return array.reshape(shape, order="F" if by_columns else "C")

@@ -1,4 +1,4 @@
-"""Ground atoms as plain values that round-trip to text."""
+"""Ground atoms as plain values that can be converted to text and back."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Atom(NamedTuple):
 
 
 def atom_of(term: clingo.Symbol) -> Atom:
-    """Return a clingo term as an atom: terms are symbols internally, and atoms wherever users see them."""
+    """Return a clingo term as an atom: terms are used internally as symbols, and as atoms wherever users see them."""
     return Atom(term.name, tuple(map(str, term.arguments)))
 
 
@@ -48,7 +48,7 @@ def symbol_of(atom: Atom | str) -> clingo.Symbol:
 
 
 def parse_atom(text: str) -> Atom:
-    """Return the atom that `text` spells; arguments may be terms themselves.
+    """Return the atom written in `text`; its arguments may themselves be terms.
 
     Raises:
         QueryError: `text` is not a ground term.
@@ -93,7 +93,7 @@ def split_actions(*texts: str) -> list[str]:
 
 
 def _words(text: str) -> Iterator[str]:
-    """Yield the words between blanks; blanks within parentheses or before an opening one do not separate."""
+    """Yield the words between blanks; blanks inside parentheses or before an opening one do not separate words."""
     depth, start = 0, 0
     for position, character in enumerate(text):
         depth += (character == "(") - (character == ")")

@@ -27,7 +27,8 @@ LONGEST = 500
 
 CUT = " ... "
 HEAD = 300
-"""Characters kept from the beginning of a longer line (place and problem); its end (what to do) is also kept."""
+"""The number of characters kept from the beginning of a longer line (place and problem); its end (what to do) is also
+kept."""
 
 
 def plain(text: str) -> str:
@@ -41,13 +42,13 @@ def plain(text: str) -> str:
 
 
 def one_line(text: str) -> str:
-    """Return a text as one line of a message: made `plain`, with the middle cut out if it is too long."""
+    """Return a text as one line of a message: it is made `plain`, and its middle is cut out if it is too long."""
     line = plain(text)
     return line if len(line) <= LONGEST else f"{line[:HEAD]}{CUT}{line[HEAD + len(CUT) - LONGEST :]}"
 
 
 class PragError(Exception):
-    """Something that the user can correct; the message says what, where and how.
+    """A mistake that the user can correct; the message says what is wrong, where, and how to correct it.
 
     Each argument is a separate problem, and becomes a line of the message.
     """
@@ -80,7 +81,7 @@ class EngineError(PragError):
 
 
 class LimitReached(EngineError):
-    """A limit was reached; `reason` says which, and the exact count is at least `at_least`."""
+    """A limit was reached: `reason` says which, and the exact count is at least `at_least`."""
 
     def __init__(self, message: str, at_least: int, reason: StopReason) -> None:
         super().__init__(message)

@@ -1,4 +1,4 @@
-"""Parse exact numbers, as authors write them, and return them as fractions, without expanding huge exponents."""
+"""Parse exact numbers as authors write them, and return them as fractions, without expanding huge exponents."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ MAX_EXPONENT = 1000
 """The maximum number of digits before and after the decimal point."""
 
 EXPONENT = re.compile(r"[-+]?(?P<digits>[\d_.]*)(?:[eE](?P<exponent>[-+]?\d{1,18}))?\d*")
-"""A number as text; digits after an exponent of 18 digits do not matter."""
+"""A number as text; digits after an exponent with 18 digits do not matter."""
 
 
 def parse_number(what: str, number: Number) -> Fraction:

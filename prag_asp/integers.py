@@ -1,4 +1,4 @@
-"""The integers of logic programs: clingo's have 32 bits, and overflow silently."""
+"""The integers of logic programs: clingo's have 32 bits and overflow silently."""
 
 from __future__ import annotations
 
@@ -6,19 +6,20 @@ import re
 from collections.abc import Iterator
 
 LARGEST = 2**31 - 1
-"""The largest number; the smallest is ``-LARGEST``. The only smaller 32-bit number has no positive counterpart:
-dividing it by -1 ends the process."""
+"""The largest number; the smallest is ``-LARGEST``. The only smaller 32-bit number has no positive counterpart, and
+dividing it by -1 would end the process."""
 
 SPELLED = re.compile(r"(?<![\w'@#])(?:0x[\da-fA-F]+|0o[0-7]+|0b[01]+|\d+)(?![\w'])")
 PLAIN_BITS = 10_000
 """The number of bits up to which `str` is as fast as any other method."""
 
 PLAIN_DIGITS = 3_000
-"""The number of digits up to which Python converts a number fast, and below its default limit of 4300 digits."""
+"""The number of digits up to which Python converts a number quickly, which is below its default limit of 4300 digits.
+"""
 
 GROUP = 3
 LONGEST = 40
-"""The maximum number of digits, in any base: a longer number counts as too large without being converted."""
+"""The maximum number of digits, in any base; a longer number counts as too large without being converted."""
 
 TOLD = f"write numbers from -{LARGEST} to {LARGEST}"
 
@@ -47,9 +48,9 @@ def with_short_numbers(text: str) -> str:
 
 
 def digits_of(number: int) -> str:
-    """Return the decimal digits of a number of any size, for which Python's `str` takes quadratic time.
+    """Return the decimal digits of a number of any size; Python's `str` would take quadratic time.
 
-    The bits are split into halves, which are recombined as `decimal` numbers, because these multiply fast.
+    The bits are split into halves, which are recombined as `decimal` numbers because multiplying these is fast.
     """
     if number.bit_length() <= PLAIN_BITS:
         return str(number)

@@ -21,7 +21,7 @@ from prag_asp.errors import (
 )
 
 NEWEST = (3, 13)
-"""The newest Python for which PyBullet and frankik have wheels, as pyproject.toml also states."""
+"""The newest version of Python for which PyBullet and frankik have wheels; pyproject.toml states it too."""
 
 
 def needed(module: str) -> ModuleType:
@@ -41,7 +41,7 @@ def needed(module: str) -> ModuleType:
 
 
 def require_pyarrow() -> None:
-    """Check that datasets can be written and read.
+    """Check that the package for writing and reading datasets is installed.
 
     Raises:
         DatasetsMissingError: pyarrow is not installed, or cannot be loaded.
@@ -100,7 +100,7 @@ def _reason(error: ImportError) -> str:
 
 
 def advice(version: tuple[int, int]) -> str:
-    """Return how to install PyBullet and frankik on a version of Python."""
+    """Return how to install PyBullet and frankik on this version of Python."""
     if version <= NEWEST:
         fork = version >= (3, 12) or sys.platform != "linux"
         return f"install them: pip install {'pybullet-arm64' if fork else 'pybullet'} frankik"

@@ -1,8 +1,8 @@
-"""Random bits addressed by position: a seed gives the same bits on every machine, whatever the size of the requests.
+"""Random bits addressed by position: a seed gives the same bits on every machine, whatever the size of requests.
 
 The generator is Philox4x64-10 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011): a published
-function from a key and a counter to four 64-bit words. Draw i has its own counters, so it does not need earlier draws.
-Only raw words are used, because NumPy guarantees the raw stream of a bit generator, but not the results of its
+function from a key and a counter to four 64-bit words. Each draw has its own counters, so it does not depend on earlier
+draws. Only raw words are used, because NumPy guarantees the raw stream of a bit generator, but not the results of its
 distributions (NEP 19); the key is a SHA-256 digest of the seed, so no seeding procedure of NumPy is involved either.
 """
 
@@ -29,11 +29,11 @@ class Bits(Protocol):
     """A source of random words for draws that are numbered from 0."""
 
     def words(self, first: int, count: int, each: int) -> Words:
-        """Return `each` words for each of `count` draws from `first` on, shape (count, each)."""
+        """Return `each` words for each of `count` draws from number `first` on, shape (count, each)."""
         ...
 
     def further(self, draw: int, step: int) -> Iterator[int]:
-        """Yield more words for one step of a draw, in the rare case that 64 bits do not decide it."""
+        """Yield more words for one step of a draw, in the rare case that 64 bits are not decisive."""
         ...
 
 
@@ -49,7 +49,7 @@ class SeededBits:
         return int.from_bytes(sha256(f"{self.seed:x}{self.purpose}".encode()).digest()[:16], "big")
 
     def words(self, first: int, count: int, each: int) -> Words:
-        """Return `each` words for each of `count` draws from `first` on, shape (count, each)."""
+        """Return `each` words for each of `count` draws from number `first` on, shape (count, each)."""
         blocks = -(-each // BLOCK)
         generator = np.random.Philox(key=self._key, counter=first * blocks)
         drawn: Words = generator.random_raw(count * blocks * BLOCK).reshape(count, blocks * BLOCK)

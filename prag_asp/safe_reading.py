@@ -17,10 +17,10 @@ from pathlib import Path
 from typing import BinaryIO, TextIO
 
 LARGEST_TEXT = 64_000_000
-"""The maximum number of bytes of a file that is read at once."""
+"""The maximum number of bytes in a file that is read as a whole."""
 
 LONGEST_LINE = 16_000_000
-"""The maximum number of characters of a line of a file that is read line by line."""
+"""The maximum number of characters in a line of a file that is read line by line."""
 
 STANDARD_INPUT = "-"
 """The name that stands for standard input in place of a file."""
@@ -34,7 +34,7 @@ class Refused(OSError):
 
 
 def is_inside(path: str | Path, folder: str | Path) -> bool:
-    """Return whether a path leads into a folder, or to it, once all links are followed.
+    """Return whether a path leads into a folder, or to the folder itself, after following all links.
 
     A path with a null character leads nowhere.
     """
@@ -55,7 +55,7 @@ def read_bytes(path: str | Path, *, within: str | Path | None = None, at_most: i
 
 
 def open_binary(path: str | Path, *, within: str | Path | None = None, at_most: int | None = None) -> BinaryIO:
-    """Open a file for reading; `within` is as in `read_bytes`, and without `at_most` the file may have any size.
+    """Open a file for reading; `within` is as in `read_bytes`, and without `at_most`, the file may have any size.
 
     A pipe without a writer does not block, and no device is opened. A pipe that is already open, such as
     ``<(command)``, is read if the user named it.
@@ -106,7 +106,7 @@ def _too_large(path: str | Path, at_most: int) -> Refused:
 
 @contextmanager
 def open_text(path: str | Path) -> Iterator[TextIO]:
-    """Open a file that the user has named, or standard input, as text; invalid UTF-8 is replaced by U+FFFD.
+    """Open a file that the user has named, or standard input, as text; invalid UTF-8 is replaced with U+FFFD.
 
     Raises:
         OSError: the file is missing, unreadable, or not a regular file.
@@ -121,7 +121,7 @@ def open_text(path: str | Path) -> Iterator[TextIO]:
 
 
 def lines_of(stream: TextIO) -> Iterator[str]:
-    """Yield the lines of a stream; end after the first `LONGEST_LINE` + 1 characters of a longer line."""
+    """Yield the lines of a stream; stop after the first `LONGEST_LINE` + 1 characters of a longer line."""
     while line := stream.readline(LONGEST_LINE + 1):
         yield line
         if len(line) > LONGEST_LINE:

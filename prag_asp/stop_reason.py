@@ -8,7 +8,7 @@ from enum import Enum
 
 
 class StopKind(Enum):
-    """The kinds of reasons: the first four end a request; after the others, an engine tries another method."""
+    """The kinds of reasons: the first four end a request; after the others, an engine tries a different method."""
 
     TIME = "the time limit"
     MEMORY = "the memory limit"
@@ -21,7 +21,7 @@ class StopKind(Enum):
 
 @dataclass(frozen=True)
 class StopReason:
-    """The kind of a reason, and the limit: in seconds for time, in bytes for memory, otherwise None."""
+    """The kind of a reason, and the limit: in seconds for time, in bytes for memory, and None otherwise."""
 
     kind: StopKind
     limit: float | None = None

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from prag_asp.similarity.task_comparison import TaskComparison
 
 State = Mapping[Atom, bool]
-"""The known facts of a state: fluents that are not in it are unknown (they may have any value)."""
+"""The known facts of a state; fluents that are not in it are unknown (they may have any value)."""
 
 
 Key = TypeVar("Key", bound=Hashable)
@@ -57,10 +57,10 @@ class FrozenDict(dict[Key, Value]):
 
 
 KNOWN_VALUES = {True: "true", False: "false", None: ""}
-"""The values of a fluent in a table; an unknown value is left out."""
+"""The values of a fluent in a table, where an unknown value is left out."""
 
 SHOWN_ROWS, SHOWN_STATES = 100, 25
-"""Maximum numbers of rows and of states that a notebook shows."""
+"""The maximum numbers of rows and of states that a notebook shows."""
 
 
 class KnownDomain(Protocol):
@@ -73,13 +73,13 @@ class KnownDomain(Protocol):
 
 @dataclass(frozen=True)
 class Task:
-    """A plan with the known facts of every state that it passes through.
+    """A plan with the known facts of each state through which it passes.
 
-    `entities` maps each entity that an action or a known fluent names to its class. `states[k]` has the facts that are
-    known after action k+1, and `subgoals[k]` the facts that this action itself makes true or false; both are as long as
-    `actions`. `goal` holds the facts that must hold at the end. `log_probability` is the natural logarithm of the
-    probability with which the task was sampled, or None if it was not sampled. `constants` maps the names of the
-    domain's ``#const``s that were set to their terms.
+    `entities` maps each entity that an action or a known fluent names to its class. `states[k]` holds the facts that
+    are known after action k+1, and `subgoals[k]` holds the facts that this action itself makes true or false; both are
+    as long as `actions`. `goal` holds the facts that must hold at the end. `log_probability` is the natural logarithm
+    of the probability with which the task was sampled, or None if it was not sampled. `constants` maps the names of
+    those ``#const``s of the domain that were set to their values.
     """
 
     domain: str
@@ -135,7 +135,7 @@ class Task:
     def distance(
         self, other: Trace, metric: str = "combined", *, within: KnownDomain | None = None, up_to: UpTo = "names"
     ) -> Distance:
-        """Return the distance between two tasks: the smallest over all renamings of interchangeable entities.
+        """Return the distance between two tasks, minimised over all renamings of interchangeable entities.
 
         `metric` is a name in `prag_asp.similarity.METRICS`. `within` is a task space of the domain. Without it, classes
         have no hierarchy, what an action needs is guessed from what it changes, and entities match by their names, or
@@ -150,7 +150,7 @@ class Task:
     def compare(
         self, other: Trace, metric: str = "combined", *, within: KnownDomain | None = None, up_to: UpTo = "names"
     ) -> TaskComparison:
-        """Compare two tasks like `distance`, and also return the edits, the renaming, and a similarity from 0 to 1."""
+        """Compare two tasks like `distance`, but also return the edits, the renaming, and a similarity from 0 to 1."""
         from prag_asp.similarity.task_comparison import compare  # noqa: PLC0415 - a task alone needs no metrics
 
         return compare(self, other, metric, None if within is None else within.background, up_to)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib.metadata import PackageNotFoundError, version
 
 UNKNOWN = "0+unknown"
-"""The version of a copy that is not installed."""
+"""The version given for a copy that is not installed."""
 
 PYBULLET = ("pybullet", "pybullet-arm64")
 """The distributions that contain the simulator."""
@@ -17,7 +17,7 @@ def own_version() -> str:
 
 
 def versions() -> str:
-    """Return the versions in one line: ``prag_asp 0.1.0, clingo 5.8.0, PyBullet 3.2.7``."""
+    """Return the versions on one line, such as ``prag_asp 0.1.0, clingo 5.8.0, PyBullet 3.2.7``."""
     bullet = next(filter(None, map(_version, PYBULLET)), None)
     simulator = f"PyBullet {bullet}" if bullet else "no PyBullet"
     return f"prag_asp {own_version()}, clingo {_version('clingo')}, {simulator}"

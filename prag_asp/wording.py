@@ -9,10 +9,10 @@ from contextlib import contextmanager
 from prag_asp.errors import QueryError
 
 SIMILAR = 0.6
-"""Minimum similarity of two names (as measured by `difflib`) for which one is suggested for the other."""
+"""Minimum similarity of two names (as measured by `difflib`) for one of them to be suggested for the other."""
 
 ALIKE = 0.7
-"""Minimum similarity for which a name counts as a misspelling of another."""
+"""Minimum similarity for a name to count as a misspelling of another."""
 
 LISTED = 8
 """The largest number of names that a message lists."""
@@ -40,7 +40,7 @@ def is_misspelt(name: str, known: Iterable[str]) -> bool:
 
 
 def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
-    """Return ``did you mean ...?`` with a similar name; without one, return `otherwise` or list the known names."""
+    """Return ``did you mean ...?`` with a similar name or, if there is none, `otherwise` or a list of known names."""
     names = {*known}
     near = nearest(name, names)
     return f"did you mean {near}?" if near else otherwise or f"known are {listed(names)}"
@@ -53,12 +53,12 @@ def listed(names: Iterable[str]) -> str:
 
 
 def plural(number: int, one: str, several: str = "") -> str:
-    """Return a number with its noun: ``1 task``, ``2 tasks``; `several` is a plural that does not end in s."""
+    """Return a number with its noun, as in ``1 task`` and ``2 tasks``; `several` is a plural that does not end in s."""
     return f"{number} {one if number == 1 else several or f'{one}s'}"
 
 
 def unknown(text: str, known: Iterable[str], kind: str) -> str:
-    """Return the message for a name that is not known."""
+    """Return the message about a name that is not known."""
     names = {*known}
     like = "(" in text and any(each.startswith(text[: text.index("(") + 1]) for each in names)
     never = ", or it can never occur" if kind == "action" and like else ""

@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from _pytest.runner import runtestprotocol
 from hypothesis import is_hypothesis_test
 
 from tests import chance as chances
@@ -44,6 +45,9 @@ LONGEST_FILES = (
     "space/test_five_engines.py",
 )
 """The files that take longest, longest first, as measured: several processes begin with them."""
+
+ATTEMPTS = 3
+"""How often a test is run at most, if the machine is suspended in each of its runs."""
 
 COMPLAINTS = pytest.StashKey[int]()
 """Where what goes wrong with a test as a whole is told, past what is captured of it."""
@@ -146,11 +150,20 @@ def pytest_collection_finish() -> None:
     gc.set_threshold(20_000, 20, 50)
 
 
-@pytest.hookimpl(wrapper=True)
-def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
-    config = item.config
-    with patience(LONGEST * (1 if config.option.seed is None else 10), config.stash[COMPLAINTS]):
-        return (yield)
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> bool:
+    """Run a test within its time, and again if it fails while the machine was suspended, for that ends all waits."""
+    item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
+    seconds = LONGEST * (1 if item.config.option.seed is None else 10)
+    for _ in range(ATTEMPTS):
+        with patience(seconds, item.config.stash[COMPLAINTS]) as given:
+            reports = runtestprotocol(item, log=False, nextitem=nextitem)
+        if not given.jumped or not any(report.failed for report in reports):
+            break
+    for report in reports:
+        item.ihook.pytest_runtest_logreport(report=report)
+    item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
+    return True
 
 
 def pytest_runtest_setup(item: pytest.Item) -> None:

@@ -35,3 +35,24 @@ def test_deaf():
 """
     done = run(tmp_path, text, conftest=CONFTEST + IMPATIENT)
     assert done.returncode == 1 and 'test_it.py", line 5 in test_deaf' in done.stderr, done.stderr
+
+
+def test_one_that_fails_while_the_machine_is_suspended_is_run_again(tmp_path: Path) -> None:
+    text = """
+from time import monotonic
+from tests import patience
+runs = []
+def test_of_time():
+    runs.append(1)
+    if len(runs) == 1:
+        patience.monotonic = lambda: monotonic() + 1800
+        assert False
+def test_wrong():
+    runs.append(2)
+    assert False
+def test_after():
+    assert runs == [1, 1, 2]
+"""
+    done = run(tmp_path, text)
+    assert "1 failed, 2 passed" in done.stdout, done.stdout
+    assert "FAILED test_it.py::test_wrong" in done.stdout

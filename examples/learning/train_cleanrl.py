@@ -7,7 +7,7 @@ import gymnasium
 
 
 class VectorEnv(gymnasium.vector.SyncVectorEnv):
-    """Vector environments with the last observations of episodes where older ones had them."""
+    """Vector environments that report final observations under the key that older ones used."""
 
     def step(self, actions):
         """Apply actions."""

@@ -10,6 +10,7 @@ from prag_asp.evaluation.lerobot_view import LeRobotView
 
 STEPS = 100
 OPTIONS = {"domain": "tabletop", "length": 1, "steps": STEPS, "control": "joint_position", "reward": "sparse"}
+OPTIONS["render_mode"] = "rgb_array"  # for the videos of an evaluation
 
 
 def make_task(cameras):

@@ -1,4 +1,4 @@
-"""Compute the distances between all pairs of tasks, up to renaming, in blocks of bounded memory.
+"""Compute the distances between all pairs of tasks, up to renaming, in blocks that fit into memory.
 
     tasks -> features, each once -> renamed features (one for each renaming that matters) -> table of codes
           -> block of rows x renamed columns -> least of each column's renamings -> matrix, neighbours, ...
@@ -29,15 +29,15 @@ if TYPE_CHECKING:
     from prag_asp.task import KnownDomain
 
 MOST_IMAGES = 2_000_000
-"""The largest number of renamed features of all groups of rows together: about 2 GB."""
+"""The maximum number of renamed features for all groups of rows together, which take about 2 GB."""
 
 STRIPE = 1 << 23
-"""The number of pairs of tasks in the rows that are expanded together: at most 32 MB."""
+"""The number of pairs of tasks in the rows that are expanded together, which take at most 32 MB."""
 
 
 @dataclass(frozen=True)
 class Images:
-    """All features in each renaming that matters for a group of rows; `starts[k]` is the first image of feature k."""
+    """All features in each renaming that matters to a group of rows; `starts[k]` is the first image of feature k."""
 
     numbers: Numbers
     starts: Numbers
@@ -68,7 +68,7 @@ class PairDistances:
 
     @property
     def denominator(self) -> int:
-        """The number of units in a distance of 1; 0 if distances are floats."""
+        """The number of units in a distance of 1, or 0 if distances are floats."""
         return self.table.denominator
 
     @property
@@ -83,7 +83,7 @@ class PairDistances:
 
     @cached_property
     def plain(self) -> Numbers:
-        """The number of each feature in the table, without renaming."""
+        """The number that each feature has in the table without renaming."""
         return np.array([images.numbers[images.starts[at]] for own, images in self.groups for at in own], dtype=np.intp)
 
     def block(self, rows: Numbers, images: Images, columns: range) -> Values:
@@ -93,7 +93,7 @@ class PairDistances:
         return found if len(numbers) == len(columns) else np.minimum.reduceat(found, starts, axis=1)
 
     def _columns(self, images: Images, first: int) -> Iterator[range]:
-        """Yield ranges of features from the first one on, each with about as many images as a block has columns."""
+        """Yield ranges of features, in order, each with about as many images as a block has columns."""
         starts, width = images.starts, self.table.shape[1]
         while first < self.features:
             last = max(int(np.searchsorted(starts, starts[first] + width, side="right")) - 1, first + 1)
@@ -101,7 +101,7 @@ class PairDistances:
             first = last
 
     def square(self) -> Values:
-        """Return the distances between all features, shape (features, features), in units."""
+        """Return the distances between all features, in units; shape (features, features)."""
         stage("comparing tasks")
         values = np.zeros((self.features, self.features), self.kind)
         step, _ = self.table.shape
@@ -125,7 +125,7 @@ class PairDistances:
         return values
 
     def stripes(self) -> Iterator[tuple[range, Values]]:
-        """Yield the distances from ranges of tasks to all tasks, in order, without a whole matrix."""
+        """Yield the distances from ranges of tasks to all tasks, in order, without storing a whole matrix."""
         stage("comparing tasks")
         step = max(STRIPE // max(self.count, 1), 1)
         for first in range(0, self.count, step):
@@ -146,7 +146,7 @@ def pair_distances(
     within: KnownDomain | None = None,
     up_to: UpTo = "names",
 ) -> PairDistances:
-    """Return the distances between all pairs of tasks, computed in blocks; arguments are those of `Task.distance`.
+    """Return the distances between all pairs of tasks, computed in blocks; the arguments are those of `Task.distance`.
 
     Raises:
         QueryError: there is no such metric, it does not compare such tasks, or too many renamings matter.
@@ -179,7 +179,7 @@ def _images(
     fixed: frozenset[str],
     numbers: dict[Feature, int],
 ) -> Images:
-    """Return the images of features that matter for rows with the entities `fixed`; `numbers` holds their numbers.
+    """Return the images of features that matter to rows with the entities `fixed`; `numbers` holds their numbers.
 
     Raises:
         QueryError: there are too many images.

@@ -23,10 +23,10 @@ class Complexity:
     """The complexity of a task.
 
     `entities` is the number of entities that its actions mention. `undone` is the number of changes that a later action
-    undoes: one action changes the value of a fluent, and a later one changes it back. `choices` holds,
-    for each action, the number of actions that could stand in its place and be continued to some plan of the space.
-    `shortest` is the length of the shortest plans of the domain that lead from the initial state of the task to its
-    goal and make nothing more known about the initial state; `shortest_plans` is their number.
+    undoes, because one action changes the value of a fluent and a later one changes it back. `choices` holds, for each
+    action, the number of actions that could stand in its place and be continued to some plan of the space. `shortest`
+    is the length of the shortest plans of the domain that lead from the initial state of the task to its goal and make
+    nothing more known about the initial state; `shortest_plans` is their number.
     """
 
     length: int
@@ -38,18 +38,18 @@ class Complexity:
 
     @property
     def bits(self) -> float:
-        """The information in the choices, in bits: minus log2 of the task's probability if choices are uniform."""
+        """The information in the choices, in bits: minus log2 of the task's probability if all choices are uniform."""
         return sum(map(log2, self.choices))
 
     @property
     def detour(self) -> int:
-        """The number of actions that the task has beyond a shortest plan."""
+        """The number of actions that the task has in excess of a shortest plan."""
         return self.length - self.shortest
 
 
 @dataclass(frozen=True)
 class ComplexityMeasure:
-    """Measures the complexity of tasks from a space with one length, and caches the data that they share."""
+    """Measures the complexity of tasks from a space with one length, and caches what they have in common."""
 
     space: TaskSpace
 
@@ -92,7 +92,7 @@ class ComplexityMeasure:
 
 
 def complexity_of(task: Task, within: TaskSpace) -> Complexity:
-    """Return the complexity of a task of a space; `ComplexityMeasure` is faster for many tasks.
+    """Return the complexity of a task from a space; for many tasks, `ComplexityMeasure` is faster.
 
     Raises:
         QueryError: the task is not in the space, or the states of the space are too many to be listed.
@@ -105,7 +105,7 @@ def complexity_of(task: Task, within: TaskSpace) -> Complexity:
 def undone(task: Task) -> int:
     """Return the number of changes of facts that a later action undoes.
 
-    An action changes a fluent if it gives it a value that differs from its last known value, if any.
+    An action changes a fluent if it gives the fluent a value that differs from its last known value, if there is one.
     """
     values, changes = dict(task.initial), Counter[Atom]()
     for state in task.states:

@@ -1,4 +1,4 @@
-"""The matrix of distances between tasks, nearest tasks and near-duplicates."""
+"""The matrix of distances between tasks, the nearest tasks, and near-duplicates."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from prag_asp.task import KnownDomain
 
 MOST_BYTES = 4 * 10**9
-"""The largest matrix that is kept in memory."""
+"""The size in bytes of the largest matrix that is kept in memory."""
 
 SUFFIXES = (".npz", ".parquet")
 """The extensions of files with distances."""
@@ -66,7 +66,7 @@ class SimilarityMatrix:
         return values
 
     def save(self, file: str | Path) -> None:
-        """Write the matrix to a .npz with `units` and `denominator`, or to a .parquet with a row for each pair i < j.
+        """Write the matrix to a .npz file (`units` and `denominator`) or a .parquet file (one row for each pair i < j).
 
         Raises:
             QueryError: the file has neither extension.
@@ -85,7 +85,7 @@ class SimilarityMatrix:
 
 
 def check_suffix(file: str | Path) -> None:
-    """Check that a matrix or neighbours can be written to a file with this name.
+    """Check that a matrix, or neighbours, can be written to a file with this name.
 
     Raises:
         QueryError: the extension is unknown.
@@ -95,7 +95,7 @@ def check_suffix(file: str | Path) -> None:
 
 
 def save_columns(file: str | Path, **columns: NDArray[Any]) -> None:
-    """Write columns of one length as the arrays of a .npz or as the columns of a .parquet.
+    """Write columns of equal length as the arrays of a .npz file or as the columns of a .parquet file.
 
     Raises:
         QueryError: the file has neither extension.
@@ -162,7 +162,7 @@ Stripes = Iterable[tuple[range, Values]]
 
 
 def stripes_of(given: SimilarityMatrix | PairDistances) -> Stripes:
-    """Return the distances of all tasks, taken from a matrix or computed without one."""
+    """Return the distances from all tasks to all tasks, taken from a matrix or computed without one."""
     if isinstance(given, PairDistances):
         return given.stripes()
     step = max(STRIPE // max(given.count, 1), 1)
@@ -171,7 +171,7 @@ def stripes_of(given: SimilarityMatrix | PairDistances) -> Stripes:
 
 @dataclass(frozen=True)
 class NearestNeighbours:
-    """The nearest other tasks of each task, nearest first; among equal distances, those of smaller numbers first.
+    """The tasks nearest to each task, the nearest first; at equal distances, smaller numbers come first.
 
     `tasks` and `distances` have shape (tasks, k).
     """
@@ -192,7 +192,7 @@ class NearestNeighbours:
 
 
 def nearest_neighbours(given: SimilarityMatrix | PairDistances, count: int = 5) -> NearestNeighbours:
-    """Return the nearest other tasks of each task, at most `count`."""
+    """Return the other tasks that are nearest to each task, at most `count` of them."""
     denominator = given.denominator or 1
     tasks, distances = [], []
     for numbers, values in stripes_of(given):
@@ -207,7 +207,7 @@ def nearest_neighbours(given: SimilarityMatrix | PairDistances, count: int = 5) 
 
 @dataclass(frozen=True)
 class NearDuplicates:
-    """Pairs of tasks at a small distance, the smaller number first, in order; iteration yields tuples."""
+    """Pairs of tasks at a small distance, each with the smaller number first, in order; iteration yields tuples."""
 
     tasks: Numbers
     others: Numbers
@@ -252,7 +252,7 @@ def near_duplicates(given: SimilarityMatrix | PairDistances, at_most: float = 0.
 
 
 def without_duplicates(given: SimilarityMatrix | PairDistances, at_most: float = 0.0) -> list[int]:
-    """Return the numbers of tasks that remain if each task near an earlier remaining one is left out.
+    """Return the numbers of the tasks that remain if each task that is near an earlier remaining one is left out.
 
     Raises:
         QueryError: `at_most` is infinite or not a number.

@@ -1,9 +1,9 @@
 """Find all tasks of a space that are at least a given number of edits away from every task of another part.
 
-A row holds the numbers of edits that turn a prefix of a plan into some prefix that leads to each state of the other
-part; numbers of at least the distance are treated as equal. Rows are states of a deterministic automaton for the
-neighbourhood of a whole regular language. It runs along with the automaton of the space, which gives an automaton of
-the tasks that remain: they are counted, ranked and sampled like other tasks.
+A row holds, for each state of the other part, the number of edits that turn a prefix of a plan into some prefix that
+leads to that state; numbers of at least the distance are treated as equal. Rows are states of a deterministic automaton
+for the neighbourhood of a whole regular language. Its product with the automaton of the space is an automaton of the
+tasks that remain, which are counted, ranked and sampled like other tasks.
 """
 
 from __future__ import annotations
@@ -15,13 +15,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.analysis.layered_automaton import LayeredAutomaton, layered_words
+from prag_asp.analysis.layered_automaton import LayeredAutomaton, layered_words, layers_of
 from prag_asp.errors import LimitReached, QueryError
 from prag_asp.processes.progress_events import stage
 from prag_asp.space.automaton.automaton import NOTHING, Automaton, Completions, Ranking
 from prag_asp.space.limits import LimitClock
 from prag_asp.space.parts.ranked_tasks import RankedTasks, RankRange
 from prag_asp.space.task_space import TaskSpace
+from prag_asp.space.weights.weights import Weights
+from prag_asp.space.word_set import WordSet
 from prag_asp.stop_reason import StopKind, StopReason
 from prag_asp.task import Task
 
@@ -29,10 +31,10 @@ TOGETHER = 1 << 22
 """The number of edit counts that are computed together."""
 
 FARTHEST = 100
-"""The largest distance; rows fit into 8 bits."""
+"""The largest distance, so that rows fit into 8 bits."""
 
 MOST_ROWS = 1 << 15
-"""Maximum number of rows of edits of one layer; with more, there are usually exponentially many."""
+"""Maximum number of rows of edits in one layer; beyond it, their number usually grows exponentially."""
 
 Bytes = NDArray[np.int8]
 
@@ -41,21 +43,40 @@ def tasks_apart(space: TaskSpace, other: TaskSpace, distance: int) -> RankedTask
     """Return the tasks of a space that are at least `distance` edits from each task of another part, in rank order.
 
     An edit inserts, removes or replaces an action, up to renaming of interchangeable entities. Both spaces are parts of
-    one space with one length, as `hold_out` and `split_skeletons` return them.
+    one space, as `hold_out` and `split_skeletons` return them.
 
     Raises:
         QueryError: the distance is not between 1 and 100, or the spaces have different symmetries or several lengths.
         LimitReached: a limit was reached, or the rows do not fit into memory.
     """
-    if not 1 <= distance <= FARTHEST:
-        raise QueryError(f"a distance of {distance}: give one from 1 to {FARTHEST}")
-    if space.symmetries != other.symmetries:
-        raise QueryError(f"{space.title} and {other.title} have different interchangeable entities; give parts of one")
-    words, plans = layered_words(space, "task"), layered_words(other, "plan")
-    stage("comparing the parts")
-    automaton = words_apart(words, plans, distance, space.engines.limits.begin())
-    apart = TasksApart(space, words.letters, automaton)
-    return RankedTasks(RankRange(range(apart.ranking.total)), apart)
+    apart = tasks_apart_from_all(space, [(other, distance)])
+    return RankedTasks(RankRange(range(apart.count())), apart)
+
+
+def tasks_apart_from_all(space: TaskSpace, others: Iterable[tuple[TaskSpace, int]]) -> TasksApart:
+    """Return the tasks of a space of one length that have a distance from each task of other parts of any lengths.
+
+    Raises:
+        QueryError: a distance is not between 1 and 100, or the spaces have different symmetries.
+        LimitReached: a limit was reached, or the rows do not fit into memory.
+    """
+    words = layered_words(space, "task")
+    automaton = NOTHING if words.edges is None else space.engines.engine("task", space.length).weighed(
+        space.length, Weights(), plain=True
+    ).automaton  # fmt: skip
+    for other, distance in others:
+        if not 1 <= distance <= FARTHEST:
+            raise QueryError(f"a distance of {distance}: give one from 1 to {FARTHEST}")
+        for length in (each for each in other.lengths if abs(each - space.length) < distance):
+            plans = other.at(length)
+            if space.symmetries != plans.symmetries:
+                raise QueryError(
+                    f"{space.title} and {plans.title} have different interchangeable entities; give parts of one"
+                )
+            stage("comparing the parts")
+            automaton = words_apart(words, layered_words(plans, "plan"), distance, space.engines.limits.begin())
+            words = LayeredAutomaton(space.length, words.letters, layers_of(automaton, space.length))
+    return TasksApart(space, words.letters, automaton)
 
 
 @dataclass(frozen=True)
@@ -71,6 +92,25 @@ class TasksApart:
         """The ranks of the words."""
         return Ranking(Completions(self.automaton), self.space.length)
 
+    @property
+    def length(self) -> int:
+        """The number of actions of each task."""
+        return self.space.length
+
+    def count(self) -> int:
+        """Return the number of tasks."""
+        return self.ranking.total
+
+    def word(self, rank: int) -> tuple[str, ...]:
+        """Return the plan of a task, as `plan_at` does."""
+        return self.plan_at(rank)
+
+    def rank(self, word: Sequence[str]) -> int | None:
+        """Return the rank of the task of a plan, given as texts of actions; None if it is not one of these tasks."""
+        words = WordSet(self.space.engines, "task", self.length)
+        place = words.rank(tuple(word))
+        return None if place is None else self.ranking.rank([self.letters.index(each) for each in words.word(place)])
+
     def plan_at(self, rank: int) -> tuple[str, ...]:
         """Return the plan of the task with a given rank as the texts of its actions."""
         return tuple(self.letters[letter] for letter in self.ranking.unrank(rank))
@@ -85,15 +125,14 @@ class TasksApart:
         Raises:
             QueryError: the task is too near, or not in the space.
         """
-        plan = self.space.plan_at(self.space.index(task))
-        rank = self.ranking.rank([self.letters.index(action) for action in plan])
+        rank = self.rank(self.space.plan_at(self.space.index(task)))
         if rank is None:
             raise QueryError(f"the task is too near to the other part: {task}")
         return rank
 
 
 def words_apart(words: LayeredAutomaton, plans: LayeredAutomaton, distance: int, clock: LimitClock) -> Automaton:
-    """Return the automaton of the words that are at least `distance` edits from all plans.
+    """Return the automaton of the words that are at least `distance` edits away from all plans.
 
     Raises:
         LimitReached: a limit was reached.
@@ -134,7 +173,7 @@ def words_apart(words: LayeredAutomaton, plans: LayeredAutomaton, distance: int,
 class EditRows:
     """The rows of words: for each state of a layer, the least edits to a prefix of a plan that leads there.
 
-    A row has a block of numbers for each layer within the distance, see `_layers`; all other layers need too many
+    A row has a block of numbers for each layer within the distance (see `_layers`); all other layers need too many
     edits.
     """
 
@@ -160,7 +199,7 @@ class EditRows:
     def move(
         self, held: Bytes, origins: NDArray[np.int64], letters: NDArray[np.int64], place: int
     ) -> tuple[Bytes, NDArray[np.int64]]:
-        """Return the distinct rows after one more letter of some rows, and the number of each of them."""
+        """Return the distinct rows after some rows have read one more letter, and the number of each."""
         widest = max([len(sources) for sources, _, _ in self._steps], default=1)
         size = max(TOGETHER // max(widest, held.shape[1]), 1)
         parts = [
@@ -180,7 +219,7 @@ class EditRows:
         return np.ones(len(held), dtype=np.bool_) if last is None else last[:, 0] >= self._distance
 
     def _layers(self, place: int) -> range:
-        """Return the layers of the plans that may have fewer edits than the distance after some letters."""
+        """Return the layers that plans may have reached with fewer edits than the distance after some letters."""
         if self._plans.edges is None:
             return range(0)
         nearest = self._distance - 1

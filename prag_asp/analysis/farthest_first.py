@@ -14,20 +14,24 @@ from prag_asp.analysis.distance_matrix import SimilarityMatrix
 from prag_asp.errors import QueryError
 from prag_asp.similarity.background import Trace, UpTo
 from prag_asp.similarity.metrics import Metric
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.task import KnownDomain
 
+METRIC = "levenshtein-classes"
+"""The metric of tasks that commands choose far apart: edits of actions, which cost less between similar objects."""
+
 CHOSEN = -1.0
-"""Stands for the distance of a chosen task from the chosen ones, so that it is not chosen twice."""
+"""Stands for the distance of a chosen task from the chosen tasks, so that it is not chosen again."""
 
 
 @dataclass(frozen=True)
 class DiverseChoice:
-    """Tasks that are far apart, in the order of their choice.
+    """Tasks that are far apart, in the order in which they were chosen.
 
-    Any two of `tasks` have at least the distance `separation` (0 for a single task), and each task that is not chosen
-    has at most the distance `radius` from a chosen one.
+    The distance between any two of `tasks` is at least `separation` (0 for a single task), and the distance of each
+    other task from the nearest chosen one is at most `radius`.
     """
 
     tasks: tuple[int, ...]
@@ -36,17 +40,18 @@ class DiverseChoice:
 
 
 def diverse_choice(given: SimilarityMatrix | PairDistances, count: int) -> DiverseChoice:
-    """Return `count` tasks that are far apart: task 0, and repeatedly the task farthest from all chosen ones.
+    """Return `count` tasks that are far apart: task 0, and then repeatedly the task farthest from all chosen ones.
 
     For metrics, no choice of `count` tasks has a `radius` below half of this one, or a `separation` above twice this
-    one (Gonzalez 1985; Ravi, Rosenkrantz and Tayi 1994). Among equally far tasks, the smallest number is chosen.
+    one (Gonzalez 1985; Ravi, Rosenkrantz and Tayi 1994). Among tasks at equal distances, the one with the smallest
+    number is chosen.
 
     Raises:
         QueryError: there are fewer than `count` tasks, or `count` is not positive.
     """
     tasks = given.count
     if not 1 <= count <= tasks:
-        raise QueryError(f"cannot choose {count} of {tasks} tasks; choose at least 1 and at most {tasks}")
+        raise QueryError(f"cannot choose {count} of {plural(tasks, 'task')}; choose at least 1 and at most {tasks}")
     unit = float(given.denominator or 1)
     chosen, separation = [0], 0.0
     nearest = given.row(0) / unit
@@ -62,7 +67,7 @@ def diverse_choice(given: SimilarityMatrix | PairDistances, count: int) -> Diver
 
 @dataclass(frozen=True)
 class Novelty:
-    """The distances of new tasks from their nearest given tasks, shape (new tasks,), and the numbers of the latter."""
+    """The distance of each new task from the nearest given task, shape (new tasks,), and the number of the latter."""
 
     distances: NDArray[np.float64]
     nearest: NDArray[np.int64]
@@ -77,8 +82,8 @@ def novelty(
 ) -> Novelty:
     """Return how far each task is from the nearest given task; the other arguments are those of `Task.distance`.
 
-    Among equally near tasks, the smallest number is returned. A distance from all tasks of a space, listed or not, is
-    computed by `nearest_task`.
+    Among tasks at equal distances, the smallest number is returned. For the distance from a whole space, whose tasks
+    need not be listed, use `nearest_task`.
 
     Raises:
         QueryError: no task is given, or `pair_distances` raises the error.

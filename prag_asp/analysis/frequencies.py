@@ -1,9 +1,9 @@
-"""Frequencies in a dataset compared with the exact expected frequencies of its space, with a chi-square test.
+"""Compare frequencies in a dataset with the exact expected frequencies in its space, by a chi-square test.
 
 Occurrences within a task depend on each other, so Pearson's statistic would not have a chi-square distribution. The
 test uses the exact covariance matrix C of the occurrences in a random task instead: for the differences d from the
-expected numbers in n tasks, d' C^+ d / n has a chi-square distribution for many tasks, with as many degrees of freedom
-as C has rank (Moore 1977).
+expected numbers in n tasks, d' C^+ d / n has a chi-square distribution for many tasks, whose number of degrees of
+freedom is the rank of C (Moore 1977).
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ class Frequency:
 
 @dataclass(frozen=True)
 class FrequencyTest:
-    """The frequencies of the values of a feature in some tasks, and the test that they are a uniform sample.
+    """The frequencies of a feature's values in some tasks, and a test of whether these are a uniform sample.
 
     `statistic` has a chi-square distribution with `degrees` degrees of freedom if the tasks are independent uniform
-    samples of the space; it is infinite if some frequencies are impossible in the space. `p_value` is the probability
+    samples from the space; it is infinite if some frequencies are impossible in the space. `p_value` is the probability
     of at least this statistic. `few` is the number of values that are expected fewer than five times: if there are
-    many, the p-value is rough.
+    many, the p-value is only approximate.
     """
 
     feature: Feature
@@ -62,7 +62,7 @@ class FrequencyTest:
 def compare_frequencies(
     space: TaskSpace, tasks: Iterable[Task | Sequence[str]], feature: Feature = "names"
 ) -> FrequencyTest:
-    """Compare the frequencies of a feature in tasks with the exact expected frequencies in uniform samples of a space.
+    """Compare a feature's frequencies in tasks with the exact expected frequencies in uniform samples from a space.
 
     `feature` is ``actions``, ``names``, ``classes`` (the name of an action with the classes of its arguments) or
     ``pairs`` (of consecutive names).
@@ -99,7 +99,7 @@ def _occurrences(moments: Moments, values: Sequence[str]) -> list[int]:
 
 
 def _quadratic(differences: Objects, covariance: Objects, degrees: int) -> float:
-    """Return d' C^+ d from the `degrees` largest eigenvalues; infinite if d is not in the range of C."""
+    """Return d' C^+ d, computed from the `degrees` largest eigenvalues, or infinity if d is not in the range of C."""
     weights, vectors = np.linalg.eigh(covariance.astype(np.float64))
     along = vectors.T @ differences
     used = len(weights) - degrees
@@ -127,8 +127,8 @@ def rank(matrix: Objects) -> int:
 def upper_tail(degrees: int, statistic: float) -> float:
     """Return the probability that a chi-square variable with some degrees of freedom is at least `statistic`.
 
-    This is the regularised upper incomplete gamma function Q(degrees / 2, statistic / 2), by its series or its
-    continued fraction (Abramowitz and Stegun 1964, 6.5.29 and 6.5.31), to about 14 digits.
+    This is the regularised upper incomplete gamma function Q(degrees / 2, statistic / 2), computed from its series or
+    its continued fraction (Abramowitz and Stegun 1964, 6.5.29 and 6.5.31) to about 14 digits.
     """
     a, x = degrees / 2, statistic / 2
     if x <= 0 or not degrees:

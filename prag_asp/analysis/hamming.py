@@ -2,9 +2,9 @@
 
 The distance between two tasks is the smallest number of different actions over all renamings of one of them. Pairs of
 words are pairs of paths of the layered automaton. For each pair of states, the dynamic programme counts the pairs of
-paths to the end by their numbers of agreements under each renaming; it distinguishes only letters of one orbit, because
-letters of two orbits differ under all renamings. The recursion for one renaming and matrices M of pairs of states is M'
-= A M A^T + (z - 1) sum_a A_a M A_a^T, where A_a contains the edges with letter a, and z counts agreements.
+paths to the end by their numbers of agreements under each renaming. It compares only letters of the same orbit, because
+letters of different orbits differ under all renamings. The recursion for one renaming and matrices M of pairs of states
+is M' = A M A^T + (z - 1) sum_a A_a M A_a^T, where A_a contains the edges with letter a, and z counts agreements.
 """
 
 from __future__ import annotations
@@ -28,22 +28,22 @@ from prag_asp.space.task_space import TaskSpace
 from prag_asp.stop_reason import StopKind, StopReason
 
 Agreements = int
-"""The numbers of agreements of two words under each renaming, as the digits of one number to the base length + 1."""
+"""The numbers of agreements between two words under each renaming, as the digits of one number in base length + 1."""
 
 SAFE = 2**62
 """Sums below this bound fit into 64 bits."""
 
 PRIMES_FROM = 2**31
-"""Moduli are primes below this number: a sum of 2^31 residues fits into 64 bits."""
+"""Moduli are primes below this number, so that a sum of 2^31 residues fits into 64 bits."""
 
 TOGETHER = 1 << 22
-"""Numbers that are processed together, 32 MiB: enough to amortise the overhead of NumPy."""
+"""The amount of numbers that are processed together, 32 MiB: enough to amortise the overhead of NumPy."""
 
 COMPARED = 1 << 33
-"""Maximum number of letters compared when all pairs of words are listed, about 10 s."""
+"""Maximum number of letters compared when all pairs of words are listed, which takes about 10 s."""
 
 FEW_COMPARED = 1 << 26
-"""Number of letters that are compared at once by listing all pairs of words, in less than a second."""
+"""Number of letters up to which all pairs of words are listed at once, in less than a second."""
 
 MOST_AGREEMENTS = 1 << 15
 """Maximum number of different agreements in a layer."""
@@ -51,7 +51,7 @@ MOST_AGREEMENTS = 1 << 15
 
 @dataclass(frozen=True)
 class DistanceDistribution:
-    """The numbers of ordered pairs of words of a level at each Hamming distance 0, 1, ..., `length`.
+    """The number of ordered pairs of words of a level at each Hamming distance 0, 1, ..., `length`.
 
     Both words of a pair range over all `words` and may be equal, as in two independent samples.
     """
@@ -68,11 +68,11 @@ class DistanceDistribution:
 
     @property
     def mean_of_different(self) -> Fraction:
-        """The exact mean distance between two different random words; 0 if there is only one."""
+        """The exact mean distance between two different random words, or 0 if there is only one word."""
         return self.mean * Fraction(self.words, max(self.words - 1, 1))
 
     def share(self, distance: int) -> Fraction:
-        """Return the probability that two independent random words have at most a given distance."""
+        """Return the probability that the distance between two independent random words is at most a given one."""
         return Fraction(sum(self.pairs[: distance + 1]), self.words**2)
 
 
@@ -96,7 +96,7 @@ def hamming_distribution(space: TaskSpace, by: Level = "task") -> DistanceDistri
 def mean_hamming(space: TaskSpace, by: Level = "plan") -> Fraction:
     """Return the exact mean Hamming distance between two independent random plans or skeletons, at any length.
 
-    The mean only depends on the number of occurrences of each letter at each place. For tasks, see
+    The mean depends only on the number of occurrences of each letter at each place. For tasks, see
     `hamming_distribution`.
 
     Raises:
@@ -159,7 +159,7 @@ class AgreementCount:
         return layers[::-1]
 
     def _forecast(self, layers: Sequence[Sequence[Agreements]]) -> None:
-        """Refuse two consecutive layers that do not fit into memory.
+        """Check that every two consecutive layers fit into memory.
 
         Raises:
             LimitReached: the memory limit would be exceeded.
@@ -179,12 +179,12 @@ class AgreementCount:
         )
 
     def _counted(self, layers: Sequence[Sequence[Agreements]]) -> list[int]:
-        """Return the number of pairs of words with each of the agreements of the first layer."""
+        """Return the number of pairs of words that have each of the agreements of the first layer."""
         most = self._words.total**2
         if most < SAFE:
             return self._residues(layers, 0)
         modulus, counts = 1, [0] * len(layers[0])
-        for prime in primes_below(PRIMES_FROM):  # Chinese remainder theorem, by Garner's algorithm
+        for prime in primes_below(PRIMES_FROM):  # the Chinese remainder theorem, by Garner's algorithm
             inverse = pow(modulus, -1, prime)
             for place, residue in enumerate(self._residues(layers, prime)):
                 counts[place] += modulus * ((residue - counts[place]) * inverse % prime)
@@ -194,7 +194,7 @@ class AgreementCount:
         return counts
 
     def _residues(self, layers: Sequence[Sequence[Agreements]], prime: int) -> list[int]:
-        """Return the numbers of `_counted` modulo a prime, or unchanged if the prime is 0."""
+        """Return the numbers that `_counted` returns modulo a prime, or the numbers themselves if the prime is 0."""
         matrices = np.ones((1, 1, 1), dtype=np.int64)
         steps = self._words.edges or ()
         for place in range(len(steps) - 1, -1, -1):
@@ -226,7 +226,7 @@ class AgreementCount:
                 continue
             further = np.array([number[vector + kind] for vector in vectors])
             for part in _parts(len(vectors), len(left) * len(right)):
-                # A state has one edge with a letter, so that no place of the block occurs twice.
+                # a state has one edge with each letter, so no place of the block occurs twice
                 block = matrices[part][:, step.targets[left][:, None], step.targets[right]]
                 result[np.ix_(same[part], step.sources[left], step.sources[right])] -= block
                 result[np.ix_(further[part], step.sources[left], step.sources[right])] += block
@@ -234,7 +234,7 @@ class AgreementCount:
 
 
 def related_letters(renamings: NDArray[np.int64], base: int) -> list[tuple[int, int, Agreements]]:
-    """Return the pairs of letters of one orbit: the renamings with digit 1 map the second letter to the first."""
+    """Return the pairs of letters of one orbit; the renamings with digit 1 map the second letter to the first."""
     related = []
     powers = [base**place for place in range(len(renamings))]
     for other, images in enumerate(renamings.T.tolist()):

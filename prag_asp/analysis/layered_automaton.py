@@ -1,7 +1,7 @@
 """The words of one length as the paths of the smallest automaton with one layer of states for each step.
 
-States are merged from the last layer to the first if the same words lead from them to the end, which gives the smallest
-automaton of a finite set of words (Revuz 1992). All sums over a space are sums over its layers.
+From the last layer to the first, states are merged if the same words lead from them to the end, which gives the
+smallest automaton of a finite set of words (Revuz 1992). All sums over a space become sums over its layers.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ Objects = NDArray[np.object_]
 class LayerEdges:
     """The edges from one layer to the next, in order of their sources and letters; arrays have the shape (edges,).
 
-    `states` is the number of states of the layer, each of which has an edge.
+    `states` is the number of states in the layer, each of which has an edge.
     """
 
     states: int
@@ -55,7 +55,7 @@ class LayeredAutomaton:
 
     @property
     def sizes(self) -> list[int]:
-        """The number of states of each layer."""
+        """The number of states in each layer."""
         return [] if self.edges is None else [*(step.states for step in self.edges), 1]
 
     @cached_property
@@ -107,7 +107,7 @@ def sums_at(values: Objects, places: NDArray[np.int64], size: int) -> Objects:
 
 
 def layered_words(space: TaskSpace, by: Level) -> LayeredAutomaton:
-    """Return the words of a level of a space of one length.
+    """Return the words of one level of a space with a single length.
 
     Raises:
         QueryError: there is no such level, the space has several lengths, or its states are too many to be listed.
@@ -144,7 +144,7 @@ def layers_of(automaton: Automaton, length: int) -> tuple[LayerEdges, ...] | Non
 def _merged(
     automaton: Automaton, used: NDArray[np.int64], blocks: NDArray[np.int64]
 ) -> tuple[LayerEdges, NDArray[np.int64]]:
-    """Return the layer of some edges, and the merged state of each state, or -1.
+    """Return the layer given by some edges, and the merged state of each state, or -1.
 
     `blocks` are the merged states of the next layer. States with the same letters and targets are merged.
     """

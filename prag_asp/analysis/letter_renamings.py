@@ -18,11 +18,11 @@ from prag_asp.space.engines import Level
 from prag_asp.space.task_space import TaskSpace
 
 MOST = 1 << 13
-"""Maximum number of renamings that are listed: eight interchangeable entities have 40,320."""
+"""Maximum number of renamings that are listed; eight interchangeable entities have 40,320."""
 
 
 def letter_renamings(space: TaskSpace, by: Level, letters: tuple[str, ...]) -> NDArray[np.int64]:
-    """Return the distinct renamings, shape (renamings, letters): the number of the image of each letter, or -1.
+    """Return the distinct renamings, shape (renamings, letters), as the number of each letter's image, or -1.
 
     The first is the identity. Only tasks are considered up to renaming, so plans and skeletons have no other renaming.
 
@@ -37,7 +37,7 @@ def letter_renamings(space: TaskSpace, by: Level, letters: tuple[str, ...]) -> N
     generators = []
     for names in swaps(space.symmetries):
         images = (str(renamed(symbol, names)) for symbol in symbols)
-        generators.append(np.array([numbers.get(image, -1) for image in images] + [-1]))  # -1 stays -1
+        generators.append(np.array([numbers.get(image, -1) for image in images] + [-1]))  # -1 remains -1
     found = {np.append(identity, -1).tobytes(): np.append(identity, -1)}
     waiting = list(found.values())
     while waiting:

@@ -1,8 +1,8 @@
 """Exact second moments of the features of a plan: the numbers of words with two given values at two places.
 
 The features of a plan are one value for each place: its actions, their names, their names with the classes of their
-arguments, or its pairs of consecutive names. The dynamic programme carries the paths through each value at one place on
-to all later places, so that no word is listed.
+arguments, or its pairs of consecutive names. The dynamic programme follows the paths through each value at one place to
+all later places, so that no word is listed.
 """
 
 from __future__ import annotations
@@ -31,7 +31,8 @@ Feature = Literal["actions", "names", "classes", "pairs"]
 FEATURES: tuple[Feature, ...] = ("actions", "classes", "names", "pairs")
 
 MOST_COLUMNS = 4096
-"""Maximum number of different values at all places together; eigenvalues of such a large matrix take half a minute."""
+"""Maximum number of different values at all places together; the eigenvalues of such a large matrix take half a minute.
+"""
 
 SAFE = 2**62
 """Sums below this bound fit into 64 bits."""
@@ -39,10 +40,10 @@ SAFE = 2**62
 
 @dataclass(frozen=True)
 class Moments:
-    """The numbers of words of a set in which two values occur at two places.
+    """The numbers of words in a set in which two values occur at two places.
 
-    `columns` are all occurring pairs of a place, counted from 0, and a value, in order; ``joint[k, l]`` is the number
-    of words with the values of the columns k and l. Each of `words` has one value at each of `places`.
+    `columns` are all occurring pairs of a place (from 0) and a value, in order; ``joint[k, l]`` is the number of words
+    with the values of the columns k and l. Each of `words` has one value at each of `places`.
     """
 
     feature: Feature
@@ -76,7 +77,7 @@ class Moments:
 
 @dataclass(frozen=True)
 class ValuedSteps:
-    """The words of a space with the number of a value for each edge of each step, -1 for none."""
+    """The words of a space, with the number of a value for each edge of each step, or -1 for none."""
 
     words: LayeredAutomaton
     values: tuple[NDArray[np.int64], ...]
@@ -90,7 +91,7 @@ def space_moments(space: TaskSpace, feature: Feature, by: Level = "task") -> Mom
         QueryError: the space has several lengths, no words or no places, or the level has no such feature.
         LimitReached: a limit ended the exploration.
     """
-    texts_of(space, feature, by, ())  # check the feature
+    texts_of(space, feature, by, ())  # checks the feature
     words = layered_words(space, by)
     if words.edges is None:
         raise QueryError(f"there is no {by} of {space.title}")
@@ -110,7 +111,7 @@ def space_moments(space: TaskSpace, feature: Feature, by: Level = "task") -> Mom
 def task_moments(space: TaskSpace, tasks: Iterable[Task | Sequence[str]], feature: Feature) -> Moments:
     """Return the second moments of some tasks, which all have the length of a space.
 
-    Interchangeable entities get their canonical names in the space. A task that occurs twice counts twice.
+    Interchangeable entities get the canonical names that they have in the space. A task that occurs twice counts twice.
 
     Raises:
         QueryError: there is no task, or a task has a different length or contains something that is not an action of
@@ -184,7 +185,7 @@ def _check_columns(number: int) -> None:
 
 
 def _paired(words: LayeredAutomaton, names: NDArray[np.int64], texts: Sequence[str]) -> ValuedSteps:
-    """Return the words with states that know the preceding name, and the pair of names of each edge from the second."""
+    """Return the words with states that know the preceding name, and the pair of names of each edge after the first."""
     width = len(texts)
     states, before = np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64)
     edges, values = [], []
@@ -239,7 +240,7 @@ def _edges_of(values: NDArray[np.int64], present: NDArray[np.int64]) -> list[NDA
 
 
 def _into(weights: NDArray[Any], targets: NDArray[np.int64], states: int) -> NDArray[Any]:
-    """Return the sums of the columns with the same target, shape (rows, states)."""
+    """Return the sums of the columns that have the same target, shape (rows, states)."""
     order = np.argsort(targets, kind="stable")
     reached, begins = np.unique(targets[order], return_index=True)
     sums = np.zeros((len(weights), states), dtype=weights.dtype)

@@ -1,9 +1,10 @@
-"""The number of tasks of a space within an edit distance of a given task, and the nearest task, without listing tasks.
+"""Count the tasks of a space within an edit distance of a given task, and find the nearest, without listing tasks.
 
 A row of the table of Wagner and Fischer (1974) holds the numbers of edits that turn a prefix of a word into each prefix
-of the given plan. Numbers above the radius are capped, so that few different rows remain: they are the states of a
-deterministic Levenshtein automaton (Schulz and Mihov 2002), which runs along with the automaton of the space. There is
-a row for each renaming of the given plan, and the smallest number at the end is the distance. Each task is one path.
+of the given plan. Numbers above the radius are capped, so that few different rows remain. They are the states of a
+deterministic Levenshtein automaton (Schulz and Mihov 2002), which is run in parallel with the automaton of the space.
+There is a row for each renaming of the given plan, and the smallest number at the end is the distance. Each task is one
+path.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ FAR = 1 << 14
 """A number of edits that no two plans have; the sum of two such numbers fits into 16 bits."""
 
 FARTHEST = 100
-"""The largest radius of a neighbourhood; capped rows fit into 8 bits."""
+"""The largest radius of a neighbourhood, for which capped rows fit into 8 bits."""
 
 SAFE = 2**62
 """Numbers of words below this bound fit into 64 bits."""
@@ -44,7 +45,7 @@ SAFE = 2**62
 
 @dataclass(frozen=True)
 class NearestTask:
-    """A task of a space with the smallest distance from a given task, as the texts of its actions."""
+    """A task of a space at the smallest distance from a given task, as the texts of its actions."""
 
     distance: int
     plan: tuple[str, ...]
@@ -52,7 +53,7 @@ class NearestTask:
 
 @dataclass(frozen=True)
 class Target:
-    """A given plan under each renaming, shape (images, actions), as numbers of letters; -1 for none."""
+    """A given plan under each renaming, shape (images, actions), as numbers of letters, or -1 for none."""
 
     images: NDArray[np.int64]
     metric: Metric
@@ -65,7 +66,7 @@ class Target:
         return row
 
     def move(self, rows: NDArray[Any], letters: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the rows after one more letter for each, shape (rows, images, actions + 1)."""
+        """Return the rows after each has read one more letter, shape (rows, images, actions + 1)."""
         differs = self.images[None] != letters[:, None, None]
         moved = np.full(rows.shape, FAR, dtype=np.int64)
         moved[:, :, 1:] = rows[:, :, :-1] + differs
@@ -73,18 +74,18 @@ class Target:
 
 
 def _with_skips(rows: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the rows if each further action of the plan may be left out at the cost of one edit."""
+    """Return the rows if any actions of the plan may be left out, at the cost of one edit each."""
     places = np.arange(rows.shape[-1])
     skipped: NDArray[np.int64] = np.minimum.accumulate(rows - places, axis=-1) + places
     return skipped
 
 
 def count_neighbours(space: TaskSpace, task: Plan, up_to: int = 3, metric: Metric = "levenshtein") -> tuple[int, ...]:
-    """Return the numbers of tasks of a space at the distances 0, 1, ..., `up_to` from a task, which may be outside it.
+    """Return the numbers of tasks in a space at the distances 0, 1, ..., `up_to` from a task, which may be outside it.
 
     The Levenshtein distance is the smallest number of actions to insert, remove or replace, over all renamings of the
-    interchangeable entities of the space; the Hamming distance only counts replaced actions. For several lengths, the
-    numbers are added up.
+    interchangeable entities of the space; the Hamming distance counts only replaced actions. If there are several
+    lengths, the numbers are added up.
 
     Raises:
         QueryError: the radius is out of range, the metric is unknown, or the task contains an action that the domain
@@ -103,12 +104,13 @@ def count_neighbours(space: TaskSpace, task: Plan, up_to: int = 3, metric: Metri
 
 
 def nearest_task(space: TaskSpace, task: Plan, metric: Metric = "levenshtein") -> NearestTask:
-    """Return a task of a space with the smallest distance from a given task; for distances, see `count_neighbours`.
+    """Return a task of a space at the smallest distance from a given task; for distances, see `count_neighbours`.
 
     Its distance is certified: it is the length of a shortest path in the product of the automaton and the plan.
 
     Raises:
-        QueryError: the space has no task (with `metric` hamming: of the same length), or there is no such metric.
+        QueryError: the space has no task (or, with `metric` hamming, none of the same length), or there is no such
+            metric.
         LimitReached: a limit ended the exploration.
     """
     if metric not in METRICS:
@@ -170,13 +172,13 @@ def _within(words: LayeredAutomaton, target: Target, up_to: int, clock: LimitClo
 
 
 def _capped(rows: NDArray[np.int64], up_to: int, left: int, size: int) -> NDArray[np.int8]:
-    """Return rows with numbers above `up_to` as `up_to` + 1, also if the remaining letters need more edits."""
+    """Return rows with numbers above `up_to` set to `up_to` + 1, also where the remaining letters need more edits."""
     needed = np.abs(size - np.arange(size + 1) - left)
     return np.where(rows + needed > up_to, up_to + 1, rows).astype(np.int8)
 
 
 def _letter_classes(step: LayerEdges, target: Target) -> Iterator[tuple[int, NDArray[np.int64]]]:
-    """Yield each letter of the plan with its edges, and -2 with the edges of all other letters, in order of targets."""
+    """Yield each letter of the plan with its edges, and -2 with all other edges, in the order of their targets."""
     of_plan = set(target.images.ravel().tolist()) & set(step.letters.tolist())
     others = np.flatnonzero(~np.isin(step.letters, list(of_plan)))
     classes = [(letter, np.flatnonzero(step.letters == letter)) for letter in sorted(of_plan)] + [(-2, others)]
@@ -186,7 +188,7 @@ def _letter_classes(step: LayerEdges, target: Target) -> Iterator[tuple[int, NDA
 
 
 def _passed(numbers: NDArray[Any], step: LayerEdges, edges: NDArray[np.int64], states: int) -> NDArray[Any]:
-    """Return the number of words of each row that reach each state of the next layer through some edges."""
+    """Return, for each row, the number of words that reach each state of the next layer through some edges."""
     targets, begins = np.unique(step.targets[edges], return_index=True)
     passed = np.zeros((len(numbers), states), dtype=numbers.dtype)
     passed[:, targets] = np.add.reduceat(numbers[:, step.sources[edges]], begins, axis=1)
@@ -194,7 +196,7 @@ def _passed(numbers: NDArray[Any], step: LayerEdges, edges: NDArray[np.int64], s
 
 
 def _summed(rows: NDArray[np.int8], numbers: NDArray[Any]) -> tuple[NDArray[np.int8], NDArray[Any]]:
-    """Return the distinct rows, and the sums of the numbers of equal ones."""
+    """Return the distinct rows, and the sum of the numbers of equal rows."""
     if not len(rows):
         return rows, numbers
     flat = np.ascontiguousarray(rows.reshape(len(rows), -1))
@@ -230,7 +232,7 @@ def _shortest(words: LayeredAutomaton, target: Target) -> NearestTask:
 
 
 def _place_before(row: NDArray[Any], edits: int, plan: NDArray[np.int64], letter: int, place: int) -> int:
-    """Return the prefix of the plan before a letter, from which `edits` lead to a prefix after it."""
+    """Return the prefix of the plan before a letter from which `edits` lead to a prefix after the letter."""
     for skipped in count():
         after = place - skipped
         if after and row[after - 1] + (plan[after - 1] != letter) == edits - skipped:

@@ -1,9 +1,9 @@
-"""The Vendi score (Friedman and Dieng 2023): the effective number of different tasks of a space or a dataset.
+"""The Vendi score (Friedman and Dieng 2023): the effective number of different tasks in a space or a dataset.
 
 It is the exponential of the entropy of the eigenvalues of K / N, where K is the matrix of the similarities of N tasks.
 For a similarity that is a scalar product of features, the second moments of the features have the same eigenvalues
-above 0, so that the score of a whole space needs no list of its tasks. By default the similarity is the share of places
-with the same value, which is 1 for a task and itself.
+above 0, so the score of a whole space needs no list of its tasks. By default, the similarity is the share of places
+with the same value, so that the similarity of a task to itself is 1.
 """
 
 from __future__ import annotations
@@ -21,10 +21,11 @@ from prag_asp.space.task_space import TaskSpace
 from prag_asp.task import Task
 
 NEGLIGIBLE = 1e-15
-"""Eigenvalues below this bound are rounding errors of zeros."""
+"""Eigenvalues below this bound are 0 except for rounding errors."""
 
 DIGITS = 11
-"""Significant digits of results from eigenvalues; the last ones of a float depend on the order of its sums."""
+"""Significant digits of results computed from eigenvalues; the last digits of a float depend on the order of summation.
+"""
 
 
 @dataclass(frozen=True)
@@ -53,10 +54,10 @@ def vendi_score(
 ) -> VendiScore:
     """Return the Vendi score of all tasks of a space, or of some `tasks` of its length.
 
-    `feature` is the value that is compared at each place: ``actions``, ``names``, ``classes`` (the name of an action
-    with the classes of its arguments) or ``pairs`` (of consecutive names). Interchangeable entities have their
-    canonical names; only ``actions`` depend on them. With `bag`, the similarity is the scalar product of the numbers of
-    occurrences. It is not 1 for a task and itself, so K is divided by its trace instead of N: a task counts in
+    `feature` is what is compared at each place: ``actions``, ``names``, ``classes`` (the name of an action with the
+    classes of its arguments) or ``pairs`` (of consecutive names). Interchangeable entities have their canonical names,
+    which matter only for ``actions``. With `bag`, the similarity is the scalar product of the numbers of occurrences.
+    The similarity of a task to itself is then not 1, so K is divided by its trace instead of N: a task counts in
     proportion to its similarity to itself, which is larger if values repeat.
 
     Raises:

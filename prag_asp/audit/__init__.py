@@ -1,4 +1,4 @@
-"""Audits of benchmarks: distinct tasks, overlaps of suites, combinations that occur, and mistakes.
+"""Audits of benchmarks: distinct tasks, overlaps between suites, combinations that occur, and mistakes.
 
 >>> from prag_asp.audit import audit
 >>> audit("libero_90", "libero_goal").total.goals                     # doctest: +SKIP

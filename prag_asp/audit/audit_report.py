@@ -1,4 +1,4 @@
-"""The report of an audit: tables of texts, from which a text, a web page and JSON are written."""
+"""The report of an audit: tables of texts, which are written as text, as a web page or as JSON."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ class AuditTable:
 
 
 def audit_tables(audit: BenchmarkAudit, *, full: bool = False) -> Iterator[AuditTable]:
-    """Yield the tables of a report; with `full`, all groups, nearest problems and missing combinations."""
+    """Yield the tables of a report; with `full`, all groups, nearest problems and missing combinations are included."""
     rows = [
         (each.suite, *map(str, (each.files, each.problems, each.goals, each.tasks)))
         for each in ([*audit.suites, audit.total] if len(audit.suites) > 1 else audit.suites)
     ]
     yield AuditTable(
-        "distinct tasks", ("suite", "files", "read", "goals", "goals with starts"), tuple(rows),
-        "Goals, and goals with initial states, are distinct up to renaming of the objects of a class.",
+        "distinct tasks", ("suite", "files", "read", "goals", "goals with initial states"), tuple(rows),
+        "Problems that differ only by a renaming of the objects of a class are counted once.",
     )  # fmt: skip
     if len(audit.suites) > 1:
         yield from _overlap_tables(audit)
@@ -42,14 +42,14 @@ def audit_tables(audit: BenchmarkAudit, *, full: bool = False) -> Iterator[Audit
     if combinations.occurring:
         share = 100 * len(combinations.occurring) / combinations.possible
         rows = [
-            ("possible by classes and targets", str(combinations.possible)),
-            ("in an initial state of some problem", str(len(combinations.present))),
+            ("possible", str(combinations.possible)),
+            ("in some initial state", str(len(combinations.present))),
             *(
                 []
                 if combinations.reachable is None
                 else [("of these, reachable by actions", str(len(combinations.reachable)))]
             ),
-            ("in a goal", str(len(combinations.occurring))),
+            ("in some goal", str(len(combinations.occurring))),
         ]
         size = (
             f"{plural(len(combinations.classes), 'class', 'classes')} and {plural(len(combinations.targets), 'target')}"
@@ -58,7 +58,7 @@ def audit_tables(audit: BenchmarkAudit, *, full: bool = False) -> Iterator[Audit
             "pairs of a moved class and a target",
             ("pairs", "number"),
             tuple(rows),
-            f"{size}; {share:.1f} % of the pairs are in a goal.",
+            f"{size}; {share:.1f} % of the pairs are in some goal.",
         )
     if audit.same:
         yield _same_table(audit.same, full=full)
@@ -78,14 +78,14 @@ def _overlap_tables(audit: BenchmarkAudit) -> Iterator[AuditTable]:
     names = [each.suite for each in audit.suites]
     cells = {(each.test, each.train): each for each in audit.overlaps}
     for title, kind in (
-        ("goals that another suite has", "goals"),
-        ("goals with starts that another suite has", "tasks"),
+        ("problems whose goal occurs in another suite", "goals"),
+        ("problems whose goal and initial state occur in another suite", "tasks"),
     ):
         rows = tuple(
             (test, *(str(getattr(cells[test, train], kind)) if test != train else "-" for train in names))
             for test in names
         )
-        note = "Rows: problems of this suite with a goal that occurs in the suite of the column."
+        note = "Each row counts the problems of one suite whose goal occurs in the suite of the column."
         yield AuditTable(title, ("suite", *names), rows, note if kind == "goals" else "")
 
 
@@ -96,14 +96,17 @@ def _nearest_tables(audit: BenchmarkAudit, *, full: bool) -> Iterator[AuditTable
     distances = sorted({each.distance for each in audit.nearest})
     counts = Counter((each.suite, each.distance) for each in audit.nearest)
     rows = tuple((suite, *(str(counts[suite, distance]) for distance in distances)) for suite in suites)
-    note = "Facts that the goals of a problem and of its nearest problem in another suite do not share."
+    note = (
+        "Each column counts the problems whose goal differs from the nearest goal in another suite by this number of "
+        "facts."
+    )
     yield AuditTable("distance to the nearest goal", ("suite", *map(str, distances)), rows, note)
     if full:
         listed = (
             (each.problem, each.nearest, str(each.distance), "yes" if each.same_start else "no")
             for each in audit.nearest
         )
-        yield AuditTable("nearest problems", ("problem", "nearest", "distance", "same start"), tuple(listed))
+        yield AuditTable("nearest problems", ("problem", "nearest", "distance", "same initial state"), tuple(listed))
 
 
 def _same_table(same: Sequence[Sequence[str]], *, full: bool) -> AuditTable:
@@ -113,10 +116,8 @@ def _same_table(same: Sequence[Sequence[str]], *, full: bool) -> AuditTable:
         members = group if full else group[:SHOWN_MEMBERS]
         more = "" if len(members) == len(group) else " ..."
         rows.append((str(len(group)), ", ".join(members) + more))
-    total = plural(len(same), "goal")
-    return AuditTable(
-        "problems with the same goal", ("problems", "names"), tuple(rows), f"{total} of several problems."
-    )
+    note = f"{plural(len(same), 'goal')} {'occurs' if len(same) == 1 else 'occur'} in several problems."
+    return AuditTable("problems with the same goal", ("problems", "names"), tuple(rows), note)
 
 
 def _finding_table(audit: BenchmarkAudit) -> AuditTable:

@@ -1,4 +1,4 @@
-"""A problem of a suite with its forms: two problems are the same task if their forms are equal."""
+"""A problem of a suite with its forms; two problems are the same task if their forms are equal."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class AuditedProblem:
-    """A problem with its suite and its place: a file or a row.
+    """A problem with its suite and its place, which is a file or a row.
 
     `load` returns its domain with its goal, or is None if it has no actions; `own_fact` maps a fluent of the domain to
     a fact of the problem. `remarks` are the mistakes that its reader found, each with its place.
@@ -41,14 +41,14 @@ class AuditedProblem:
 
     @cached_property
     def goal_form(self) -> Form:
-        """The form of the goal, up to renaming objects within a class; objects not named in the goal do not matter."""
+        """The form of the goal, up to renaming objects within a class; objects that it does not name do not matter."""
         structure = _Structure(self.problem)
         structure.add_goal()
         return structure.form()
 
     @cached_property
     def task_form(self) -> Form:
-        """The form of the goal with the initial state and all objects."""
+        """The form of the goal together with the initial state and all objects."""
         structure = _Structure(self.problem)
         structure.add_goal()
         structure.add_start()
@@ -81,7 +81,7 @@ class _Structure:
         return canonical_form(self.colours, self.relations)
 
     def relation(self, mark: str, literal: FactValue, *before: Hashable) -> Relation:
-        """Return a fact as a relation of objects: a region becomes part of the label, and is replaced by its target."""
+        """Return a fact as a relation between objects; a region joins the label, with its target in its place."""
         label, objects = [mark, "" if literal.value else "not", literal.fact.name], [*before]
         for name in literal.fact.arguments:
             target, region = self.problem.parts.get(name, (name, ""))
@@ -117,7 +117,7 @@ class _Structure:
 
 
 def moved_pairs(problem: GroundProblem) -> Iterator[tuple[str, str]]:
-    """Yield the class and the target of each object that a goal moves: a target is a relation to a class or region."""
+    """Yield the class and the target of each object that a goal moves; a target is a relation to a class or region."""
     for each in fact_values(problem.goal):
         if len(each.fact.arguments) == 2 and each.value:
             yield pair_of(problem, each.fact)

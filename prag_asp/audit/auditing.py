@@ -10,14 +10,14 @@ from prag_asp.audit.canonical_facts import Form
 from prag_asp.audit.goal_distance import goal_distance
 from prag_asp.audit.problem_checks import AuditFinding, problem_findings, reach_findings
 from prag_asp.errors import PragError
-from prag_asp.processes.progress_events import stage
+from prag_asp.processes.progress_events import report_progress, stage
 
 Progress = Callable[[str, int, int], None]
 
 
 @dataclass(frozen=True)
 class SuiteCounts:
-    """A suite: the numbers of its files, of the problems read, and of distinct goals and tasks."""
+    """A suite: the numbers of its files, of the problems that were read, and of distinct goals and tasks."""
 
     suite: str
     files: int
@@ -28,7 +28,7 @@ class SuiteCounts:
 
 @dataclass(frozen=True)
 class SuiteOverlap:
-    """The numbers of problems of `test` whose goal, or goal and initial state, occurs in a problem of `train`."""
+    """The number of problems in `test` whose goal, or goal and initial state, occurs in a problem in `train`."""
 
     test: str
     train: str
@@ -39,7 +39,7 @@ class SuiteOverlap:
 
 @dataclass(frozen=True)
 class NearestProblem:
-    """The problem of another suite with the nearest goal; `distance` is computed by `goal_distance`."""
+    """The problem in another suite whose goal is nearest; `distance` is computed by `goal_distance`."""
 
     suite: str
     problem: str
@@ -52,9 +52,9 @@ class NearestProblem:
 class Combinations:
     """Pairs of a class that goals move and a target.
 
-    `possible` are all pairs of a class and a target that occur in some goal, `present` the pairs that hold in the
-    initial state of some problem, and `reachable` the pairs that its actions can make true according to the delete
-    relaxation.
+    `possible` are all pairs of a class and a target that occur in some goal, `present` are the pairs that hold in the
+    initial state of some problem, and `reachable` are the pairs that the actions of some problem can make true
+    according to the delete relaxation.
     """
 
     classes: tuple[str, ...]
@@ -88,9 +88,9 @@ def audit_problems(
     *,
     train: Sequence[str] = (),
     reach: bool = True,
-    progress: Progress = lambda *_: None,
+    progress: Progress = report_progress,
 ) -> BenchmarkAudit:
-    """Audit the problems of suites; `unreadable` has a suite and a finding for each file that could not be read.
+    """Audit the problems of suites; `unreadable` holds a suite and a finding for each file that could not be read.
 
     For each problem, the nearest problem is searched for in the suites `train` or, by default, in all other suites.
     With `reach`, the domain of each distinct task is loaded to find goals that no plan reaches.
@@ -174,7 +174,7 @@ def _nearest(
 def _combinations(
     problems: Sequence[AuditedProblem], *, reach: bool, progress: Progress
 ) -> tuple[Combinations, list[AuditFinding]]:
-    """Return the pairs of classes and targets, and the goals that are not reachable."""
+    """Return the pairs of classes and targets, and the goals that cannot be reached."""
     occurring = frozenset(pair for each in problems for pair in moved_pairs(each.problem))
     classes, targets = sorted({one for one, _ in occurring}), sorted({other for _, other in occurring})
     wanted = {(one, other) for one in classes for other in targets}

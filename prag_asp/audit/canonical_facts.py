@@ -1,9 +1,9 @@
-"""Facts up to renaming of the objects of a class: forms are equal if and only if a renaming maps one to the other.
+"""Facts up to renaming of objects within a class: forms are equal if and only if a renaming maps one to the other.
 
 Objects are coloured by their classes, colours are refined by the facts that name them (Weisfeiler and Leman 1968), and
 an object of a class that remains tied is individualized, with the smallest result over all choices (McKay 1981). Parts
-that share no tied object are independent, so each has its own form. A choice is skipped if a complete renaming maps it
-to an earlier choice; this renaming is an automorphism, so the result is the same.
+that share no tied object are independent, so each of them has its own form. A choice is skipped if a complete renaming
+maps it to an earlier choice; this renaming is an automorphism, so the result is the same.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ from collections.abc import Hashable, Iterable, Mapping, Sequence
 from typing import Any, TypeAlias
 
 Relation: TypeAlias = "tuple[str, tuple[Hashable, ...]]"
-"""A label with objects in order."""
+"""A label with an ordered list of objects."""
 
 Form: TypeAlias = "tuple[object, ...]"
-"""A nested tuple of texts and numbers, which names no object."""
+"""A nested tuple of texts and numbers that names no objects."""
 
 _Token: TypeAlias = "tuple[int, int]"
 """A distinguished object: the depth at which it was distinguished, and its rank at this depth."""
@@ -24,8 +24,8 @@ _Token: TypeAlias = "tuple[int, int]"
 def canonical_form(colours: Mapping[Any, str], relations: Iterable[Relation]) -> Form:
     """Return the form of some relations between coloured objects; forms are equal only for isomorphic relations.
 
-    Two structures are isomorphic if a bijection of their objects keeps colours and maps one set of relations to the
-    other. `colours` contains all objects of the relations, and may contain others.
+    Two structures are isomorphic if a bijection between their objects preserves colours and maps one set of relations
+    to the other. `colours` contains all objects in the relations, and may contain others.
     """
     numbers = {each: number for number, each in enumerate(colours)}
     rows = {(label, tuple(numbers[each] for each in objects)) for label, objects in relations}
@@ -62,7 +62,7 @@ def _form(
 def _individualized(
     ranks: Mapping[int, int], relations: Sequence[tuple[str, tuple[object, ...]]], depth: int, *, greedy: bool
 ) -> Form:
-    """Return the smallest form over all choices of an object of the first smallest class."""
+    """Return the smallest form over all choices of an object from the first smallest class."""
     cells: dict[int, list[int]] = {}
     for each, rank in ranks.items():
         cells.setdefault(rank, []).append(each)

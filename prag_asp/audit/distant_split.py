@@ -1,4 +1,4 @@
-"""Splits with a proof: a distance between the parts, or combinations that only the test part has; their manifests."""
+"""Splits with a proof (a distance between the parts, or combinations only in the test part) and their manifests."""
 
 from __future__ import annotations
 
@@ -35,14 +35,15 @@ from prag_asp.tables.json_fields import Whole
 from prag_asp.wording import plural
 
 FORMS = {"text": "txt", "jsonl": "jsonl"}
-"""The formats of tasks from which plans can be read again, with the endings of their files."""
+"""The formats of tasks from which plans can be read again, with the extensions of their files."""
 
 
 @dataclass(frozen=True)
 class DistantSplit:
     """A request for parts: what is held out from the first part, or the shares of whole skeletons, and the distance.
 
-    With `combinations`, these are held out from the first part, which covers all combinations with one factor less.
+    If there are `combinations`, they are held out from the first part, which covers all combinations with one factor
+    fewer.
     """
 
     distance: int = 1
@@ -60,7 +61,7 @@ class DistantSplit:
         """Return the first part, and the tasks of each later part that are at least the distance from all of its tasks.
 
         Raises:
-            QueryError: the space cannot be split like this, or the distance is wrong.
+            QueryError: the space cannot be split in this way, or the distance is wrong.
             LimitReached: a limit was reached, or the automaton of the tasks that remain is too large.
         """
         if self.combinations:
@@ -72,13 +73,13 @@ class DistantSplit:
         else:
             whole = space.split_skeletons(self.shares, seed=self.seed)
         (name, first), *others = whole.items()
-        if self.distance == 1:  # other tasks are at least one edit apart
+        if self.distance == 1:  # different tasks are at least one edit apart
             return dict(whole)
         return {name: first, **{name: tasks_apart(part, first, self.distance) for name, part in others}}
 
 
 class SplitFile(msgspec.Struct):
-    """A part of a split: the exact number of its tasks, and the file with some of them and their ranks in the space."""
+    """A part of a split: the exact number of its tasks, and a file with some of them and their ranks in the space."""
 
     name: str
     size: Decimal
@@ -90,8 +91,8 @@ class SplitFile(msgspec.Struct):
 class SplitManifest(msgspec.Struct):
     """The contents of split.json.
 
-    `combinations` maps the numbers of factors to their values; `reachable` is the number of combinations with one
-    factor less, all of which the first part and its file cover.
+    Each of the `combinations` maps the numbers of factors to their values; `reachable` is the number of combinations
+    with one factor fewer, all of which are covered by the first part and by its file.
     """
 
     domain: DomainSnapshot
@@ -136,7 +137,7 @@ def record_split(
 
 
 def plans_of(path: Path) -> Iterator[tuple[str, ...]]:
-    """Yield the plans of a file of tasks, as text or JSON lines.
+    """Yield the plans in a file of tasks, which are text or JSON lines.
 
     Raises:
         OSError: the file cannot be read.
@@ -150,11 +151,11 @@ def plans_of(path: Path) -> Iterator[tuple[str, ...]]:
 
 
 def wrong_split(folder: Path, *, trust: bool = False) -> Iterator[Finding]:
-    """Yield findings about a split: files, exact sizes, and tasks that are not in their part or too near to the first.
+    """Yield findings about a split: files, exact sizes, and tasks that are not in their part or too close to the first.
 
     The sizes are computed again. The distance of each task from the whole first part is a shortest path, found without
-    the automaton that selected the task. Combinations that are held out are read off the actions of each task, and
-    those that the first part covers off the automaton of its conditions.
+    the automaton that selected the task. Held-out combinations are determined from the actions of each task, and the
+    combinations that the first part covers from the automaton of its conditions.
 
     Raises:
         QueryError: the folder is not a split.

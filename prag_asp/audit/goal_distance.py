@@ -11,10 +11,10 @@ Kinds = Mapping[str, str]
 
 
 def goal_distance(first: Sequence[Relation], second: Sequence[Relation], kinds: tuple[Kinds, Kinds]) -> int:
-    """Return the size of the symmetric difference of two sets of facts, minimal over renamings within classes.
+    """Return the size of the symmetric difference of two sets of facts, minimised over renamings within classes.
 
-    A renaming maps objects of the first goal one to one to objects of the same class of the second. `kinds` are the
-    classes of the objects of each goal.
+    A renaming maps objects of the first goal one-to-one to objects of the same class in the second goal. `kinds` are
+    the classes of the objects of each goal.
     """
     ordered = sorted(set(first), key=repr)
     others = sorted(set(second), key=repr)
@@ -22,7 +22,7 @@ def goal_distance(first: Sequence[Relation], second: Sequence[Relation], kinds: 
 
 
 def _most_common(first: Sequence[Relation], second: Sequence[Relation], kinds: tuple[Kinds, Kinds]) -> int:
-    """Return the largest number of facts that a renaming maps to facts, by branch and bound over the facts."""
+    """Return the largest number of facts that a renaming maps to facts, found by branch and bound over the facts."""
     ours = [_description(fact, kinds[0]) for fact in first]
     theirs = {fact: _description(fact, kinds[1]) for fact in second}
     left = [Counter(ours[place:]) for place in range(len(first) + 1)]

@@ -25,7 +25,7 @@ MISTAKES = {
 """The kinds of mistakes."""
 
 SHORTEST = 3
-"""The minimum number of letters of a word of a class for which a sentence can mention it."""
+"""The minimum length of a word in the name of a class for a sentence to mention it."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class AuditFinding:
 
 
 def problem_findings(each: AuditedProblem) -> Iterator[AuditFinding]:
-    """Yield the mistakes that the facts of a problem show; for the reachability of its goal, see `reach_findings`."""
+    """Yield the mistakes in the facts of a problem; for the reachability of its goal, see `reach_findings`."""
     problem = each.problem
     for remark in each.remarks:
         place, _, text = remark.partition(": ")
@@ -106,7 +106,7 @@ def repeated_names(problems: list[AuditedProblem]) -> Iterator[AuditFinding]:
 
 
 def _mentions(sentence: str, kind: str) -> bool:
-    """Return whether a sentence contains a word of the name of a class; plurals and compounds count."""
+    """Return whether a sentence contains a word from the name of a class; plurals and compounds count."""
     words = re.findall(r"[a-z]+", sentence.lower())
     parts = [
         part for part in re.findall(r"[a-z]+", kind.lower()) if len(part) >= SHORTEST and part not in ("region", "of")

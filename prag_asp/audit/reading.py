@@ -12,9 +12,10 @@ from prag_asp.audit.problem_checks import AuditFinding
 from prag_asp.audit.sources import lerobot_suites
 from prag_asp.audit.sources.problem_source import FailedRead, ProblemSource
 from prag_asp.errors import QueryError
+from prag_asp.processes.progress_events import report_progress
 
 LEROBOT = "LeRobot"
-"""The format of texts without problems, which are found among those of other suites."""
+"""The format of texts without problems; their problems are looked up in other suites."""
 
 FORMATS: Mapping[str, str] = {
     "BDDL": "prag_asp.audit.sources.bddl_source",
@@ -49,7 +50,7 @@ def read_suites(folders: Sequence[str | Path]) -> tuple[list[AuditedProblem], li
 
 
 def audit(
-    *folders: str | Path, train: Sequence[str] = (), reach: bool = True, progress: Progress = lambda *_: None
+    *folders: str | Path, train: Sequence[str] = (), reach: bool = True, progress: Progress = report_progress
 ) -> BenchmarkAudit:
     """Audit folders of problems, each as a suite with the folder's name.
 

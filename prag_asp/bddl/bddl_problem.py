@@ -44,12 +44,12 @@ class Quantifier:
 BddlFormula: TypeAlias = "BddlFact | Connective | Quantifier"
 
 TRUE = Connective("and", ())
-"""The empty conjunction, the goal of a problem without one."""
+"""The empty conjunction, which is the goal of a problem without a goal."""
 
 
 @dataclass(frozen=True)
 class Region:
-    """A named part of a fixture or an object, or an area on it if there are `ranges`; facts name it ``TARGET_NAME``.
+    """A named part of a fixture or an object, or an area on it if there are `ranges`; in facts, it is ``TARGET_NAME``.
 
     `yaw` holds the smallest and the largest yaw of objects placed there, in radians.
     """
@@ -62,7 +62,7 @@ class Region:
 
     @property
     def full_name(self) -> str:
-        """The name in facts."""
+        """The name used in facts."""
         return f"{self.target}_{self.name}"
 
 
@@ -70,7 +70,7 @@ class Region:
 class BddlProblem:
     """A BDDL problem, with the classes of its objects and fixtures by name; all names are in lower case.
 
-    `initial` are facts with their values. `remarks` are the lines of ignored parts, with a reason.
+    `initial` contains facts with their values. `remarks` contains the lines of ignored parts, each with a reason.
     """
 
     name: str

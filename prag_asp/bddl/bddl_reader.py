@@ -1,8 +1,8 @@
 """Read the BDDL of LIBERO, LIBERO-PRO and BEHAVIOR-1K.
 
 The grammars are those of https://github.com/Lifelong-Robot-Learning/LIBERO, ``libero/envs/bddl_utils.py``, and of
-https://github.com/StanfordVL/bddl, ``bddl/parsing.py``: nested lists in any case, sections in any order, classes after
-a ``-``. Variables, and in BEHAVIOR also objects, may begin with ``?``.
+https://github.com/StanfordVL/bddl, ``bddl/parsing.py``: nested lists in upper or lower case, with sections in any
+order, and classes after a ``-``. Variables, and in BEHAVIOR also objects, may begin with ``?``.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ from prag_asp.program.sources import read_text
 from prag_asp.wording import did_you_mean, plural
 
 BDDL = ".bddl"
-"""The suffix of BDDL files."""
+"""The extension of BDDL files."""
 
 PARTS = {"and": (0, None), "or": (0, None), "not": (1, 1), "imply": (2, 2)}
-"""The connectives, each with its smallest and largest number of parts."""
+"""The connectives, each with its smallest and its largest number of parts."""
 
 QUANTIFIERS = {"forall": False, "exists": False, "forn": True, "forpairs": False, "fornpairs": True}
-"""The quantifiers, each with a flag that is true if a number comes first."""
+"""The quantifiers, each with a flag that is true if a number precedes the variables."""
 
 PAIRS = ("forpairs", "fornpairs")
-"""The quantifiers of two lists of variables."""
+"""The quantifiers over two lists of variables."""
 
 SECTIONS = (
     ":domain", ":language", ":regions", ":fixtures", ":objects", ":obj_of_interest", ":init", ":goal",
@@ -48,13 +48,13 @@ IGNORED = (":requirements", ":scene_properties")
 REGION_KEYS = (":target", ":ranges", ":yaw_rotation", ":rgba")
 
 PI = re.compile(r"(?P<sign>[-+]?)(?:(?P<times>[0-9.]+)\*)?(?:np\.|math\.)?pi(?:(?P<by>[*/])(?P<number>[0-9.]+))?")
-"""A multiple of pi, because LIBERO evaluates a yaw as a Python expression."""
+"""The pattern of a multiple of pi, because LIBERO evaluates a yaw as a Python expression."""
 
 DOMAIN_FILE = re.compile(rb"(?:\s|;[^\n]*\n)*\(\s*define\s*\(\s*domain\b", re.IGNORECASE)
-"""The beginning of a file that is not a problem, but declares the predicates of a dialect."""
+"""The beginning of a file that is not a problem but declares the predicates of a dialect."""
 
 LONGEST_HEAD = 10_000
-"""The number of bytes that are searched for the beginning of a domain, after comments."""
+"""The number of bytes in which the beginning of a domain is searched for, after comments."""
 
 Item = Expression | Word
 
@@ -76,7 +76,7 @@ def read_bddl(path: str | Path) -> BddlProblem:
 
 
 def parse_bddl(text: str, path: str | Path = "<bddl>") -> BddlProblem:
-    """Return the problem that a BDDL text describes; messages name `path` as its file.
+    """Return the problem that a BDDL text describes; messages give `path` as its file.
 
     Raises:
         DomainError: the text is not a BDDL problem; the message names the line.
@@ -206,7 +206,7 @@ class _Reading:
         return Region(self.name(item.head), target, ranges, yaw, item.line)
 
     def rows(self, item: Item) -> list[Expression]:
-        """Return the rows of numbers in a list of rows; a single row may stand without a list around it."""
+        """Return the rows of numbers in a list of rows; a single row may be given without a list around it."""
         whole = self.list(item)
         return (
             [whole]
@@ -253,7 +253,7 @@ class _Reading:
         return tuple(literals)
 
     def goal(self, section: Expression) -> BddlFormula:
-        """Return the goal; several lists form a conjunction, and so does a list of lists."""
+        """Return the goal; several lists form a conjunction, as does a list of lists."""
         parts = [self.formula(self.list(each), {}) for each in section.rest]
         return TRUE if not parts else parts[0] if len(parts) == 1 else Connective("and", tuple(parts))
 
@@ -294,7 +294,7 @@ class _Reading:
         return Quantifier(kind, tuple(variables), part, number)
 
     def whole_number(self, item: Item) -> int:
-        """Return a number; it may stand in parentheses."""
+        """Return a number, which may be in parentheses."""
         words = [item] if isinstance(item, Word) else list(item.all_words)
         if len(words) != 1 or not re.fullmatch(r"[0-9]{1,6}", words[0]):
             raise self.error(item.line, "a number of objects is needed here; write it as (2)")
@@ -323,6 +323,6 @@ class _Reading:
 
 
 def _sentence(items: Sequence[Item]) -> str:
-    """Return the words of a sentence, without its parentheses, with one blank between words."""
+    """Return the words of a sentence without its parentheses, separated by single blanks."""
     words = [str(word) for item in items for word in ([item] if isinstance(item, Word) else item.all_words)]
     return re.sub(r" \?(?=\s|$)", "?", " ".join(words))

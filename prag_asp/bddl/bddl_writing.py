@@ -11,9 +11,9 @@ SYNTAX = str.maketrans("();", "[],")
 
 
 def bddl_text(problem: BddlProblem) -> str:
-    """Return a problem as a text that `parse_bddl` reads as the same problem.
+    """Return a problem as a text from which `parse_bddl` reads the same problem.
 
-    In the language, parentheses become brackets and semicolons commas.
+    In the instruction, parentheses become brackets, and semicolons become commas.
     """
     initial = [fact_text(fact) if value else f"(not {fact_text(fact)})" for fact, value in problem.initial]
     language = " ".join(problem.language.translate(SYNTAX).replace("//", "/ /").split())

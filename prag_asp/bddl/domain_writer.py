@@ -28,7 +28,7 @@ LOGIC = "manipulation.lp"
 SWITCHES = ("turnon", "toggled_on")
 OPEN = "open"
 KIND = re.compile(r"is_a\(\w,(\w+)\)")
-"""A class that a rule reads."""
+"""A class that occurs in a rule."""
 
 
 def logic_text() -> str:
@@ -38,16 +38,16 @@ def logic_text() -> str:
 
 @dataclass(frozen=True)
 class SuiteDomain:
-    """A domain for several problems, keyed by file name: one program, in which a constant selects the problem.
+    """A domain for several problems, given by file name: one program, in which a constant selects the problem.
 
-    A kind of objects holds objects, opens or is switched if an object of this kind does so in any of the problems.
+    A kind of object holds objects, opens or is switched if an object of this kind does so in any of the problems.
     """
 
     problems: Mapping[str, GroundProblem]
     title: str
 
     def files(self) -> dict[str, str]:
-        """Return the texts of the files of the domain by their names."""
+        """Return the texts of the files of the domain by name."""
         (first, *others) = self.names
         files = {LOGIC: logic_text()}
         if not others:
@@ -117,7 +117,7 @@ class SuiteDomain:
         return {ours: given for given, ours in predicates}, {ours: given for given, ours in objects}
 
     def own_fact(self, fluent: clingo.Symbol) -> Atom:
-        """Return a fluent of the program as a BDDL fact; a name that BDDL does not know is kept."""
+        """Return a fluent of the program as a BDDL fact; names that BDDL does not know are kept."""
         predicates, objects = self._given_names
         names = (str(each) for each in fluent.arguments)
         return Atom(predicates.get(fluent.name, fluent.name), tuple(objects.get(each, each) for each in names))
@@ -158,13 +158,13 @@ class SuiteDomain:
         return [*undefined, "", *lines]
 
     def _kind_facts(self) -> Iterator[tuple[str, tuple[str, ...]]]:
-        """Yield the predicates of all facts with the kinds of their arguments."""
+        """Yield the predicates of all facts, with the kinds of their arguments."""
         for problem in self.problems.values():
             for each in _facts(problem):
                 yield each.fact.name, tuple(problem.kinds[name] for name in each.fact.arguments)
 
     def _moves(self) -> Iterator[tuple[str, tuple[str, ...]]]:
-        """Yield the facts about where movable objects are, as `_kind_facts` does."""
+        """Yield the facts about where movable objects are, in the same form as `_kind_facts`."""
         for problem in self.problems.values():
             for each in _facts(problem):
                 arguments = each.fact.arguments
@@ -250,7 +250,7 @@ def _is_fixed(problem: GroundProblem, fact: Atom) -> bool:
 
 
 def filled_pools(texts: Sequence[str]) -> Iterator[str]:
-    """Yield terms as pools of limited width: one term alone, several in parentheses, separated by semicolons."""
+    """Yield terms as pools of limited width: a single term, or several in parentheses, separated by semicolons."""
     terms = [f"{text};" for text in texts[:-1]] + [*texts[-1:]]
     for line in filled(terms, width=90):
         pool = line.removesuffix(";")

@@ -1,4 +1,4 @@
-"""Write rules for goals that are not conjunctions of facts: they count the parts that are true in the final state."""
+"""Write rules for goals that are not conjunctions of facts; they count the parts that are true in the final state."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from prag_asp.pddl.program_text import statement
 
 
 def goal_rules(formulas: Sequence[GroundFormula], fluent: Callable[[Atom], str], body: str, problem: str) -> list[str]:
-    """Return rules for ``#program check(t).`` that require formulas at the end if the condition `body` holds."""
+    """Return rules for ``#program check(t).`` that require formulas in the final state if condition `body` holds."""
     if not formulas:
         return []
     writer = _GoalRules(fluent, problem)

@@ -1,7 +1,7 @@
-"""Goals without quantifiers: facts with values, and numbers of formulas that are true.
+"""Goals without quantifiers: facts with values, and bounds on how many formulas are true.
 
-Sources: the meaning of ``forn``, ``forpairs`` and ``fornpairs`` is that of https://github.com/StanfordVL/bddl,
-``bddl/condition_evaluation.py``: exactly N objects; and at least N objects of each of two classes that are in a pair.
+The quantifiers ``forn``, ``forpairs`` and ``fornpairs`` have the same meaning as in https://github.com/StanfordVL/bddl,
+``bddl/condition_evaluation.py``: exactly N objects; and, of each of two classes, at least N objects that are in a pair.
 """
 
 from __future__ import annotations
@@ -42,19 +42,19 @@ GroundFormula: TypeAlias = "FactValue | Threshold"
 
 
 def every(*parts: GroundFormula) -> GroundFormula:
-    """Return the conjunction of formulas, with nested conjunctions flattened and no part twice."""
+    """Return the conjunction of formulas, with nested conjunctions flattened and each part only once."""
     flat = dict.fromkeys(inner for part in parts for inner in conjuncts(part))
     return next(iter(flat)) if len(flat) == 1 else Threshold(len(flat), len(flat), tuple(flat))
 
 
 def some(*parts: GroundFormula) -> GroundFormula:
-    """Return the disjunction of formulas, with nested disjunctions flattened and no part twice."""
+    """Return the disjunction of formulas, with nested disjunctions flattened and each part only once."""
     flat = dict.fromkeys(inner for part in parts for inner in disjuncts(part))
     return next(iter(flat)) if len(flat) == 1 else Threshold(1, len(flat), tuple(flat))
 
 
 def negation(formula: GroundFormula) -> GroundFormula:
-    """Return the negation of a formula, with negations only at facts."""
+    """Return the negation of a formula, in which only facts are negated."""
     if isinstance(formula, FactValue):
         return FactValue(formula.fact, not formula.value)
     total, negated = len(formula.parts), tuple(map(negation, formula.parts))
@@ -73,14 +73,14 @@ def at_least(number: int, parts: tuple[GroundFormula, ...]) -> GroundFormula:
 
 
 def conjuncts(formula: GroundFormula) -> tuple[GroundFormula, ...]:
-    """Return the parts of a conjunction; any other formula is its only conjunct."""
+    """Return the parts of a conjunction; any other formula is its own only conjunct."""
     if isinstance(formula, Threshold) and formula.low == formula.high == len(formula.parts):
         return formula.parts
     return (formula,)
 
 
 def disjuncts(formula: GroundFormula) -> tuple[GroundFormula, ...]:
-    """Return the parts of a disjunction; any other formula is its only disjunct."""
+    """Return the parts of a disjunction; any other formula is its own only disjunct."""
     if isinstance(formula, Threshold) and formula.low == 1 and formula.high == len(formula.parts):
         return formula.parts
     return (formula,)
@@ -109,7 +109,7 @@ def literal_of(fact: BddlFact, value: bool = True) -> FactValue:
 
 
 def ground_goal(problem: BddlProblem) -> GroundFormula:
-    """Return the goal of a problem over its objects and fixtures."""
+    """Return the goal of a problem, ground over its objects and fixtures."""
     members: dict[str, list[str]] = {}
     for name, of_class in problem.classes.items():
         members.setdefault(of_class, []).append(name)
@@ -147,7 +147,7 @@ def _exactly(number: int, parts: tuple[GroundFormula, ...]) -> GroundFormula:
 def _pairs(
     formula: Quantifier, objects: list[list[str]], part_with: Callable[[str, str], GroundFormula]
 ) -> GroundFormula:
-    """Return a formula: enough objects of each class are in a pair; an object does not pair with itself."""
+    """Return a formula that enough objects of each class are in a pair; an object does not pair with itself."""
     first, second = objects
     number = min(len(first), len(second)) if formula.number is None else formula.number
     rows = tuple(some(*(part_with(one, other) for other in second if one != other)) for one in first)

@@ -11,18 +11,19 @@ from prag_asp.bddl.ground_goals import FactValue, GroundFormula, fact_values, gr
 from prag_asp.errors import DomainError
 
 ROOM, AGENT = "inroom", "agent"
-"""The predicate by which BEHAVIOR places fixtures, and the class of its robot up to the first dot."""
+"""The predicate with which BEHAVIOR places fixtures, and the class of its robot up to the first dot."""
 
 LOCATIONS = {"on": False, "ontop": False, "in": True, "inside": True}
-"""The predicates that state where an object is; true if it is within the place, behind the place's door, if any."""
+"""The predicates that state where an object is, each with a flag: true if within the place, behind its door if it has
+one."""
 
 
 @dataclass(frozen=True)
 class GroundProblem:
     """A problem of a benchmark, whatever its format.
 
-    `kinds` are the classes of all objects; the kind of a region consists of its target's kind and its name.
-    `parts` are the regions, each with its target and its name. `movable` are the objects that can be carried.
+    `kinds` holds the class of each object; the kind of a region consists of its target's kind and its name. `parts`
+    holds the regions, each with its target and its name. `movable` are the objects that can be carried.
     """
 
     name: str
@@ -40,7 +41,7 @@ class GroundProblem:
 
 
 def ground_problem(problem: BddlProblem, path: object = "<bddl>") -> GroundProblem:
-    """Return a BDDL problem without variables; `path` is named in messages.
+    """Return a BDDL problem with its variables replaced by objects; `path` is named in messages.
 
     Raises:
         DomainError: a fact of the initial state or the goal names an undeclared object.

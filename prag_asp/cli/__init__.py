@@ -16,15 +16,16 @@ if TYPE_CHECKING:
 __all__ = ["cli", "main"]
 
 GARBAGE = (100_000, 50, 100)
-"""Thresholds of Python's garbage collector, for few runs: ground programs are many small values without cycles."""
+"""Thresholds at which Python's garbage collector seldom runs, because ground programs are many small values without
+cycles."""
 
 
 def main() -> None:
     """Run the command, and exit with its code."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # end without a traceback until the command handles signals
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # until the command handles signals, it ends without a traceback
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the matrices here are small, and each thread takes memory
-    gc.set_threshold(*GARBAGE)  # before the imports, which take a third of the time of a short command
+    gc.set_threshold(*GARBAGE)  # set before the imports, which take a third of the time of a short command
     code = 1
     try:
         from prag_asp.cli.exit_control import reopen_closed_streams

@@ -1,4 +1,4 @@
-"""Parse the words of a command line: domains before other words, lengths, constants."""
+"""Parse the words of a command line: domains and the words after them, lengths, and constants."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from prag_asp.space.lengths import parse_length_list
 def domain_and_others(words: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Return the words that name a domain, and the words after them.
 
-    A domain is one word, or all files (and standard input) that come first.
+    A domain is a single word, or all files (and standard input) that come first.
     """
     count = 1
     while count < len(words) and all(map(is_file_name, words[: count + 1])):

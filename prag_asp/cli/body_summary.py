@@ -16,7 +16,7 @@ from prag_asp.scene.scene import BodyModel, Scene, Shape
 from prag_asp.wording import plural
 
 FAR = math.radians(30.0)
-"""The tilt in radians above which a body probably rests in an unintended pose: scans lean by a few degrees."""
+"""The tilt in radians above which a body probably rests in an unintended pose, because scans lean by a few degrees."""
 
 
 def body_lines(scene: Scene) -> Iterator[str]:

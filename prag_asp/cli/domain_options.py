@@ -39,7 +39,7 @@ class DomainOptions:
     encodings: str | None = None
     flat: bool = False
     learned: bool = True
-    length: int | Sequence[int] | None = 0
+    length: int | Sequence[int] = 0
     engine: str = "auto"
     where: tuple[str, ...] = ()
     cached: bool = True
@@ -65,7 +65,7 @@ class DomainOptions:
         return replace(self, names=names, constants=(*constants, *self.constants))
 
     def domain(self, *, tell: bool = True) -> Domain:
-        """Load the domain; with `tell`, print the number of warnings about it.
+        """Load the domain and, with `tell`, print the number of warnings about it.
 
         Raises:
             DomainError: the domain has errors, or a task read from a file has wrong constants.
@@ -98,7 +98,7 @@ class DomainOptions:
         return domain
 
     def space(self, tell: Callable[[str], None] | None = None, domain: Domain | None = None) -> TaskSpace:
-        """Return the task space of the requested domain or of a given one; `tell` receives progress reports."""
+        """Return the task space of the requested domain, or of a given one; `tell` receives progress reports."""
         return self._space_of(domain or self.domain(), self.one_length, tell)
 
     def spaces(self, tell: Callable[[str], None] | None = None) -> TaskSpace:
@@ -130,7 +130,7 @@ class DomainOptions:
 
 
 def domain_options(*options: Decorator) -> Decorator:
-    """Add these options to a command, which receives them as one argument `request`."""
+    """Add these options to a command, which receives them as a single argument `request`."""
     return grouped("request", DomainOptions, options)
 
 
@@ -145,7 +145,7 @@ def _note_unread_settings(names: Sequence[str]) -> None:
 
 
 def source_of(name: str) -> str | Source:
-    """Return the program with a name as a source; standard input is read once, even if it is loaded repeatedly."""
+    """Return the program with a name as a source; standard input is read only once, even if it is loaded repeatedly."""
     if name != STANDARD_INPUT:
         return name
     from prag_asp.program.sources import standard_input
@@ -196,7 +196,7 @@ OF_FILE = (
     ),
     *PROGRAM,
 )  # fmt: skip
-"""The domain of the tasks in a file, and options for loading it."""
+"""Options for the domain of the tasks in a file, and for loading it."""
 
 WHERE = click.option(
     "--where", metavar="CONDITION", multiple=True, shell_complete=shell_completion.conditions,
@@ -220,7 +220,7 @@ ENGINE = (
         help="Cache results that took a long time to compute, for later runs.  [default: cache]",
     ),
 )  # fmt: skip
-"""Conditions on tasks, and the engine that counts them."""
+"""Options for conditions on tasks, and for the engine that counts them."""
 
 SPACE = (*DOMAIN, LENGTH, *ENGINE)
 SPACES = (*DOMAIN, LENGTHS, *ENGINE)

@@ -1,7 +1,7 @@
 """End a command after a result, an error, a signal or a limit, with at most one line on stderr and an exit code.
 
-On Linux the command runs as the child of a supervisor (`prag_asp.cli.supervision`). It reports its limits, its stage
-and its end through a pipe, so that the supervisor can print the line where the command itself cannot.
+On Linux, the command runs as the child of a supervisor (`prag_asp.cli.supervision`). It reports its limits, its stage
+and its end through a pipe, so that the supervisor can print the line when the command itself cannot.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ AGAIN = 0.01
 """Seconds until a signal is sent again, after the callback that dropped its exception has ended."""
 
 LONGEST_REPORT = 1000
-"""The maximum number of bytes of a report: fewer than the 4096 bytes that a pipe accepts atomically."""
+"""The maximum number of bytes in a report, which is below the 4096 bytes that a pipe accepts atomically."""
 
 STAGE, LIMITS, SIGNALLED, DONE = "stage", "limits", "signalled", "done"
 """The kinds of reports to the supervisor."""
@@ -51,10 +51,10 @@ SIGNALS: dict[int, type[BaseException]] = {
     signal.SIGTERM: Terminated,
     signal.SIGALRM: LimitStruck,
 }
-"""The exception that each signal raises in a command. Only the supervisor sends SIGALRM."""
+"""The exception that each signal raises in a command; only the supervisor sends SIGALRM."""
 
 ENDS = {signal.SIGINT: ("interrupted", Exit.INTERRUPTED), signal.SIGTERM: ("terminated", Exit.TERMINATED)}
-"""The line and the exit code of a command that is ended by a signal from the user."""
+"""The line and the exit code for a command that a signal from the user ends."""
 
 ERRORS = (Exception, KeyboardInterrupt, LimitStruck)
 """The types of errors that `report_end` accepts."""
@@ -62,7 +62,7 @@ ERRORS = (Exception, KeyboardInterrupt, LimitStruck)
 
 @dataclass
 class _CommandState:
-    """The command of this process: its limits, its stage, and the signal received."""
+    """The state of the command in this process: its limits, its stage, and the signal received."""
 
     pipe: int | None = None
     begun: float = field(default_factory=monotonic)
@@ -105,10 +105,10 @@ def running() -> Iterator[None]:
 
 
 def _on_signal(number: int, frame: FrameType | None) -> None:
-    """Raise the exception for a signal once: Ctrl-C arrives twice, from the terminal and from the supervisor.
+    """Raise the exception for a signal once, because Ctrl-C arrives twice, from the terminal and from the supervisor.
 
-    From then on Python does not report errors from objects that the exception left incomplete. An exception that Python
-    drops, because it was raised in a finalizer or a callback of a weak reference, is raised again.
+    From then on, Python does not report errors from objects that the exception left incomplete. An exception that
+    Python drops, because it was raised in a finalizer or a callback of a weak reference, is raised again.
     """
     if _state.signal is not None and _state.pipe is not None:
         return
@@ -120,10 +120,10 @@ def _on_signal(number: int, frame: FrameType | None) -> None:
 
 
 def _raise_again(dropped: sys.UnraisableHookArgs) -> None:
-    """Send the signal again soon if Python dropped its exception; ignore any other dropped error."""
+    """Send the signal again soon if Python has dropped its exception; ignore any other dropped error."""
     number = _state.signal
     if number is not None and dropped.exc_type is SIGNALS[number]:
-        # Until then a second signal is still ignored: raised in this hook, it would be printed.
+        # Until then, a second signal is still ignored, because an exception raised in this hook would be printed.
         again = Timer(AGAIN, _send_again, (number,))
         again.daemon = True
         again.start()
@@ -140,7 +140,7 @@ def interrupted() -> bool:
 
 
 def set_limits(seconds: float | None = None, memory: int | None = None) -> None:
-    """Limit the seconds since the command began, and the bytes of memory of all its processes together."""
+    """Limit the number of seconds since the command began, and the memory in bytes of all its processes together."""
     _state.seconds, _state.memory = seconds or _state.seconds, memory or _state.memory
     _report(LIMITS, f"{_state.seconds or 0} {_state.memory or 0}")
 
@@ -156,7 +156,8 @@ def limits(*, cached: bool = True) -> Limits:
 def report_end(error: BaseException) -> int:
     """Print the reason why the command ends, and return its exit code.
 
-    After a signal, any error counts as an interruption, because native code may turn one into the other.
+    After a signal, any error counts as an interruption, because native code may turn the interruption into another
+    error.
 
     Raises:
         BaseException: the error itself, if it is a bug of this package.
@@ -175,7 +176,7 @@ def report_end(error: BaseException) -> int:
     elif _out_of_memory(error) and not isinstance(error, LimitReached):
         lines, code = (f"out of memory{while_(_state.stage)}; use a smaller problem, or free some memory",), Exit.LIMIT
     elif isinstance(error, PragError):
-        is_answer = isinstance(error, LimitReached)  # it has a count, which is printed in full
+        is_answer = isinstance(error, LimitReached)  # this error contains a count, which is printed in full
         lines = error.lines if is_answer else tuple(map(with_short_numbers, error.lines))
         code = exit_of(error)
     elif isinstance(error, RecursionError):
@@ -197,7 +198,7 @@ def finish(code: int) -> None:
         if sys.stdout is not None:
             sys.stdout.flush()
     except OSError:
-        sys.stdout = None  # the error was reported when it was first met
+        sys.stdout = None  # the error was reported when it first occurred
     if _state.pipe is not None and _state.signal != signal.SIGALRM:
         os.set_blocking(_state.pipe, True)
         _report(DONE, str(int(code)))
@@ -211,7 +212,7 @@ def while_(stage: str) -> str:
 def reopen_closed_streams() -> None:
     """Open /dev/null for each standard stream that is closed; writing to stdout then fails, as it should.
 
-    Otherwise the next file that is opened would get the file descriptor of the closed stream.
+    Otherwise, the next file that is opened would get the file descriptor of the closed stream.
     """
     for number, name, flags in ((0, "stdin", os.O_RDONLY), (1, "stdout", os.O_RDONLY), (2, "stderr", os.O_WRONLY)):
         if getattr(sys, name) is None:

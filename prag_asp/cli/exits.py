@@ -27,7 +27,7 @@ MEANINGS = {
     "few tasks; or explain or verify found a problem",
     Exit.BAD_INPUT: "invalid input: the domain, a file, or the request",
     Exit.LIMIT: "a limit on time or memory was reached",
-    Exit.OUTPUT: "the output could not be written (no message after a closed pipe)",
+    Exit.OUTPUT: "the output could not be written (if a pipe was closed, no message is printed)",
     Exit.WORKERS: "physics workers died repeatedly",
     Exit.USAGE: "usage error: an unknown command or option, a missing or an invalid value",
     Exit.INTERRUPTED: "interrupted by Ctrl-C",

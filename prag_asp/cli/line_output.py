@@ -15,7 +15,7 @@ from prag_asp.output import new_folder, open_atomic
 from prag_asp.output.atomic_file import AtomicFile, is_stream, output_errors
 
 BUFFER = 1 << 20
-"""Bytes of lines that are buffered before they are written to a file."""
+"""The number of bytes of lines that are buffered before they are written to a file."""
 
 
 class Writer(Protocol):

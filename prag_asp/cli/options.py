@@ -1,4 +1,4 @@
-"""Options shared by several commands, as decorators; related options are grouped into one value."""
+"""Options shared by several commands, as decorators, with related options grouped into a single value."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]
 
 MOST = 10**15
-"""The largest number that an option accepts: more than any disk can store, and far from an overflow of 64 bits."""
+"""The largest number that an option accepts: more than any disk can store, but far from an overflow of 64 bits."""
 
 LEAST_MEMORY = 10**7
-"""The smallest memory limit in bytes; Python itself needs more."""
+"""The smallest memory limit in bytes, because Python itself needs more."""
 
 
 def whole(least: int, most: int = MOST) -> Callable[[Any], int]:
@@ -38,7 +38,7 @@ def whole(least: int, most: int = MOST) -> Callable[[Any], int]:
 
 
 def grouped(name: str, kind: Any, options: Sequence[Decorator]) -> Decorator:
-    """Return a decorator that adds options to a command, which receives their values as one dataclass."""
+    """Return a decorator that adds options to a command, which receives their values as a single dataclass."""
 
     def decorate(function: Function) -> Function:
         @wraps(function)
@@ -149,7 +149,7 @@ approximation = grouped(
         ),
     ),
 )  # fmt: skip
-"""Give a command the options of an estimate, as one value `approximation`."""
+"""Give a command the options for estimates, as a single value `approximation`."""
 
 
 @dataclass(frozen=True)
@@ -184,7 +184,7 @@ weight_options = grouped(
         ),
     ),
 )  # fmt: skip
-"""Give a command the options of weights, as one value `weighting`."""
+"""Give a command the options for weights, as a single value `weighting`."""
 
 
 @dataclass(frozen=True)
@@ -198,7 +198,7 @@ class StrataOptions:
         """Return the stratification, or None without strata; `others` maps options to whether they are given.
 
         Raises:
-            QueryError: an allocation is given without strata, it is malformed, or strata are given with other options.
+            QueryError: an allocation is given without strata or is malformed, or strata are given with other options.
         """
         if self.strata is None:
             if self.allocation is not None:
@@ -226,7 +226,7 @@ strata_options = grouped(
         ),
     ),
 )  # fmt: skip
-"""Give a command the options of strata, as one value `stratifying`."""
+"""Give a command the options for strata, as a single value `stratifying`."""
 
 over = click.option(
     "--over", type=click.Choice(["skeletons", "goals"]),

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 BUDGET, TIER = "10x10", "kinematics"
 
 LONGEST_SIZE = 20
-"""The maximum number of characters of WxH: larger numbers are not image sizes, and are slow to parse."""
+"""The maximum number of characters of WxH, because larger numbers are not image sizes, and are slow to parse."""
 
 OPTIONS = (
     click.option(
@@ -52,7 +52,7 @@ class PhysicsOptions:
     demonstrate: str | None = None
 
     def refuse_without_physics(self, others: Mapping[str, bool]) -> None:
-        """Refuse physics options if physics is off; `others` maps further options to whether each is given.
+        """Refuse physics options if physics is off; `others` maps other options to whether they are given.
 
         Raises:
             QueryError: a physics option is given although physics is off.
@@ -87,7 +87,7 @@ class PhysicsOptions:
 
 
 physics_options = grouped("validation", PhysicsOptions, OPTIONS)
-"""Give a command the options of physics, as one value `validation`."""
+"""Give a command the options for physics, as a single value `validation`."""
 
 physics_options_without_folder = grouped("validation", PhysicsOptions, OPTIONS[:-1])
 """Give a command the same options except --demonstrate DIR."""
@@ -100,7 +100,7 @@ max_draws = click.option(
     "--max-draws",
     type=whole(1),
     metavar="K",
-    help="Stop a part after K draws, feasible or not.  [default: 1000 per task]",
+    help="Stop a part after K samples, feasible or not.  [default: 1000 per task]",
 )
 
 
@@ -119,7 +119,7 @@ class CameraOptions:
         return self.cameras is not None or self.vary is not None
 
     def check(self, demonstrate: str | None) -> None:
-        """Check that the options are consistent, before anything is loaded.
+        """Before anything is loaded, check that the options are consistent.
 
         Raises:
             QueryError: an option is given without the one that it depends on.
@@ -162,15 +162,16 @@ camera_options = grouped(
         click.option("--rate", type=int, metavar="N", help="Camera images per second.  [default: 10]"),
         click.option(
             "--vary", metavar="A,B,...", shell_complete=shell_completion.kinds_that_vary,
-            help="Randomize for each demonstration: friction, mass, light, camera, colour, within the scene's ranges.",
+            help="What to randomize in each demonstration, within the scene's ranges: friction, mass, light, camera, "
+            "colour.",
         ),
     ),
 )  # fmt: skip
-"""Give a command the options of cameras, as one value `filming`."""
+"""Give a command the options for cameras, as a single value `filming`."""
 
 
 def _parse_names(option: str, text: str | None) -> tuple[str, ...]:
-    """Return the names listed in the value of an option.
+    """Return the names listed in an option's value.
 
     Raises:
         QueryError: the list is empty, or a name is empty.
@@ -182,7 +183,7 @@ def _parse_names(option: str, text: str | None) -> tuple[str, ...]:
 
 
 def parse_pixels(text: str) -> tuple[int, int]:
-    """Return the width and height in the value of an option.
+    """Return the width and height in an option's value.
 
     Raises:
         QueryError: the text does not have the form WxH.

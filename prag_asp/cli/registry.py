@@ -17,7 +17,7 @@ from prag_asp.cli.terminal import say, shown_progress, tell_line
 from prag_asp.integers import with_short_numbers
 
 PROGRAM, COMPLETION = "prag-asp", "_PRAG_ASP_COMPLETE"
-"""The name of the program, and the environment variable by which a shell requests completions."""
+"""The name of the program, and the environment variable with which a shell requests completions."""
 
 COMMANDS = {
     "audit": "audit",
@@ -51,19 +51,19 @@ COMMANDS = {
     "validate": "validate",
     "verify": "verify",
 }
-"""The commands, each with the module of `prag_asp.cli.commands` that defines it under the command's name."""
+"""The commands, each with the module in `prag_asp.cli.commands` that defines it under the command's name."""
 
 GROUPS = {
     "Define": ("domains", "new", "check", "import", "explain"),
     "Count and sample": ("count", "explore", "task", "sample", "enumerate", "scenario", "split", "stats"),
-    "Check by physics": ("validate", "learn", "render"),
+    "Check with physics": ("validate", "learn", "render"),
     "Data": ("generate", "merge", "verify", "report", "suite", "export"),
     "Compare": ("similarity", "diversity", "audit"),
     "Learn and evaluate": ("evaluate", "compare", "power"),
     "Any program": ("models",),
     "Shell": ("completion",),
 }
-"""The commands in the order of the help."""
+"""The commands, grouped, in the order in which help lists them."""
 
 
 class Commands(click.Group):
@@ -86,7 +86,7 @@ class Commands(click.Group):
         return command
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the commands in groups, each with the first sentence of its help."""
+        """Write the commands in groups, each with the first sentence of its help text."""
         for title, names in GROUPS.items():
             commands = {name: self.get_command(ctx, name) for name in names}
             with formatter.section(title):
@@ -113,7 +113,7 @@ class Commands(click.Group):
             except click.ClickException as error:
                 where = error.ctx if isinstance(error, click.UsageError) else None
                 if where is None or isinstance(error, getattr(click.exceptions, "NoArgsIsHelpError", ())):
-                    error.show()  # a group without a command prints its help
+                    error.show()  # without a command, a group prints its help
                 else:
                     message = " ".join(with_short_numbers(error.format_message()).split()).rstrip(".")
                     tell_line(f"{where.command_path}: {message}; see {where.command_path} --help")
@@ -123,7 +123,7 @@ class Commands(click.Group):
 
 
 SHORT_HELP = 88
-"""The maximum number of characters of the help of a command in the list of commands."""
+"""The maximum number of characters of a command's help in the list of commands."""
 
 
 def _print_versions(context: click.Context, parameter: click.Parameter, requested: bool) -> None:
@@ -144,7 +144,7 @@ CODES = "\n".join(["\b", "Exit codes:", *(f"{int(code):5}  {meaning}" for code, 
     help="Show the versions of prag_asp, clingo and PyBullet, and exit.",
 )  # fmt: skip
 def cli() -> None:
-    """Robot manipulation tasks from logic programs: counted exactly, sampled exactly, checked by physics.
+    """Robot manipulation tasks from logic programs: counted exactly, sampled exactly, checked with physics.
 
     DOMAIN is a shipped domain (see `prag-asp domains`), a folder with a domain.lp, or files: one or more .lp files, or
     - for standard input, or a domain and a problem in PDDL (two .pddl files). The domain.toml and learned.lp of a

@@ -27,11 +27,11 @@ ONE_WORD = re.compile(r"[\w./:=+@%^-]*")
 """The texts that bash reads as one word."""
 
 ENTITIES, ACTIONS = ("uses", "avoids"), ("begins", "has", "lacks")
-"""Keywords of conditions on entities and classes, and on actions."""
+"""Keywords of conditions on entities and classes, and of conditions on actions."""
 
 
 def _completer(candidates: Callable[[click.Context, str], Iterable[str]]) -> Completer:
-    """Return a completer that offers the candidates that begin with the typed text."""
+    """Return a completer that offers the candidates that begin with what has been typed."""
 
     @wraps(candidates)
     def complete(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
@@ -77,7 +77,7 @@ def actions(context: click.Context, parameter: click.Parameter, typed: str) -> I
 
 
 def shares(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
-    """Complete a domain; the names of parts that follow it are the user's choice and are not completed."""
+    """Complete a domain; the names of the parts that follow it are the user's choice and are not completed."""
     domain, _ = domain_and_others(context.params.get(parameter.name or "") or ())
     return [] if domain and not is_file_name(typed) else domains(context, parameter, typed)
 
@@ -158,7 +158,7 @@ def kinds_that_vary(context: click.Context, typed: str) -> Iterable[str]:
 
 @_completer
 def conditions(context: click.Context, typed: str) -> Iterator[str]:
-    """Complete the keyword of a condition, then its argument."""
+    """Complete the keyword of a condition, and then its argument."""
     from prag_asp.space.conditions.keywords import KEYWORDS
 
     keywords = [word for word in KEYWORDS if f"{word} ".startswith(typed) or typed.startswith(f"{word} ")]
@@ -190,7 +190,7 @@ def _names_of(actions: Iterable[Any]) -> list[str]:
 
 
 def _after(typed: str, candidates: Iterable[str]) -> Iterator[str]:
-    """Yield candidates, each appended to the typed text up to its last blank or comma outside parentheses."""
+    """Yield candidates, each appended to the typed text up to its last blank or comma outside of parentheses."""
     depth, start = 0, 0
     for position, character in enumerate(typed):
         depth += (character == "(") - (character == ")")
@@ -224,7 +224,7 @@ def add_shells() -> None:
             return super().format_completion(item)
 
     class Fish(FishComplete):
-        """Splits an item only after its type, because its value may contain commas."""
+        """Splits off only the type of an item, because its value may contain commas."""
 
         source_template = FishComplete.source_template.replace('split ","', 'split --max 1 ","')
 

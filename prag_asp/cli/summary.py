@@ -1,4 +1,4 @@
-"""Tasks in words: the states of a task, and a summary of validated tasks on stderr: a line and a table of causes."""
+"""Tasks in words: the states of a task, and a summary of validated tasks on stderr (a line and a table of causes)."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ READINGS = 5
 """The maximum number of readings of a plan that are printed."""
 
 KINDS = {"not_found": "not found", "infeasible": "proved infeasible", "witness_fails": "witness fails"}
-"""The names of failures in the table, by status."""
+"""The names that failures have in the table, by status."""
 
 
 def tally_line(tally: Tally, what: tuple[str, str], limits: str) -> str:
-    """Return one line with the number of tasks that passed; `what` is the noun for one task and for several."""
+    """Return a line with the number of tasks that passed; `what` is the noun for one task and for several."""
     share = f" ({100 * tally.passed / tally.seen:.1f} %, {limits})" if tally.seen else ""
     return f"{plural(tally.seen, *what)}, {tally.passed} passed{share}"
 
@@ -37,8 +37,8 @@ def tally_line(tally: Tally, what: tuple[str, str], limits: str) -> str:
 def tallied(tally: Tally, line: Callable[[], str]) -> Iterator[None]:
     """Print a line on stderr at the end, and, if anything failed, the table of causes.
 
-    This also happens after an interruption, but not after an error of the input.
-    An error after a signal counts as an interruption, because native code may have turned one into the other.
+    This also happens after an interruption, but not after an error in the input. An error after a signal counts as an
+    interruption, because native code may have turned the interruption into another error.
     """
     failed = False
     try:
@@ -62,7 +62,7 @@ MOST_STRATA = 20
 
 
 def strata_lines(strata: Sequence[StratumFigures]) -> list[str]:
-    """Return a line for each stratum of a sample: its tasks, its size and the weight of each task."""
+    """Return a line for each stratum in a sample: its tasks, its size, and the weight of each task."""
     from prag_asp.dataset.strata.stratum_figures import stratum_weights
 
     weights = stratum_weights(strata)
@@ -102,7 +102,7 @@ def _table(tally: Tally) -> Table:
 def described(found: Task, space: TaskSpace, *, false_facts: bool = False) -> list[str]:
     """Describe a task in lines: its rank, initial state, the effects of its actions, its goal and its readings.
 
-    The states list their true facts, and with `false_facts` also the facts that are known to be false.
+    For each state, the true facts are listed and, with `false_facts`, the facts that are known to be false.
     """
     lines = [f"task {space.index(found)} of {space.count()}", f"start  {_state(found.initial, false_facts)}"]
     width = max((len(str(action)) for action in found.actions), default=0)

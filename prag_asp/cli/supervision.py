@@ -5,8 +5,8 @@
         └── waits, checks limits, passes on signals, and prints the line that the command can no longer print
 
 Native code (clingo's grounder, solvers, PyBullet) reacts neither to Ctrl-C nor to a limit, and may end the process
-without a message. Therefore the supervisor first sends a signal, after which the command should end as after Ctrl-C.
-If it does not end within 2 s, or 8 s after it has handled the signal, it is killed with all its workers. If the
+without a message. The supervisor therefore first sends a signal, after which the command should end as it does after
+Ctrl-C. If it does not end within 2 s, or 8 s after it has handled the signal, it is killed with all its workers. If the
 supervisor is killed, the kernel ends the command.
 
 This works on Linux only; on other systems, limits are checked only by prag_asp's own code.
@@ -29,7 +29,7 @@ from prag_asp.processes.lifeline import hang_on, held_line
 from prag_asp.processes.machine import SHARE, family_of, memory_of, signal_name, usual_memory
 
 POLL = 0.05
-"""Seconds between two checks of time and memory."""
+"""Seconds between two checks of the time and the memory."""
 
 UNHEARD, HEARD = 2.0, 8.0
 """Seconds within which the command has to end after a signal, before and after it has handled the signal.
@@ -38,16 +38,16 @@ Only the time in which this process runs counts, not the time in which the machi
 """
 
 SOON = 0.3
-"""Seconds within which several signals count as one; a later one kills the command."""
+"""Seconds within which several signals count as one; a later signal kills the command."""
 
 LEAST_GRACE, MOST_GRACE = 1.0, 10.0
-"""Bounds, in seconds, on the time that a command has to report its results after the time limit, see `grace`."""
+"""Bounds, in seconds, on the time that a command has for reporting its results after the time limit; see `grace`."""
 
 LEAST_ADDRESSES = 200_000_000
-"""Bytes of address space that clingo and NumPy need to load; with fewer they crash."""
+"""Bytes of address space that clingo and NumPy need for loading; with fewer, they crash."""
 
 TOO_MUCH = 1.1
-"""The multiple of the memory limit at which the command is killed without a signal first."""
+"""The multiple of the memory limit at which the command is killed without a prior signal."""
 
 
 def supervise() -> None:
@@ -85,7 +85,7 @@ def supervise() -> None:
 
 
 class _Supervisor:
-    """Waits for a command, and ensures that it ends."""
+    """Waits for a command, and makes sure that it ends."""
 
     def __init__(self, command: int, reports: int, watched: set[signal.Signals]) -> None:
         os.set_blocking(reports, False)
@@ -101,9 +101,9 @@ class _Supervisor:
         self._done: int | None = None
         """The exit code that the command has reported."""
         self._stop: tuple[float, int, str] | None = None
-        """The time at which the command was signalled to end, with the exit code and the line for the reason."""
+        """The time at which the command was signalled to end, with the exit code and the line that gives the reason."""
         self._waited = 0.0
-        """Seconds since then."""
+        """The number of seconds since then."""
 
     def wait(self) -> int:
         """Wait until the command has ended, and return the exit code; kill it and its workers if it does not end."""
@@ -112,7 +112,7 @@ class _Supervisor:
             # The result is ignored, because it is arbitrary if a stop (Ctrl-Z) interrupts the wait.
             signal.sigtimedwait({signal.SIGCHLD}, POLL)
             sent = signal.sigtimedwait(self._watched, 0)
-            if sent is not None:  # first of all: the command may already have ended because of this
+            if sent is not None:  # comes first, because the command may already have ended for this reason
                 self._pass_on(sent.si_signo)
             ended, status = os.waitpid(self._command, os.WNOHANG)
             self._read_reports()

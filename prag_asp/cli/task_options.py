@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 RANKS = re.compile(r"(?P<first>\d{1,4000})(\.\.(?P<last>\d{1,4000}))?")
 
 MOST_TASKS = 1_000_000
-"""The maximum number of tasks in one request, because each is written to its own files."""
+"""The maximum number of tasks in a request, because each one is written to its own files."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class TaskSelection:
         return (self.plan, self.index, self.tasks) != (None, None, None)
 
     def check(self, where: Sequence[str] = ()) -> None:
-        """Check that the options and the conditions are consistent, before anything is loaded.
+        """Before anything is loaded, check that the options and the conditions are consistent.
 
         Raises:
             QueryError: two options exclude each other, or one needs another.
@@ -93,18 +93,17 @@ task_selection = grouped(
         help="Rank of the task of length N to write, or all ranks from A to B."),
         click.option(
             "--tasks", metavar="FILE", shell_complete=shell_completion.files,
-            help="Write all tasks of a file of sample --format jsonl; - is standard input.",
+            help="Write all tasks in a file from sample --format jsonl; - is standard input.",
         ),
     ),
 )  # fmt: skip
-"""Give a command the options that select tasks, as one value `selection`."""
+"""Give a command the options that select tasks, as a single value `selection`."""
 
 
 def _parse_ranks(text: str) -> range:
     """Parse the ranks in a text.
 
-    Raises:
-        QueryError: the text does not have the form of ranks, or has too many.
+    Raises: QueryError: the text does not have the form of ranks, or contains too many.
     """
     match = RANKS.fullmatch(text.strip())
     if match is None:
@@ -130,7 +129,7 @@ def task_at(space: TaskSpace, rank: int) -> Task:
 
 
 def _read_plans(file: str, space: TaskSpace) -> Mapping[str, tuple[str, ...]]:
-    """Read the plans in a file, keyed by line number.
+    """Read the plans in a file, by line number.
 
     Raises:
         QueryError: a line is not a task, or is a task of a different domain, or there are too many tasks.
@@ -168,7 +167,7 @@ LEVELS = ("vague", USUAL, "exact")
 
 @dataclass(frozen=True)
 class TaskFormat:
-    """The format of printed tasks, and the language and level of instructions."""
+    """The format of printed tasks, and the language and the level of instructions."""
 
     form: str
     language: str | None
@@ -216,7 +215,7 @@ class TaskFormat:
 
 
 def format_options(form: Decorator) -> Decorator:
-    """Add the format options to a command, as one argument `task_format`; `form` is its option --format."""
+    """Add the format options to a command, as a single argument `task_format`; `form` is its option --format."""
     return grouped(
         "task_format", TaskFormat,
         (
@@ -228,7 +227,7 @@ def format_options(form: Decorator) -> Decorator:
             ),
             click.option(
                 "--level", type=click.Choice(LEVELS),
-                help="Detail of instructions: the final state only, what to do, or also the purpose of each action.",
+                help="Detail of instructions: only the final state, the actions, or also the purpose of each action.",
             ),
         ),
     )  # fmt: skip
@@ -236,6 +235,6 @@ def format_options(form: Decorator) -> Decorator:
 
 LINE_FORMAT = click.option(
     "--format", "form", type=click.Choice(FORMS), default="text", show_default=True,
-    help="Actions; sentences by the domain's [language]; instructions for a person who sees the scene; all known "
-    "data of a task; or its scenario id, from which prag-asp scenario reproduces the task.",
+    help="Actions; sentences from the domain's [language] table; instructions for a person who sees the scene; all "
+    "known data of a task; or its scenario id, from which prag-asp scenario reproduces the task.",
 )  # fmt: skip

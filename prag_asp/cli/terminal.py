@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
 PATIENCE, LOG_EVERY, WATCH = 2.0, 60.0, 0.25
-"""Seconds without output after which a terminal shows progress, between two lines of a log, between two checks."""
+"""Seconds without output after which a terminal shows progress, seconds between two lines in a log, and seconds between
+two checks."""
 
 
 def say(text: object) -> None:
@@ -29,7 +30,7 @@ def say(text: object) -> None:
 
 def tell_line(text: str) -> None:
     """Print one line on stderr, shortened, with control characters escaped."""
-    import click  # not above: the supervisor imports this module, and a fork copies all loaded modules
+    import click  # not at the top, because the supervisor imports this module, and a fork copies all loaded modules
 
     hide_progress()
     click.echo(one_line(text), err=True)
@@ -41,7 +42,7 @@ def for_terminal(text: str) -> str:
 
 
 def aligned(rows: Iterable[Sequence[str]]) -> Iterator[str]:
-    """Yield the lines of a table with the first column left-aligned, others right-aligned; rows have equal lengths."""
+    """Yield the lines of a table, the first column left-aligned, the others right-aligned; rows have equal lengths."""
     listed = list(rows)
     widths = [max(map(len, column)) for column in zip(*listed, strict=True)]
     for first, *others in listed:
@@ -59,7 +60,7 @@ class Tell(Protocol):
 class _Display:
     """The display of a command's activity: a line on a terminal, or a line of a log file each minute.
 
-    The line of a terminal appears once `PATIENCE` seconds have passed without any output. A thread watches the time,
+    On a terminal, the line appears once `PATIENCE` seconds have passed without any output. A thread watches the time,
     because native code may run for minutes without a report.
     """
 
@@ -92,7 +93,7 @@ class _Display:
                 self._bar = None
 
     def end(self) -> None:
-        """Remove the line for good."""
+        """Remove the line permanently."""
         self._ended.set()
         self.hide()
 
@@ -126,7 +127,7 @@ _display: _Display | None = None
 
 @contextmanager
 def shown_progress() -> Iterator[None]:
-    """Show a command's activity on stderr: on a terminal after two seconds without output, elsewhere each minute."""
+    """Show a command's activity on stderr: on a terminal after two seconds without output, elsewhere once a minute."""
     global _display  # noqa: PLW0603  a process runs one command at a time
     if _display is not None or sys.stderr is None:
         yield

@@ -1,4 +1,4 @@
-"""Datasets of tasks: filter tasks by physics, revalidate them, write and read files, and export datasets.
+"""Datasets of tasks: filter tasks by physics, validate them again, read and write files, and export datasets.
 
 >>> from itertools import islice
 >>> from prag_asp import TaskSpace, load_domain

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from math import ceil
 from pathlib import Path
@@ -22,6 +22,7 @@ from prag_asp.tables.json_fields import Whole
 if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
     from prag_asp.exact_numbers import Number
+    from prag_asp.space.task_space import TaskSpace
     from prag_asp.space.weights.temperature import Temperature
     from prag_asp.space.without_replacement import Division
 
@@ -29,16 +30,37 @@ SHARD = 1000
 """The default number of tasks in a full shard."""
 
 LARGEST_SHARD, MOST_STARTS = 20_000, 1000
-"""The maximum number of tasks of a shard and of witnesses of a task: they are in memory together, a few GB at most."""
+"""The maximum number of tasks in a shard and of witnesses for a task, which are all in memory together (a few GB at
+most)."""
+
+MOST_CANDIDATES = 100_000
+"""The maximum number of candidates of tasks that are far apart: they are in memory together, a few kB each."""
+
+FOR_EACH_DIVERSE = 20
+"""The default number of candidates per requested task."""
 
 DRAWS_FOR_EACH = 1000
-"""The default number of draws per requested task after which sampling for a part stops."""
+"""The default number of draws, per requested task, after which sampling for a part stops."""
 
 ExcludedTask = Annotated[str, msgspec.Meta(pattern="^(0|[1-9][0-9]{0,8}):(0|[1-9][0-9]*)$")]
 """The length and the rank of a task, such as ``2:181``."""
 
 LARGEST_SEED = 2**63 - 1
 """The largest seed that a column of 64-bit integers holds."""
+
+
+class ApartSpec(msgspec.Struct, frozen=True):
+    """A set of tasks, given by lengths and conditions, from each of which tasks have at least a distance in edits."""
+
+    distance: Annotated[int, msgspec.Meta(ge=1, le=100)]
+    lengths: list[Whole]
+    where: list[str]
+
+    def space(self, near: TaskSpace) -> TaskSpace:
+        """Return the tasks, given a space of the same domain, whose limits apply."""
+        from prag_asp.space.task_space import TaskSpace
+
+        return TaskSpace(near.domain, self.lengths, limits=near.engines.limits).where(*self.where)
 
 
 class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
@@ -48,7 +70,9 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     `budget`, physics is not run. Unless `trivial`, tasks whose final state is the initial state are left out. `part`,
     such as ``3/64``, selects every 64th draw from the third on; other machines generate the rest. `excluded` identifies
     tasks to leave out by their length and rank. With `over`, a skeleton or a goal is sampled uniformly before a task.
-    With `strata`, the parts are the strata of a sample.
+    With `strata`, the parts are the strata of a sample. With `cover`, the tasks begin with those that cover all
+    combinations of that many factors; all of them are there, even if `tasks` is smaller. With `candidates`, the tasks
+    are chosen far apart among so many sampled ones. With `apart`, all tasks are far from other sets of tasks.
 
     Raises:
         QueryError: a number is out of range.
@@ -74,6 +98,9 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     excluded: list[ExcludedTask] | msgspec.UnsetType = msgspec.UNSET
     strata: StratifiedBy | msgspec.UnsetType = msgspec.UNSET
     over: Literal["skeletons", "goals"] | msgspec.UnsetType = msgspec.UNSET
+    cover: Annotated[int, msgspec.Meta(ge=1, le=8)] | msgspec.UnsetType = msgspec.UNSET
+    candidates: Annotated[int, msgspec.Meta(ge=1, le=MOST_CANDIDATES)] | msgspec.UnsetType = msgspec.UNSET
+    apart: list[ApartSpec] | msgspec.UnsetType = msgspec.UNSET
 
     def __post_init__(self) -> None:
         if self.tasks < 1:
@@ -100,23 +127,32 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         excluded: Iterable[tuple[int, int]] = (),
         strata: StratifiedBy | None = None,
         over: Literal["skeletons", "goals"] | None = None,
+        cover: int | None = None,
+        diverse: int | None = None,
+        candidates: int | None = None,
+        apart: Sequence[ApartSpec] = (),
         **fields: Any,
     ) -> DatasetSpec:
-        """Return the request for a dataset of `tasks` different feasible tasks of a domain, given its `fields`.
+        """Return the request for a dataset of `tasks` different feasible tasks from a domain, given its `fields`.
 
         Tasks are sampled without replacement, with `weights` or the weights of the domain; lengths occur in exact
         proportion, or in turn with `evenly`. With ``over="skeletons"`` (or ``"goals"``, at one length), a skeleton (or
-        a goal) is sampled uniformly first. With `split`, each part gets its share of the tasks, and no two parts have
-        a task (with `skeletons`: a skeleton) in common; with `hold_out`, only ``test`` has the held-out tasks. For each
-        task, witnesses from `starts` initial states are searched for. Unless `trivial`, tasks whose final state is the
-        initial state are left out. With `demonstrate`, the robot performs each task; `staging` specifies the cameras
-        that record it and the properties that vary. Without `physics`, the default if the domain has no scene, all
-        sampled tasks are accepted. Instructions are in a `language` of the domain, and use some of its `phrasings`,
-        such as ``1 of 2``. A shard has at most `shard` tasks. With ``part="3/64"``, only every 64th draw from the third
-        on is validated, for a 64th of the tasks.
+        a goal) is sampled uniformly first. With `split`, each part gets its share of the tasks, and no two parts have a
+        task (or, with `skeletons`, a skeleton) in common; with `hold_out`, only ``test`` has the held-out tasks. For
+        each task, witnesses are searched for from `starts` initial states. Unless `trivial` is set, tasks whose final
+        state is the initial state are left out. With `demonstrate`, the robot performs each task; `staging` specifies
+        the cameras that record it and the properties that vary. Without `physics`, which is the default if the domain
+        has no scene, all sampled tasks are accepted. Instructions are in a `language` of the domain, and use some of
+        its `phrasings`, such as ``1 of 2``. A shard has at most `shard` tasks. With ``part="3/64"``, only every 64th
+        draw from the third on is validated, for a 64th of the tasks.
 
         `excluded` holds the tasks to leave out, as pairs of a length and a rank. With `strata`, `split` holds the
         share of each stratum in the sample, as `stratified_shares` returns it; strata are sampled uniformly.
+
+        With `cover`, the first tasks cover all reachable combinations of that many factors; if physics rejects one,
+        others replace it. `tasks` can then be left out; if there are more, they are sampled uniformly. With `diverse`
+        instead of `tasks`, that many tasks are far apart; they are chosen among `candidates`, by default 20 times as
+        many sampled tasks. With `apart`, only tasks are sampled that are far from all tasks of other sets.
 
         Raises:
             QueryError: a value is out of range, or two of them contradict each other.
@@ -126,7 +162,11 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         from prag_asp.space.without_replacement import Division
 
         division = Division.parse(split, skeletons=skeletons, hold_out=hold_out, strata=strata)
-        weights = ({} if strata else domain.settings.weights) if weights is None else weights
+        fields["tasks"] = _number_of_tasks(fields.pop("tasks", None), cover, diverse, candidates)
+        if diverse is not None and candidates is None:
+            candidates = min(FOR_EACH_DIVERSE * diverse, MOST_CANDIDATES)
+        uniform = strata or cover is not None
+        weights = ({} if uniform else domain.settings.weights) if weights is None else weights
         others = {
             "weights": weights,
             "over": over,
@@ -136,6 +176,15 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         for name, value in others.items():
             if strata and value:
                 raise QueryError(f"strata are sampled uniformly as a whole; leave {name} out")
+            if cover is not None and value and name != "excluded":
+                raise QueryError(
+                    f"tasks that cover combinations are chosen, and others sampled uniformly; leave {name} out"
+                )
+        _check_choice(cover, diverse, division, part)
+        if apart and (cover is not None or strata is not None or not division.by_tasks):
+            raise QueryError(
+                "tasks that are far from others are sampled; leave cover, strata, skeletons and hold_out out"
+            )
         spec = cls(
             split={name: str(share) for name, share in division.shares.items()},
             skeletons=skeletons,
@@ -147,6 +196,9 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
             excluded=[f"{length}:{digits_of(rank)}" for length, rank in sorted(set(excluded))] or msgspec.UNSET,
             strata=strata or msgspec.UNSET,
             over=over or msgspec.UNSET,
+            cover=msgspec.UNSET if cover is None else cover,
+            candidates=msgspec.UNSET if candidates is None else candidates,
+            apart=[*apart] or msgspec.UNSET,
             **fields,
         )
         budget = spec._budget_in(domain, bool(domain.settings.scene) if physics is None else physics)
@@ -178,7 +230,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         """The division of the tasks into parts.
 
         Raises:
-            QueryError: the shares do not add up to 1, or contradict the other options.
+            QueryError: the shares do not add up to 1, or conflict with the other options.
         """
         from prag_asp.space.without_replacement import Division
 
@@ -197,23 +249,65 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         return ALL if self.part is None else Deal.parse(self.part)
 
     def tasks_of(self, share: Fraction) -> int:
-        """Return the number of tasks of a part with a share, rounded up, so that a larger request never yields fewer.
+        """Return the number of tasks in a part with a share, rounded up so that a larger request never yields fewer.
 
         Each of several machines generates the same number of tasks.
         """
         return ceil(Fraction(ceil(self.tasks * share), self.deal.of))
+
+    def candidates_of(self, share: Fraction) -> int:
+        """Return the number of candidates of a part with a share."""
+        return ceil((self.candidates or 0) * share)
 
     def draws_of(self, share: Fraction, max_draws: int | None) -> int:
         """Return the number of draws after which sampling for a part with a share stops."""
         return max_draws or DRAWS_FOR_EACH * self.tasks_of(share)
 
     def fixed(self) -> dict[str, Any]:
-        """Return the values that may not change when a dataset grows: all except the number of tasks."""
+        """Return the values that must not change when a dataset grows: all except the number of tasks."""
         return {name: value for name, value in msgspec.to_builtins(self).items() if name != "tasks"}
 
 
+def _number_of_tasks(tasks: int | None, cover: int | None, diverse: int | None, candidates: int | None) -> int:
+    """Return the number of tasks of a dataset, at least 1 if they cover combinations.
+
+    Raises:
+        QueryError: the number is missing or given twice, or there are fewer candidates than tasks.
+    """
+    if diverse is None:
+        if candidates is not None:
+            raise QueryError("candidates are those of tasks that are far apart; add diverse, the number of tasks")
+        if tasks is None and cover is None:
+            raise QueryError("the number of tasks is missing; give tasks, cover or diverse")
+        return 1 if tasks is None else tasks
+    if tasks is not None:
+        raise QueryError(f"diverse {diverse} is the number of tasks; leave tasks out")
+    if candidates is not None and not diverse <= candidates <= MOST_CANDIDATES:
+        raise QueryError(f"candidates {candidates}: give a number from {diverse} to {MOST_CANDIDATES}")
+    return diverse
+
+
+def _check_choice(cover: int | None, diverse: int | None, division: Division, part: str | None) -> None:
+    """Check that options that choose tasks do not contradict others.
+
+    Raises:
+        QueryError: two options exclude each other.
+    """
+    if cover is None and diverse is None:
+        return
+    if cover is not None and diverse is not None:
+        raise QueryError("tasks cover combinations or are far apart; leave cover or diverse out")
+    name = "diverse" if cover is None else "cover"
+    if part is not None:
+        raise QueryError(f"{name} chooses each task after the results of others; leave part {part} out")
+    if division.strata is not None or (cover is not None and len(division.shares) > 1):
+        raise QueryError(
+            f"{name} chooses from all tasks of the space; leave {'strata' if division.strata else 'split'} out"
+        )
+
+
 def budget_of(budget: Budget | None, demonstrate: str | Path | None) -> Budget:
-    """Return a budget, with the tier of demonstrations if these are recorded."""
+    """Return a budget that includes the tier of demonstrations if demonstrations are recorded."""
     budget = budget or Budget()
     return budget if demonstrate is None else Budget(budget.restarts, budget.samples, Tier.DEMONSTRATION)
 

@@ -16,7 +16,7 @@ NAME = re.compile(r"(\d{6,})\.npz")
 
 
 def name_of(number: int) -> str:
-    """Return the name of the file for the task on a given line, counted from 1."""
+    """Return the name of the file for the task on a given line, counting from 1."""
     return f"{number:06d}.npz"
 
 
@@ -33,7 +33,7 @@ def write_episode(folder: Path | None, number: int, demonstration: Demonstration
 
 
 def remove_after(folder: str | Path, number: int) -> None:
-    """Remove the recordings of all lines after a given line, which an interrupted run left behind."""
+    """Remove the recordings for all lines after a given one, which an interrupted run left behind."""
     for path in [*Path(folder).glob("*.npz")]:
         match = NAME.fullmatch(path.name)
         if match is not None and int(match[1]) > number:

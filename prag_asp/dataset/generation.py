@@ -15,6 +15,7 @@ from prag_asp.dataset.store.domain_snapshot import snapshot_of
 from prag_asp.dataset.strata.stratified_sampling import allocated
 from prag_asp.errors import QueryError
 from prag_asp.missing import require_pyarrow
+from prag_asp.processes.progress_events import report_progress
 
 if TYPE_CHECKING:
     from prag_asp.dataset.scenario import Scenario
@@ -33,15 +34,19 @@ def generate(
     max_draws: int | None = None,
     excluded: Iterable[Scenario] = (),
     stratification: Stratification | None = None,
-    progress: Progress = lambda words, done, total: None,
+    progress: Progress = report_progress,
     **request: Any,
 ) -> Dataset:
-    """Write a dataset of different feasible tasks of a space into a folder, and open it.
+    """Write a dataset of different feasible tasks from a space into a folder, and open it.
 
     The request is a `spec`, or keywords such as ``tasks=100, seed=7, split={"train": 0.8, "test": 0.2}``, which
     `DatasetSpec.of` documents. Sampling for a part of the split stops after `max_draws` draws, by default 1000 per
     task. The tasks of `excluded` scenarios of the same domain and conditions are left out, so the dataset is disjoint
     from earlier ones.
+
+    With ``cover=2`` instead of a number of tasks, they cover all combinations of 2 factors of an action; if physics
+    rejects a task, others with its combinations replace it. With ``diverse=50``, they are 50 tasks that are far apart,
+    chosen among sampled ones. dataset.json says what they reach.
 
     With a `stratification`, the parts are the strata of a sample, and dataset.json has the exact weight of a task in
     each part.
@@ -49,11 +54,11 @@ def generate(
     The same call resumes an interrupted run; a larger number of tasks extends the dataset. The bytes of the dataset
     depend only on the request, not on the number of `workers` or on the machines that run them; with ``on="ray"``,
     these are the nodes of a Ray cluster. With ``part="3/64"``, the folder is one of 64 machine parts, which `merge`
-    combines into the dataset.
+    combines into one dataset.
 
     Raises:
         QueryError: the space is empty, or the request is wrong.
-        SceneError: the domain has no scene, or the scene lacks the shape of an entity of a task.
+        SceneError: the domain has no scene, or the scene lacks the shape of an entity in a task.
         OutputError: the folder contains something else, or a file cannot be written.
         NotFound: `max_draws` draws per part, or the whole space, contain too few feasible tasks; these are written.
         WorkerError: workers died repeatedly.
@@ -66,6 +71,8 @@ def generate(
     if stratification is not None:
         if spec is not None or request.get("split") is not None:
             raise QueryError("the parts of a stratified sample are its strata; leave the split out")
+        if request.get("tasks") is None:
+            raise QueryError("a stratified sample needs a number of tasks; give tasks")
         request |= {
             "split": stratified_shares(space, stratification, request["tasks"], request.get("seed", 0)),
             "strata": stratification.by,
@@ -78,7 +85,7 @@ def generate(
 
 
 def stratified_shares(space: TaskSpace, stratification: Stratification, tasks: int, seed: int = 0) -> dict[str, str]:
-    """Return the share of each stratum in a sample of a number of tasks, as exact fractions.
+    """Return the share of each stratum in a sample of a given number of tasks, as exact fractions.
 
     Raises:
         QueryError: the space is empty, or too small or too finely divided for that many tasks.

@@ -21,7 +21,7 @@ from prag_asp.task import FrozenDict, Task
 
 @dataclass(frozen=True)
 class Record:
-    """A task with its verdict and witness as plain values; both are None without physics.
+    """A task with its verdict and witness as plain values; without physics, both are None.
 
     In a stratified sample, it has the name of its `stratum` and its `weight`. `place` is the source of the record as
     ``file:line``.
@@ -75,18 +75,18 @@ def _shared_json(value: Atom | Mapping[Any, Any]) -> str:
 
 
 def read_tasks(file: str | Path) -> Iterator[Record]:
-    """Yield the records of a file of JSON lines.
+    """Yield the records in a file of JSON lines.
 
     Raises:
         OSError: the file cannot be read.
-        QueryError: a line is not a record, or not UTF-8; the message names the line.
+        QueryError: a line is not a record or not valid UTF-8; the message names the line.
     """
     with open_text(file) as stream:
         yield from read_lines(lines_of(stream), str(file))
 
 
 class _Line(msgspec.Struct):
-    """The fields of a line of a file, and their types."""
+    """The fields of a line in a file, and their types."""
 
     domain: str
     actions: list[str]
@@ -105,7 +105,7 @@ class _Line(msgspec.Struct):
 
 
 def read_lines(lines: Iterable[str], name: str) -> Iterator[Record]:
-    """Yield the records of lines of JSON; `name` is the name of the file in errors.
+    """Yield the records in lines of JSON; `name` is the name of the file in errors.
 
     Raises:
         QueryError: a line is not a record; the message names the line.

@@ -1,4 +1,4 @@
-"""Learned rules: combinations of facts that physics proves impossible in the scene of a domain, as invariants."""
+"""Learned rules: combinations of facts that physics proves impossible in a domain's scene, stated as invariants."""
 
 from __future__ import annotations
 
@@ -28,8 +28,7 @@ class Learned:
     domain: Domain
 
     def __str__(self) -> str:
-        states = "states" if len(self.rules) == 1 else "state"
-        return f"{plural(len(self.rules), 'rule')} {states} {plural(self.proofs, 'proof')}"
+        return f"{plural(len(self.rules), 'rule')} from {plural(self.proofs, 'proof')}"
 
 
 def learn(
@@ -37,7 +36,7 @@ def learn(
 ) -> Learned:
     """Return rules for the facts that physics proves impossible and that the domain does not itself exclude.
 
-    An existing learned.lp of the domain is ignored. Messages about the rules name the file `path`.
+    An existing learned.lp of the domain is ignored. Messages about the rules refer to the file `path`.
 
     Raises:
         SceneError: the domain has no scene, or the scene lacks the shape of an entity.

@@ -13,6 +13,7 @@ from prag_asp.dataset.making.run import DatasetRun, Progress
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.errors import QueryError
 from prag_asp.missing import require_pyarrow
+from prag_asp.processes.progress_events import report_progress
 from prag_asp.safe_reading import is_inside, read_bytes
 from prag_asp.space.sampling.sharding import ALL, Deal
 from prag_asp.space.task_space import TaskSpace
@@ -33,13 +34,14 @@ def merge(
     on: str | None = None,
     max_draws: int | None = None,
     trust: bool = False,
-    progress: Progress = lambda words, done, total: None,
+    progress: Progress = report_progress,
 ) -> Dataset:
     """Merge all machine parts of a dataset, generated with ``part="1/N"`` to ``"N/N"``, into a folder, and open it.
 
-    The bytes are those that one machine writes without `part`. The parts may be in any order, and are not changed.
-    Parts end at different draws; the few draws that no part has validated are validated here, by `workers` or `on` the
-    named cluster. The same call resumes an interrupted merge. With `trust`, physics may run Python files of the domain.
+    The bytes are the same as those that one machine writes without `part`. The parts may be given in any order, and are
+    not changed. Parts end at different draws; the few draws that no part has validated are validated here, by `workers`
+    or `on` the named cluster. The same call resumes an interrupted merge. With `trust`, physics may run Python files of
+    the domain.
 
     Raises:
         QueryError: a folder is not a part, parts belong to different datasets, a part is missing, or a file is damaged.
@@ -99,7 +101,7 @@ def _in_order(parts: Sequence[Dataset]) -> list[Dataset]:
 
 
 def _difference(part: Manifest, first: Manifest) -> str:
-    """Return how the dataset of a part differs from the dataset of the first part, or "" if it does not."""
+    """Return how the dataset of a part differs from that of the first part, or "" if it does not."""
     if part.spec.deal.of != first.spec.deal.of:
         return f"of {part.spec.deal.of} parts, not of {first.spec.deal.of}"
     difference = part.difference(first, ignored="part")

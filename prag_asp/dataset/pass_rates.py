@@ -1,4 +1,4 @@
-"""Rates with confidence intervals, and pass rates of physics: feasible tasks, and the reasons why others failed."""
+"""Rates with confidence intervals, and pass rates of physics: the feasible tasks, and the reasons why others failed."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Rate(NamedTuple):
 
     @property
     def share(self) -> Fraction:
-        """The exact share of successes; 0 without trials.
+        """The exact share of successes, or 0 if there are no trials.
 
         For tasks of one length, the product of the shares of the stages is the share of whole tasks.
         """
@@ -43,7 +43,7 @@ class Rate(NamedTuple):
         z, n, p = NormalDist().inv_cdf(0.5 + confidence / 2), self.trials, self.successes / self.trials
         middle, spread = p + z * z / (2 * n), z * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
         low, high = (middle - spread) / (1 + z * z / n), (middle + spread) / (1 + z * z / n)
-        # If all or none succeed, the bound is known exactly; floats would miss it.
+        # if all or none succeed, the bound is known exactly, and floats would miss it
         return (0.0 if self.successes == 0 else low), (1.0 if self.successes == n else high)
 
     def __str__(self) -> str:
@@ -58,8 +58,8 @@ class Rate(NamedTuple):
 class Tally:
     """The numbers of validated tasks, of feasible tasks, and of failures by reason.
 
-    `reasons` counts the failed tasks by status and reason, `causes` the failed attempts of all tasks. `nearest`
-    describes how far the best attempts got at the first task with the status not_found.
+    `reasons` counts the failed tasks by status and reason, and `causes` counts the failed attempts at all tasks.
+    `nearest` describes how far the best attempts got at the first task with the status not_found.
     """
 
     seen: int = 0

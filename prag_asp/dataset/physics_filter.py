@@ -1,4 +1,4 @@
-"""Filter the tasks sampled from a space by physics."""
+"""Sample tasks from a space, and keep those that physics finds feasible."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class TaskSource(Protocol):
-    """A domain and a stream of its tasks: a `TaskSpace`, or given tasks."""
+    """A domain and a stream of its tasks, such as a `TaskSpace` or given tasks."""
 
     @property
     def domain(self) -> Domain:
@@ -51,16 +51,16 @@ def feasible(
 ) -> Generator[Record, None, None]:
     """Yield feasible tasks sampled from a space, each with its verdict and its witness, endlessly.
 
-    `scene` is by default the scene of the domain, and `drawing` holds options of `TaskSpace.stream`; with
-    ``distinct=True``, no task is sampled twice, and the iterator ends with the last task. It also ends
-    after a number of `draws`, feasible or not; `tally` counts all of them, and `progress` is called after each. Tasks
-    that do not satisfy `keep`, a function such as `exclude` returns, do not count as draws. With `demonstrate`, the
-    robot performs each task, and recordings are written into that folder, which is created if it is missing; `staging`
-    holds the cameras that record the tasks and the properties that vary. The results depend only on the seed, not on
-    the number of `workers`.
+    By default, `scene` is the scene of the domain; `drawing` holds options of `TaskSpace.stream`; with
+    ``distinct=True``, no task is sampled twice, and the iterator ends with the last task. It also ends after `draws`
+    draws, feasible or not; `tally` counts all of them, and `progress` is called after each. Tasks that do not satisfy
+    `keep`, which is a function such as `exclude` returns, do not count as draws. With `demonstrate`, the robot performs
+    each task, and recordings are written into that folder, which is created if it is missing; `staging` holds the
+    cameras that record the tasks and the properties that vary. The results depend only on the seed, not on the number
+    of `workers`.
 
     Raises:
-        SceneError: the domain has no scene, or the scene lacks the shape of an entity of a task.
+        SceneError: the domain has no scene, or the scene lacks the shape of an entity in a task.
         QueryError: the space is empty, or a sampling option is wrong.
         OutputError: a recording cannot be written.
         WorkerError: workers died repeatedly.

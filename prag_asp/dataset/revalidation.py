@@ -1,4 +1,4 @@
-"""Revalidate the tasks of a file: check that their plans are valid and physically feasible."""
+"""Revalidate the tasks in a file: check that their plans are valid and physically feasible."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 BATCH = 128
-"""The maximum number of tasks that are read ahead, and whose states are computed together."""
+"""The maximum number of tasks that are read ahead and whose states are computed together."""
 
 CheckedRecord = tuple[Record, str]
 """A record, and the fault of its task, or "" if it is valid."""
@@ -38,7 +38,7 @@ CheckedRecord = tuple[Record, str]
 
 @dataclass(frozen=True)
 class Outcome:
-    """The outcome of a task: its status, reason and causes of failed attempts.
+    """The outcome of checking a task: its status, its reason and the causes of failed attempts.
 
     `status` is feasible, not_found, infeasible, invalid or witness_fails. `detail` names the fact or the bodies
     responsible, if they are known.
@@ -66,12 +66,12 @@ def recheck(
     load: Callable[[Record, Path], Domain] | None = None,
     folder: Path = Path(),
 ) -> Generator[Outcome, None, None]:
-    """Yield the outcome of each task of a file, or of records: check that the plan is valid and feasible.
+    """Check that the plan of each task in a file, or in records, is valid and feasible, and yield the outcomes.
 
-    Physics searches for new witnesses, with an outcome that does not depend on the position of the task; with
+    Physics searches for new witnesses, and the outcome does not depend on the position of the task; with
     `witness_only`, it checks the witnesses in the file. Without a `domain`, each record names its own domain: a shipped
     domain, or a folder in the current folder or next to the file (for records, in `folder`); `load` replaces the
-    default loader. Tasks must satisfy the conditions `where`. With `demonstrate`, the robot performs each task, and
+    default loader. Tasks have to satisfy the conditions `where`. With `demonstrate`, the robot performs each task, and
     recordings are written into that folder, with the cameras and variations of `staging`. Records are read a little
     ahead.
 
@@ -134,7 +134,7 @@ def _fault(task: Task, expected: Task) -> str:
 def _outcomes(
     records: Iterator[CheckedRecord], scene: Scene, witness_only: bool, options: Mapping[str, Any]
 ) -> Iterator[Outcome]:
-    """Yield the outcome of each task, in order: by a new search for a witness, or by a check of its witness."""
+    """Yield the outcome of each task, in order: search for a new witness, or check the witness that it has."""
     waiting: deque[tuple[Record, Outcome | None]] = deque()
 
     def jobs() -> Iterator[tuple[int, Any]]:
@@ -174,7 +174,7 @@ def _witness_or_outcome(record: Record, scene: Scene) -> Witness | Outcome:
 
 
 def _leading_outcomes(waiting: deque[tuple[Record, Outcome | None]]) -> Iterator[Outcome]:
-    """Yield the outcomes before the first record that is still to be checked."""
+    """Yield the outcomes that precede the first record still to be checked."""
     while waiting and (outcome := waiting[0][1]) is not None:
         waiting.popleft()
         yield outcome

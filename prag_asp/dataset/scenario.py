@@ -5,8 +5,8 @@ An id is ``DOMAIN:DIGEST:LENGTH:RANK[:START][~CONDITION...]``, such as ``tableto
 - the name of the domain, with set constants as ``,NAME=VALUE``, and a digest of everything on which its tasks and
   initial states depend (`prag_asp.dataset.scenarios`);
 - the length of the task, and its rank among the tasks of this length that satisfy the conditions;
-- the search that found the initial state, as ``SEED.INDEX``, and ``.RESTARTSxSAMPLES-TIER-KIND...`` if its budget is
-  not the default, or properties vary in its demonstration; it is missing without physics;
+- the search that found the initial state, as ``SEED.INDEX``, followed by ``.RESTARTSxSAMPLES-TIER-KIND...`` if its
+  budget is not the default or if properties vary in its demonstration; without physics, it is missing;
 - the conditions, each after a ``~``.
 
 Texts are percent-encoded as in a URL; a blank becomes ``+``. Each scenario has exactly one id.
@@ -28,11 +28,11 @@ if TYPE_CHECKING:
     from prag_asp.physics import Budget, Staging
 
 DIGITS = 10
-"""The number of hexadecimal digits in the digest of a domain: two versions of a domain agree by chance once in 10^12
+"""The number of hexadecimal digits in the digest of a domain; two versions of a domain agree by chance in one of 10^12
 pairs."""
 
 LONGEST = 100_000
-"""The maximum number of characters of an id: ranks of tasks of thousands of actions have thousands of digits."""
+"""The maximum number of characters in an id; ranks of tasks with thousands of actions have thousands of digits."""
 
 NUMBER = r"0|[1-9]\d*"
 FORM = re.compile(
@@ -95,7 +95,7 @@ class SearchStart:
 class Scenario:
     """A task, given by its rank among the tasks of its length that satisfy the conditions, and its initial state.
 
-    `digest` is the digest of the domain. Without physics, the task has no `start`.
+    `digest` is the digest of the domain. Without physics, there is no `start`.
     """
 
     domain: str
@@ -108,7 +108,7 @@ class Scenario:
 
     @classmethod
     def parse(cls, text: str) -> Scenario:
-        """Return the scenario of an id.
+        """Return the scenario with a given id.
 
         Raises:
             QueryError: the text is not an id.
@@ -147,5 +147,5 @@ class Scenario:
 
 
 def _quoted(text: str, quoting: Callable[..., str] = quote) -> str:
-    """Return a text with everything but letters, digits, ``-``, ``_`` and ``.`` encoded."""
+    """Return a text with all characters encoded except letters, digits, ``-``, ``_`` and ``.``."""
     return quoting(text, safe="").replace("~", "%7E")

@@ -31,12 +31,13 @@ if TYPE_CHECKING:
 class Scenarios:
     """The scenarios of a domain.
 
-    A scenario belongs to this domain if their digests are equal. The digest covers the statements of the program in any
-    order, whether composites count, and the table and the files of the scene, but not comments, weights and sentences.
+    A scenario belongs to this domain if their digests are equal. The digest covers the statements of the program
+    (regardless of their order), whether composites count, and the table and the files of the scene, but not comments,
+    weights or sentences.
     """
 
     def __init__(self, domain: Domain, space: TaskSpace | None = None) -> None:
-        """If a `space` of the domain is given, use its engines for tasks with its conditions."""
+        """If a `space` of the domain is given, its engines are used for tasks that satisfy its conditions."""
         self.domain = domain
         self._whole = None if space is None else space.whole
         self._spaces: dict[tuple[tuple[str, ...], int], TaskSpace] = {}
@@ -55,12 +56,12 @@ class Scenarios:
         return digest([program, bool(domain.facts.composites), table, files])[:DIGITS]
 
     def ranked(self, where: Sequence[str], length: int, rank: int, start: SearchStart | None = None) -> Scenario:
-        """Return the scenario of the task with a given rank among the tasks of a length that satisfy conditions."""
+        """Return the scenario of the task that has a given rank among the tasks of a length that satisfy conditions."""
         name, constants = self.domain.name, FrozenDict(self.domain.constants)
         return Scenario(name, self.digest, length, rank, start, tuple(sorted(where)), constants)
 
     def of(self, space: TaskSpace, task: Task, start: SearchStart | None = None) -> Scenario:
-        """Return the scenario of a task in a space; the lengths of the space do not matter.
+        """Return the scenario of a task from a space; the lengths of the space do not matter.
 
         Raises:
             QueryError: the space has no such task; a plan with renamed interchangeable entities is not a task.
@@ -73,7 +74,7 @@ class Scenarios:
         return self.ranked(_clauses(space.whole), len(word), rank, start)
 
     def check(self, scenario: Scenario) -> None:
-        """Check that a scenario belongs to this domain in its current state.
+        """Check that a scenario belongs to this domain in its current version.
 
         Raises:
             QueryError: the scenario has a different domain or different constants, or the domain has changed.
@@ -92,7 +93,8 @@ class Scenarios:
         """Return the task of a scenario.
 
         Raises:
-            QueryError: the scenario is of another domain or another state of this one, or there is no such rank.
+            QueryError: the scenario belongs to another domain or to another version of this one, or there is no such
+                rank.
         """
         self.check(scenario)
         space = self.space(scenario.where, scenario.length)
@@ -119,7 +121,7 @@ class Scenarios:
 
 
 def verdict_of(task: Task, start: SearchStart, validator: Validator) -> Verdict:
-    """Return the verdict of the search of a scenario on its task."""
+    """Return the verdict on a scenario's task that its search yields."""
     from prag_asp.physics import Staging
 
     staging = Staging(vary=start.vary)
@@ -127,7 +129,7 @@ def verdict_of(task: Task, start: SearchStart, validator: Validator) -> Verdict:
 
 
 def searched(task: Task, start: SearchStart, validator: Validator) -> Record:
-    """Return a task with the verdict and the witness that the search of its scenario finds.
+    """Return a task with the verdict and the witness that its scenario's search finds.
 
     Raises:
         QueryError: the search finds no witness, because the version of prag_asp or PyBullet differs.
@@ -153,7 +155,7 @@ def start_of(record: Record, staging: Staging | None = None) -> SearchStart | No
 
 
 def read_scenarios(file: str | Path) -> Iterator[Scenario]:
-    """Yield the scenarios of a file with an id on each line; blank lines are skipped.
+    """Yield the scenarios from a file with an id on each line; blank lines are skipped.
 
     Raises:
         OSError: the file cannot be read.
@@ -169,10 +171,10 @@ def read_scenarios(file: str | Path) -> Iterator[Scenario]:
 
 
 def exclude(space: TaskSpace, scenarios: Iterable[Scenario]) -> Callable[[Task], bool]:
-    """Return a function that returns true for the tasks of a space that belong to none of the given scenarios.
+    """Return a function that is true for those tasks of a space that belong to none of the given scenarios.
 
-    Initial states do not matter. If these tasks are left out of a sample without replacement, the remaining tasks are a
-    sample without replacement from all other tasks.
+    Initial states do not matter. If the tasks of the scenarios are left out of a sample without replacement, the
+    remaining tasks are a sample without replacement from all other tasks.
 
     Raises:
         QueryError: a scenario and the space have different domains or conditions, or a scenario has no task.
@@ -185,7 +187,7 @@ def exclude(space: TaskSpace, scenarios: Iterable[Scenario]) -> Callable[[Task],
 def excluded_ranks(
     space: TaskSpace, scenarios: Iterable[Scenario], here: Scenarios | None = None
 ) -> Iterator[tuple[int, int]]:
-    """Yield the lengths and ranks of the tasks of scenarios; `here` may hold the scenarios of the domain.
+    """Yield the lengths and ranks of the tasks in scenarios; `here` may hold the `Scenarios` of the domain.
 
     Raises:
         QueryError: the domain or the conditions of a scenario differ from those of the space.

@@ -1,4 +1,4 @@
-"""The scenarios of tasks that an earlier sample or dataset contains."""
+"""The scenarios of the tasks in an earlier sample or dataset."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from prag_asp.dataset.scenarios import read_scenarios
 
 
 def read_earlier(path: str | Path) -> Iterator[Scenario]:
-    """Yield the scenarios of the tasks of a dataset, or of a file with an id on each line.
+    """Yield the scenarios of the tasks in a dataset, or in a file with an id on each line.
 
     Raises:
         OSError: the file cannot be read.
-        QueryError: a line of the file is not a scenario id, or the folder is not a dataset.
+        QueryError: a line in the file is not a scenario id, or the folder is not a dataset.
         DatasetsMissingError: the path is a folder, and pyarrow is not installed.
     """
     if Path(path).is_dir():

@@ -26,8 +26,8 @@ START = 1 << 32
 """The difference between the indices of consecutive searches for the same task."""
 
 TRIES = 4
-"""The maximum number of searches per requested initial state: a search that finds no new initial state is replaced by
-the next."""
+"""The maximum number of searches per requested initial state; a search that finds no new one is replaced by the next.
+"""
 
 
 class ValidationJob(NamedTuple):
@@ -51,9 +51,9 @@ class JobResult(NamedTuple):
 
 @dataclass(frozen=True)
 class ValidationSetup:
-    """The options to validate the draws of a part of a dataset, with physics if there is a `scene`.
+    """The options for validating the draws of a part of a dataset, with physics if there is a `scene`.
 
-    If draws have to be decoded into tasks, and their texts written, `space` has its domain, lengths and conditions.
+    If draws have to be decoded into tasks and their texts written, `space` gives the domain, lengths and conditions.
     """
 
     part: str
@@ -64,13 +64,13 @@ class ValidationSetup:
 
 @contextmanager
 def open_job_validator(setup: ValidationSetup) -> Iterator[Callable[[int, ValidationJob], JobResult]]:
-    """Yield a function that validates a job with a task; search s of a draw has the index ``search + s * START``.
+    """Yield a function that validates a job with a task; the index of search s of a draw is ``search + s * START``.
 
     The results depend only on the seed and on this index. A search that finds no witness, or a witness from an initial
     state that another search found, is replaced by the next one, up to `TRIES` for each initial state.
 
     Raises:
-        SceneError: the scene cannot be built, or lacks the shape of an entity of a task.
+        SceneError: the scene cannot be built, or lacks the shape of an entity in a task.
     """
     with _validator(setup) as validator:
 
@@ -85,10 +85,10 @@ def open_job_validator(setup: ValidationSetup) -> Iterator[Callable[[int, Valida
 def open_draw_validator(
     setup: ValidationSetup,
 ) -> Iterator[Callable[[Sequence[ValidationJob]], tuple[list[JobResult], bytes]]]:
-    """Yield a function that decodes draws into tasks and validates them; it returns results, and their rows as Arrow.
+    """Yield a function that decodes draws into tasks and validates them; it returns results and, as Arrow, their rows.
 
     Raises:
-        SceneError: the scene cannot be built, or lacks the shape of an entity of a task.
+        SceneError: the scene cannot be built, or lacks the shape of an entity in a task.
     """
     from prag_asp.dataset.store.columns import TableBuilder, packed
     from prag_asp.dataset.store.instructions import captioner_of

@@ -1,1 +1,1 @@
-"""Load a domain from files and check it; write a new domain as a starting point."""
+"""Load a domain from files and check it, or write a new domain as a starting point."""

@@ -48,10 +48,10 @@ LEARNED = "learned.lp"
 """The file of invariants that physics has proved, written by `prag-asp learn`."""
 
 NO_SETTINGS = Path("<no domain.toml>")
-"""The pseudo-path of the settings of a domain without a folder."""
+"""The path that stands for the settings of a domain without a folder."""
 
 MESH = re.compile(rb"""filename\s*=\s*["']([^"']+)["']""")
-"""The file names of the meshes in a URDF."""
+"""The pattern of the file names of meshes in a URDF."""
 
 BOTH = "give a domain, then its problem: DOMAIN.pddl PROBLEM.pddl"
 
@@ -60,12 +60,12 @@ BOTH = "give a domain, then its problem: DOMAIN.pddl PROBLEM.pddl"
 class Domain:
     """A domain that has passed every check.
 
-    `program` is the whole logic program (encodings, files of the domain and selected rules), `facts` are those of its
-    base part. `folder` is None unless the domain was loaded by its name or folder. Physics runs the Python files of the
-    domain only if it is `trusted`. `learned` are the impossible pairs of fluents that only the file of learned
-    invariants states, `constants` the values set for ``#const``s, keyed by name. `reduction` is the small-model
-    reduction of `program`, if any: counts use it, while reading `facts` grounds all entities. `irreducible` is the
-    reason why a domain with many interchangeable entities has no reduction.
+    `program` is the whole logic program (encodings, files of the domain and selected rules), and `facts` are the facts
+    of its base part. `folder` is None unless the domain was loaded by its name or folder. Physics runs the Python files
+    of the domain only if it is `trusted`. `learned` are the impossible pairs of fluents that only the file of learned
+    invariants states, and `constants` are the values set for ``#const``s, by name. `reduction` is the small-model
+    reduction of `program`, if there is one: counts use it, whereas `facts` is ground with all entities. `irreducible`
+    is the reason why a domain with many interchangeable entities has no reduction.
     """
 
     name: str
@@ -104,16 +104,17 @@ def load_domain(
     """Read and check a domain: the name of a shipped domain, a folder, files that end in .lp, or a text.
 
     Files (``-`` is standard input) and a text together form one domain, named after the first. Includes are resolved in
-    the folder of the file, or for a text in the working directory; such a domain has no domain.toml. Two files that end
-    in .pddl are a PDDL domain and its problem; one file may have both. `constants` are values for ``#const``s of the
-    domain. `settings` is a file to read in place of the folder's domain.toml; its paths are relative to its folder.
+    the folder of the file or, for a text, in the working directory; such a domain has no domain.toml. Two files that
+    end in .pddl are a PDDL domain and its problem; a single file may contain both. `constants` are values for
+    ``#const``s of the domain. `settings` is a file to read in place of the folder's domain.toml; its paths are relative
+    to its folder.
 
     `rules` are names of files in the encodings' folder ``rules``; a rule with arguments, such as ``at_most(grasp,2)``,
     is also stated as a fact. `encodings` is a folder to use in place of the shipped encodings. With `flat`, the
     composites of the domain are ignored: any sequence of its actions can be a plan. With `trust`, physics may run the
     Python files that domain.toml names; nothing else runs them. Without `learned`, the folder's file of learned
-    invariants is not read. It is not read with `settings` either, because that file may describe another scene. With
-    `strict`, warnings are errors. With `untimed`, durative actions of PDDL are read as instantaneous ones.
+    invariants is not read. With `settings`, it is not read either, because that file may describe a different scene.
+    With `strict`, warnings are errors. With `untimed`, durative actions in PDDL are read as instantaneous ones.
 
     Raises:
         DomainError: the files have problems; the message has one line for each problem.
@@ -150,7 +151,7 @@ def load_domain(
 def _find_domain(
     names: Sequence[str | Path | Source], text: str | None, *, untimed: bool
 ) -> tuple[str, Path | None, list[Path | Source], tuple[Problem, ...]]:
-    """Return the name of a domain, its folder if any, its files and texts in order, and warnings about PDDL.
+    """Return the name of a domain, its folder (if any), its files and texts in order, and warnings about PDDL.
 
     The arguments are one name or folder, or any number of files and at most one text.
 
@@ -193,7 +194,7 @@ def _find_domain(
 
 
 def _whole_program(core: tuple[Source, ...], own: tuple[Source, ...], rules: Iterable[str], encodings: Path) -> Program:
-    """Join the core encodings, the encodings that a domain's `own` files need, these files, and `rules`.
+    """Combine the core encodings, the encodings that a domain's `own` files need, these files, and `rules`.
 
     Raises:
         DomainError: the rule does not exist, or takes a different number of arguments.
@@ -221,7 +222,7 @@ def _settings_file(settings: str | Path | None, folder: Path | None) -> Source:
 
 
 def _rule_sources(rule: str, encodings: Path) -> tuple[Source, ...]:
-    """Return the files of a rule; a rule with arguments is also stated as a fact, in an additional source.
+    """Return the files of a rule; if it has arguments, they also include a source that states it as a fact.
 
     Raises:
         DomainError: the rule does not exist, or takes a different number of arguments.

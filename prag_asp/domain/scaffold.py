@@ -17,8 +17,8 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 def write_new_domain(name: str, parent: Path = Path(), *, plain: bool = False, like: str | None = None) -> Path:
     """Write a domain as a starting point into a new folder `name` in `parent`, and return the folder.
 
-    It is a small commented domain with a robot, whose tasks are feasible; a `plain` domain has no robot. `like` is the
-    name of a shipped domain to copy instead, without its known counts.
+    It is a small domain with comments and a robot, whose tasks are feasible; a `plain` domain has no robot. `like` is
+    the name of a shipped domain to copy instead, without its known counts.
 
     Raises:
         DomainError: the name is invalid, the folder exists, or `like` is not a shipped domain or is given with
@@ -49,7 +49,7 @@ def _small_domain(name: str, *, plain: bool) -> dict[str, bytes]:
 
 
 def _shipped_files(name: str) -> dict[str, bytes]:
-    """Return the files of a shipped domain, keyed by path within its folder, without its known counts.
+    """Return the files of a shipped domain by their paths in its folder, without its known counts.
 
     Raises:
         DomainError: there is no such domain.

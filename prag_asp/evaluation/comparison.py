@@ -17,7 +17,7 @@ from prag_asp.wording import plural
 
 @dataclass(frozen=True)
 class PolicyComparison:
-    """Pairs of episodes of two evaluations: one pair for each shared scenario.
+    """Pairs of episodes from two evaluations: one pair for each shared scenario.
 
     `only_first` and `only_second` count episodes without a counterpart; `other_states` counts scenarios whose initial
     states differ, because different versions searched for them. None of these are compared. `strata` are those of both
@@ -31,7 +31,7 @@ class PolicyComparison:
     strata: tuple[StratumFigures, ...] = ()
 
     def whole_space(self) -> StratifiedDifference | None:
-        """Return the difference over all tasks of the space; None unless all episodes of the same strata are paired."""
+        """Return the difference over all tasks of the space, or None unless all episodes of equal strata are paired."""
         return stratified_difference(self.pairs, self.strata) if self.strata else None
 
     def whole(self) -> Pairs:
@@ -94,13 +94,13 @@ class PolicyComparison:
 
 
 PAIRED = tuple(what for what in GROUPINGS if what != "action")
-"""The groupings of pairs: there is none by action, because the subgoals that two policies pursue are not paired."""
+"""The groupings of pairs; there is none by action, because the subgoals that two policies pursue are not paired."""
 
 
 def compare(first: Results, second: Results, *, across: bool = False) -> PolicyComparison:
     """Pair the episodes of two evaluations by their scenarios.
 
-    With `across`, evaluations with different domains, controls or step limits are compared, too.
+    With `across`, evaluations with different domains, controls or step limits are compared as well.
 
     Raises:
         QueryError: the domain, the control or the step limit differs, a scenario occurs twice, or no episodes can be

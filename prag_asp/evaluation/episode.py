@@ -48,8 +48,8 @@ class EvaluatedEpisode(msgspec.Struct, frozen=True):
     `part` is the part of a dataset or a suite, the stratum of a stratified sample, or "". `initial` is a digest of the
     initial state, and `classes` are the classes of the entities that the actions name. `reached` counts the subgoals
     that were reached; `subgoals` holds a result for each subgoal that was pursued. `cause` is one of `SUCCESS`, `LIMIT`
-    and `GAVE_UP`; `seconds` is the simulated time. `weight` is the exact weight of the episode in a stratified sample
-    as text, and `weight_value` the nearest float; without strata, they are "" and 0.
+    and `GAVE_UP`; `seconds` is the simulated time. `weight` is the exact weight of the episode in a stratified sample,
+    as text, and `weight_value` is the nearest float; without strata, they are "" and 0.
     """
 
     scenario: str
@@ -72,7 +72,7 @@ class EvaluatedEpisode(msgspec.Struct, frozen=True):
 class EpisodeJob(NamedTuple):
     """An episode to run: its part, its scenario, and its task with a witness, or None to search for one.
 
-    `texts` are the texts of the task in a dataset.
+    `texts` are the texts of the task from a dataset.
     """
 
     part: str
@@ -82,9 +82,9 @@ class EpisodeJob(NamedTuple):
 
 
 class JobGroup(NamedTuple):
-    """The numbered jobs of a stratum, or of all scenarios; they are run until `requested` of them have a witness.
+    """The numbered jobs for a stratum or for all scenarios; they are run until `requested` of them have a witness.
 
-    `size` is the number of tasks from which they are drawn, or `requested` if they are given.
+    `size` is the number of tasks from which they are drawn, or `requested` if the scenarios are given.
     """
 
     name: str
@@ -95,7 +95,7 @@ class JobGroup(NamedTuple):
 
 @dataclass(frozen=True)
 class EpisodeSetup:
-    """The common setup of all episodes of an evaluation; `options` are arguments of the environment."""
+    """The common setup of all episodes in an evaluation; `options` are arguments of the environment."""
 
     domain: Domain
     lengths: tuple[int, ...]
@@ -168,7 +168,7 @@ class EpisodeRunner:
 
     @contextmanager
     def _errors(self, scenario: Scenario) -> Iterator[None]:
-        """Name the policy and the scenario in an error of the policy."""
+        """Name the policy and the scenario in an error that the policy raises."""
         try:
             yield
         except Exception as error:  # a policy may raise anything
@@ -201,7 +201,7 @@ def open_runner(setup: EpisodeSetup, **options: Any) -> Iterator[EpisodeRunner]:
 
 @contextmanager
 def open_episodes(setup: EpisodeSetup) -> Iterator[Callable[[int, EpisodeJob], EvaluatedEpisode | None]]:
-    """Yield a function that runs a numbered episode, for a worker."""
+    """Yield a function that runs a numbered episode, for use in a worker."""
     with open_runner(setup) as runner:
 
         def run(_: int, job: EpisodeJob) -> EvaluatedEpisode | None:
@@ -218,7 +218,7 @@ def classes_of(task: Task) -> list[str]:
 
 
 def episode_seed(seed: int, scenario: Scenario) -> int:
-    """Return the seed of a policy's random choices in a scenario; it does not depend on other scenarios."""
+    """Return the seed for a policy's random choices in a scenario; it does not depend on other scenarios."""
     return int.from_bytes(blake2b(f"{seed} {scenario}".encode(), digest_size=SEED_BYTES).digest(), "big")
 
 

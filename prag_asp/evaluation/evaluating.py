@@ -24,6 +24,7 @@ from prag_asp.evaluation.stratified_rates import weighted
 from prag_asp.missing import require_pyarrow
 from prag_asp.output import Journal, file_in, make_folder
 from prag_asp.output.digests import digest
+from prag_asp.processes.progress_events import report_progress
 from prag_asp.processes.worker_pool import map_ordered
 from prag_asp.processes.workers import uninterrupted
 from prag_asp.versions import versions
@@ -39,13 +40,13 @@ ACTIVITY = "evaluating a policy"
 ENVIRONMENT = (
     "control", "rate", "action_scale", "observation", "everything", "goals", "steps", "language", "cameras", "size",
 )  # fmt: skip
-"""The environment options that an evaluation may set: those of the observations and actions of a policy."""
+"""The environment options that an evaluation may set: those for the observations and actions of a policy."""
 
 JOURNAL = "journal.part"
-"""The file with the results of episodes until all episodes have ended."""
+"""The file with the results of episodes, which exists until all episodes have ended."""
 
 VIDEOS = "videos"
-"""The folder of the videos of failures."""
+"""The folder for the videos of failures."""
 
 Progress = Callable[[str, int, int], None]
 """Reports progress: a message, the number of episodes so far, and the number requested."""
@@ -60,7 +61,7 @@ def evaluate(
     seed: int = 0,
     wrapper: Callable[[Any], gymnasium.Env[Any, Any]] | None = None,
     videos: int = 0,
-    progress: Progress = lambda words, done, total: None,
+    progress: Progress = report_progress,
     **environment: Any,
 ) -> Results:
     """Run a policy in each scenario of a source, and return the results.
@@ -116,7 +117,7 @@ def _continued(
     folder: Path, record: EvaluationRecord, source: ScenarioSource, setup: EpisodeSetup, workers: int, videos: int,
     progress: Progress,
 ) -> Results:  # fmt: skip
-    """Evaluate from where an interrupted evaluation stopped, and write the results and videos to a folder."""
+    """Resume an interrupted evaluation where it stopped, and write the results and videos to a folder."""
     journal = Journal(folder / JOURNAL, record.identity)
     try:
         results = Results(*_evaluated(record, source, setup, workers, journal.lines, journal.write, progress))
@@ -141,8 +142,7 @@ def _evaluated(
 ) -> tuple[EvaluationRecord, tuple[EvaluatedEpisode, ...]]:
     """Return the record and the episodes, first those of an interrupted evaluation; `write` stores new episodes.
 
-    Raises:
-        NotFound: there are fewer feasible scenarios than requested, other than in strata that have no more.
+    Raises: NotFound: there are fewer feasible scenarios than requested, except in strata that have no more.
     """
     groups = source.groups()
     feed = StratumFeed([(each.name, each.size, each.requested) for each in groups], [each.jobs for each in groups])
@@ -184,7 +184,7 @@ def _evaluated(
 
 
 def _write_videos(results: Results, source: ScenarioSource, setup: EpisodeSetup, folder: Path, count: int) -> None:
-    """Repeat the first failed episodes exactly, and write a video of each."""
+    """Repeat the first failed episodes exactly, and write a video of each one."""
     from prag_asp.dataset.formats.video import Video
     from prag_asp.missing import require_packages
 
@@ -208,7 +208,7 @@ def _write_videos(results: Results, source: ScenarioSource, setup: EpisodeSetup,
 
 
 def _jobs_of(results: Results, source: ScenarioSource) -> Iterator[tuple[int, EpisodeJob]]:
-    """Yield the job of each episode with the number of the episode."""
+    """Yield the job for each episode, with the number of the episode."""
     number = 0
     for _, job in chain.from_iterable(group.jobs for group in source.groups()):
         if number < len(results.episodes) and str(job.scenario) == results.episodes[number].scenario:

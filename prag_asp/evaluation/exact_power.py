@@ -1,7 +1,7 @@
 """The exact power of two tests: Fisher's for two samples, and McNemar's for pairs.
 
-Powers are sums over all results that the tests reject. Terms that together have a probability below 1e-15 are omitted;
-the others are computed as floats. Whether a result is rejected is decided exactly.
+Powers are sums over all results that the tests reject. Terms whose total probability is below 1e-15 are omitted; the
+others are computed as floats. Whether a result is rejected is decided exactly.
 """
 
 from __future__ import annotations
@@ -20,13 +20,14 @@ if TYPE_CHECKING:
     Integers = NDArray[np.int64]
 
 DEVIATIONS = math.log(1e18) / 2
-"""A sum of n independent or hypergeometric bits is further than sqrt(DEVIATIONS * n) from its mean, on one side, with
-a probability of at most 1e-18 (Hoeffding, 1963)."""
+"""A sum of n independent or hypergeometric bits is farther than sqrt(DEVIATIONS * n) from its mean, on one side, with a
+probability of at most 1e-18 (Hoeffding, 1963)."""
 
 CLOSE = 1e-8
-"""The relative difference from the level of significance below which integers decide; the error of floats is smaller.
+"""The relative difference from the significance level below which integers decide; the error of floats is smaller.
 
-A sum of nine logarithms of factorials up to 200,000!, which is about exp(2e6), is off by at most 4e-9."""
+A sum of nine logarithms of factorials up to 200,000!, which is about exp(2e6), is off by at most 4e-9.
+"""
 
 
 def unpaired_power(scenarios: int, first: float, second: float, alpha: Fraction) -> float:
@@ -46,7 +47,7 @@ def unpaired_power(scenarios: int, first: float, second: float, alpha: Fraction)
 
 
 def paired_power(scenarios: int, first: float, second: float, alpha: Fraction) -> float:
-    """Return the power of McNemar's exact test, given the probability for each policy that only it succeeds."""
+    """Return the power of McNemar's exact test, given, for each policy, the probability that only it succeeds."""
     share = first + second
     if share == 0:
         return 0.0
@@ -61,7 +62,7 @@ def paired_power(scenarios: int, first: float, second: float, alpha: Fraction) -
 
 
 def fisher_critical_values(scenarios: int, totals: Integers, alpha: Fraction) -> Integers:
-    """For each total of successes, return the largest number in one sample that Fisher's test rejects as too few.
+    """For each number of successes, return the largest number in one sample that Fisher's test rejects as too few.
 
     Both samples have `scenarios` members. A result is rejected if twice the tail is at most alpha. If no number is
     rejected, the result is one less than the smallest possible number.
@@ -116,7 +117,7 @@ def _tail_within(bound: int, term: int, number: int, before: Callable[[int, int]
 def _largest_rejected(
     rows: Integers, numbers: Integers, tails: Floats, alpha: Fraction, exact: Callable[[int, int], bool]
 ) -> Integers:
-    """Return the last number of each row whose doubled tail is at most alpha; `exact` decides if floats are close."""
+    """Return the last number in each row whose doubled tail is at most alpha; `exact` decides if floats are close."""
     ratio = 2 * tails / float(alpha)
     rejected = ratio <= 1
     for row, column in np.argwhere(np.abs(ratio - 1) < CLOSE):
@@ -126,7 +127,7 @@ def _largest_rejected(
 
 
 def _binomial_at_most(bounds: Integers, sizes: Integers, probability: float) -> Floats:
-    """Return the probabilities that binomial variables are at most their bounds."""
+    """Return the probability that each binomial variable is at most its bound."""
     spread = np.sqrt(DEVIATIONS * sizes)
     lowest = np.maximum(np.floor(sizes * probability - spread).astype(np.int64), 0)
     numbers = lowest[:, None] + np.arange(2 * math.ceil(spread[-1]) + 2)
@@ -135,7 +136,7 @@ def _binomial_at_most(bounds: Integers, sizes: Integers, probability: float) -> 
 
 
 def _binomial(sizes: int | Integers, numbers: Integers, probability: float) -> Floats:
-    """Return binomial probabilities; 0 for impossible numbers."""
+    """Return binomial probabilities, or 0 for impossible numbers."""
     if probability in (0.0, 1.0):
         return np.asarray(numbers == sizes * int(probability), dtype=np.float64)
     ways = _log_binomials(sizes, numbers)
@@ -144,7 +145,7 @@ def _binomial(sizes: int | Integers, numbers: Integers, probability: float) -> F
 
 
 def _log_binomials(sizes: int | Integers, numbers: Integers) -> Floats:
-    """Return the logarithms of binomial coefficients; minus infinity for impossible numbers."""
+    """Return the logarithms of binomial coefficients, or minus infinity for impossible numbers."""
     possible = (numbers >= 0) & (numbers <= sizes)
     chosen = np.where(possible, numbers, 0)
     logs = _log_factorials(int(np.max(sizes)))
@@ -156,7 +157,7 @@ _FACTORIALS: list[Floats] = [np.zeros(1)]
 
 
 def _log_factorials(largest: int) -> Floats:
-    """Return the logarithms of the factorials of 0 to at least `largest`; they are cached."""
+    """Return the logarithms of the factorials from 0 to at least `largest`; they are cached."""
     if len(_FACTORIALS[0]) <= largest:
         sizes = range(2 * largest + 1)
         _FACTORIALS[0] = np.array([math.lgamma(size + 1) for size in sizes])

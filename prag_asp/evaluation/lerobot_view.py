@@ -18,11 +18,11 @@ from prag_asp.rl.environment import TaskEnv
 from prag_asp.wording import unknown
 
 CAMERA = "camera_"
-"""The prefix of the images in an observation of the environment."""
+"""The prefix of images in an observation of the environment."""
 
 
 def arm_state(env: TaskEnv, names: Sequence[StateName]) -> NDArray[np.float32]:
-    """Return the state of the robots in given conventions; `state_names` names its numbers."""
+    """Return the state of the robots in given conventions; `state_names` gives the names of its numbers."""
     arms = [env.situation.arm(robot) for robot in env.scene.robots]
     rows = np.array([[[*arm.joints, arm.width] for arm in arms]])
     state: NDArray[np.float32] = states_in(names, env.scene, rows)[0].astype(np.float32)
@@ -30,11 +30,12 @@ def arm_state(env: TaskEnv, names: Sequence[StateName]) -> NDArray[np.float32]:
 
 
 class LeRobotView(gymnasium.Wrapper[Any, Any, Any, Any]):
-    """Converts observations to those of an exported dataset, under the names that LeRobot renames.
+    """Converts observations to those of an exported dataset, under the names that LeRobot expects and renames.
 
-    ``agent_pos`` is ``observation.state`` (in the conventions `state`), ``environment_state`` has the poses of objects,
-    which are left out if there are cameras, and ``pixels`` the images of the cameras. The attribute `task_description`
-    is the instruction of the episode; `steps` is the largest number of steps of an episode, which LeRobot needs.
+    ``agent_pos`` is ``observation.state`` (in the conventions `state`), ``environment_state`` holds the poses of
+    objects, which are left out if there are cameras, and ``pixels`` holds the images from the cameras. The attribute
+    `task_description` is the instruction of the episode; `steps` is the largest number of steps in an episode, which
+    LeRobot needs.
 
     Raises:
         QueryError: there is no such state.
@@ -82,7 +83,7 @@ class LeRobotView(gymnasium.Wrapper[Any, Any, Any, Any]):
         return self._converted(observation), reward, done, late, info
 
     def _converted(self, observation: Any) -> dict[str, Any]:
-        """Return the observation of a moment."""
+        """Return an observation in LeRobot's form."""
         state = {"agent_pos": arm_state(self._task_env, self._state)}
         if self._cameras:
             return {**state, "pixels": {name.removeprefix(CAMERA): observation[name] for name in self._cameras}}

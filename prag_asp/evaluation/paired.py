@@ -1,4 +1,4 @@
-"""Statistics of paired successes: an exact test, and an interval for the difference of two proportions."""
+"""Statistics of paired successes: an exact test, and an interval for the difference between two proportions."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Pairs(NamedTuple):
 
     @property
     def difference(self) -> Fraction:
-        """The exact difference of the shares, first minus second; 0 without pairs."""
+        """The exact difference between the shares, first minus second, or 0 without pairs."""
         return Fraction(self.first - self.second, self.total) if self.total else Fraction(0)
 
     def p_value(self) -> Fraction:
@@ -44,11 +44,11 @@ class Pairs(NamedTuple):
         return min(Fraction(1), Fraction(2 * tail, 2**differ))
 
     def interval(self, confidence: float = 0.95) -> tuple[float, float]:
-        """Return an interval for the difference of the probabilities of success, first minus second.
+        """Return an interval for the difference between the probabilities of success, first minus second.
 
-        It is method 10 of Newcombe, "Improved confidence intervals for the difference between binomial proportions
-        based on paired data", Statistics in Medicine 17 (1998): Wilson's intervals of both shares are combined with
-        the correlation of the pairs, which is corrected for continuity.
+        It is method 10 in Newcombe, "Improved confidence intervals for the difference between binomial proportions
+        based on paired data", Statistics in Medicine 17 (1998): Wilson's intervals for the two shares are combined
+        using the correlation of the pairs, which is corrected for continuity.
 
         Raises:
             QueryError: the confidence is not between 0 and 1.
@@ -63,7 +63,7 @@ class Pairs(NamedTuple):
         return max(-1.0, difference - below), min(1.0, difference + above)
 
     def _correlation(self) -> float:
-        """Return the correlation of the successes of a pair, moved towards 0 by the correction of method 10."""
+        """Return the correlation between the successes in a pair, moved towards 0 by the correction of method 10."""
         a, b, c, d = self
         product = (a + b) * (c + d) * (a + c) * (b + d)
         if product == 0:
@@ -75,5 +75,5 @@ class Pairs(NamedTuple):
 
 
 def _combined(one: float, two: float, phi: float) -> float:
-    """Return the half-width for the difference of two shares, given their half-widths."""
+    """Return the half-width of the interval for the difference between two shares, given their half-widths."""
     return math.sqrt(max(one * one - 2 * phi * one * two + two * two, 0.0))

@@ -1,4 +1,4 @@
-"""Sample sizes, exact powers and smallest detectable effects for claims about two policies.
+"""Sample sizes, exact powers and smallest detectable effects for comparisons of two policies.
 
 >>> from prag_asp.evaluation import ComparisonDesign
 >>> design = ComparisonDesign(correlation=0.5)
@@ -24,33 +24,33 @@ Probability = int | float | str | Fraction
 """A probability; a float stands for its shortest decimal."""
 
 MOST = 100_000
-"""The maximum number of scenarios: more than any evaluation has; computing its power takes a second."""
+"""The maximum number of scenarios, which is more than any evaluation has; computing its power takes a second."""
 
 AHEAD = 30
-"""The number of further numbers of scenarios that must also reach the power, because exact power is not monotone.
+"""How many of the next numbers of scenarios must also reach the power, because exact power is not monotone.
 
-Critical values are integers, so power falls where one changes. The fluctuation is largest if all results differ; then,
-for effects of 0.06 to 0.3, numbers that reach a power of 0.8 and numbers that do not are mixed in a range of 7 to 39
-numbers, and the next 200 reach it.
+Critical values are integers, so power falls where one of them changes. The fluctuation is largest if all results
+differ: for effects of 0.06 to 0.3, there is then a range of 7 to 39 numbers in which some reach a power of 0.8 and
+others do not, and the next 200 numbers all reach it.
 """
 
 STEP = Fraction(1, 10_000)
 """The resolution of smallest effects: a hundredth of a percentage point."""
 
 LEAST_ALPHA = Fraction(1, 10**6)
-"""The smallest level of significance: tails of tests are sums of floats, which neglect parts of 1e-18."""
+"""The smallest significance level, because tails of tests are sums of floats that neglect parts of 1e-18."""
 
 
 @dataclass(frozen=True)
 class ComparisonDesign:
-    """Two policies whose rates of success are compared at a two-sided level of significance `alpha`.
+    """Two policies whose success rates are compared at a two-sided significance level `alpha`.
 
-    `rate` is the probability of success of the first policy; the probability of the second policy is larger by an
-    effect. If neither `correlation` nor `discordant` is given, each policy has its own sample of scenarios, and the
-    test is Fisher's exact test, which for samples of equal size doubles the smaller tail. Otherwise both policies run
-    in the same scenarios, and the test is McNemar's exact test (1947), as in `compare`; its unconditional power sums
-    over the number of scenarios in which only one policy succeeds (Duffy, Statistics in Medicine 3, 1984; Connor,
-    Biometrics 43, 1987). `correlation` is the correlation of the two results in a scenario, `discordant` the share of
+    `rate` is the probability of success of the first policy; that of the second policy is larger by the effect. If
+    neither `correlation` nor `discordant` is given, each policy has its own sample of scenarios, and the test is
+    Fisher's exact test, which, for samples of equal size, doubles the smaller tail. Otherwise both policies run in the
+    same scenarios, and the test is McNemar's exact test (1947), as in `compare`; its unconditional power sums over the
+    number of scenarios in which only one policy succeeds (Duffy, Statistics in Medicine 3, 1984; Connor, Biometrics 43,
+    1987). `correlation` is the correlation between the two results in a scenario, and `discordant` is the share of
     scenarios in which the results differ.
 
     With `tasks`, the number N of all tasks, scenarios are sampled from them without replacement and the claim is about
@@ -90,7 +90,7 @@ class ComparisonDesign:
         return "McNemar's exact test" if self.paired else "Fisher's exact test"
 
     def power(self, scenarios: int, effect: Probability) -> float:
-        """Return the probability that the test finds an effect with a number of scenarios for each policy.
+        """Return the probability that the test finds an effect with a given number of scenarios for each policy.
 
         Rejections in both directions count. With `tasks`, the power is that for the effective number of scenarios,
         rounded down and at most `MOST`, and 1 if the scenarios cover all tasks.
@@ -104,8 +104,9 @@ class ComparisonDesign:
     def scenarios(self, effect: Probability, power: Probability = Fraction(4, 5)) -> int:
         """Return how many scenarios each policy needs so that the test finds an effect with a given power.
 
-        Exact power is not monotone in the number of scenarios. Before the correction for `tasks`, the test has the
-        given power with the returned number and with each of the next 30 numbers, but not with the number before.
+        Exact power is not monotone in the number of scenarios. Apart from the correction for `tasks`, the test has the
+        given power with the returned number and with each of the next `AHEAD` numbers, but not with the number before
+        it.
 
         Raises:
             QueryError: the effect is 0 or impossible at this rate, or more than `MOST` scenarios are needed.
@@ -121,7 +122,7 @@ class ComparisonDesign:
     def smallest_effect(self, scenarios: int, power: Probability = Fraction(4, 5)) -> Fraction | None:
         """Return the smallest effect, in steps of 0.0001, that the test finds with a given power.
 
-        The result is None if the rate of the second policy cannot be large enough.
+        The result is None if the rate of the second policy cannot be that large.
 
         Raises:
             QueryError: more scenarios are given than there are tasks, or more than `MOST`.
@@ -139,7 +140,7 @@ class ComparisonDesign:
         return high * STEP
 
     def half_width(self, scenarios: int) -> float:
-        """Return the half-width of Wilson's interval (1927) for a success rate of `rate`, with confidence 1 - alpha.
+        """Return the half-width of Wilson's interval (1927) around a success rate of `rate`, with confidence 1 - alpha.
 
         Raises:
             QueryError: more scenarios are given than there are tasks, or more than `MOST`.
@@ -151,7 +152,7 @@ class ComparisonDesign:
         return z / (1 + z * z / number) * math.sqrt(p * (1 - p) / number + z * z / (4 * number * number))
 
     def _effective(self, scenarios: int, *, whole: bool = True) -> float:
-        """Return how many scenarios of an infinite space give the same variance as `scenarios` of `tasks`."""
+        """Return how many scenarios from an infinite space give the same variance as `scenarios` out of `tasks`."""
         if not 1 <= scenarios <= MOST:
             raise QueryError(f"{scenarios} scenarios: give a number from 1 to {MOST:,}")
         if self.tasks is None:
@@ -164,7 +165,7 @@ class ComparisonDesign:
         return math.floor(number) if whole else float(number)
 
     def _power(self, scenarios: float, effect: Fraction) -> float:
-        """Return the power with an effective number of scenarios."""
+        """Return the power for an effective number of scenarios."""
         first, second = _exact("rate", self.rate), _exact("rate", self.rate) + effect
         if not 0 <= second <= 1:
             raise QueryError(f"an effect of {float(effect):g} leads from the rate {float(first):g} to "
@@ -200,13 +201,13 @@ class ComparisonDesign:
         spread = math.sqrt(first * (1 - first) * second * (1 - second))
         both_succeed = float(first * second) + correlation * spread
         shares = [float(first) - both_succeed, float(second) - both_succeed]
-        undefined = spread == 0 != correlation  # a result that never varies correlates with nothing
+        undefined = spread == 0 != correlation  # a result that never varies is not correlated with anything
         if undefined or min(both_succeed, 1 - both_succeed - sum(shares), *shares) < -CLOSE:
             return -1.0, -1.0
         return max(shares[0], 0.0), max(shares[1], 0.0)
 
     def _largest_effect(self) -> Fraction:
-        """Return the largest effect, in steps, that the rate and the correlation allow; 0 if they allow none."""
+        """Return the largest effect, in steps, that the rate and the correlation allow, or 0 if they allow none."""
         low, high = 0, math.floor((1 - _exact("rate", self.rate)) / STEP)
 
         def possible(steps: int) -> bool:

@@ -1,4 +1,4 @@
-"""The results of an evaluation: a folder with a table of episodes, and rates of success with intervals."""
+"""The results of an evaluation: a folder with a table of episodes, and success rates with intervals."""
 
 from __future__ import annotations
 
@@ -25,11 +25,11 @@ from prag_asp.tables.json_fields import Whole
 from prag_asp.tables.report import shown
 
 EPISODES = "episodes.parquet"
-"""The file of the episodes, one row per episode."""
+"""The file of episodes, with one row per episode."""
 
 
 class EvaluationRecord(msgspec.Struct, frozen=True):
-    """The contents of evaluation.json: the policy, the scenarios and the options of an evaluation.
+    """The contents of evaluation.json: the policy, the scenarios and the options in an evaluation.
 
     `options` are the options of the environment as text; `rejected` counts sampled tasks that physics found infeasible.
     `strata` are those of a stratified sample; the part of each episode is then the name of its stratum.
@@ -120,11 +120,11 @@ class Results:
         EVALUATION.write(folder, self.record)
 
     def whole(self) -> Rate:
-        """Return the rate of success of all episodes."""
+        """Return the success rate over all episodes."""
         return rate(self.episodes)
 
     def whole_space(self) -> StratifiedRate | None:
-        """Return the rate of success over all tasks of the space, estimated from strata; None without strata."""
+        """Return the success rate over all tasks of the space, estimated from strata, or None if there are none."""
         return stratified_rate(self.episodes, self.record.strata) if self.record.strata else None
 
     def by(self, what: str) -> Mapping[str, Rate]:
@@ -146,11 +146,11 @@ class Results:
         return {str(key): Rate(successes[key], trials[key]) for key in sorted(trials)}
 
     def causes(self) -> Mapping[str, int]:
-        """Return the number of episodes that ended for each cause."""
+        """Return how many episodes ended for each cause."""
         return dict(Counter(episode.cause for episode in self.episodes).most_common())
 
     def table(self) -> str:
-        """Return the rates as text, with Wilson's 95 % intervals; with strata, first the rate over the whole space."""
+        """Return the rates as text, with Wilson's 95 % intervals; if there are strata, the whole space comes first."""
         estimate = self.whole_space()
         rows: list[tuple[str, Rate | StratifiedRate]] = [] if estimate is None else [("whole space", estimate)]
         rows.append(("all", self.whole()))
@@ -167,7 +167,7 @@ GROUPINGS = ("part", "length", "action", "class")
 
 
 def rate(episodes: Sequence[EvaluatedEpisode]) -> Rate:
-    """Return the rate of success of some episodes."""
+    """Return the success rate in some episodes."""
     return Rate(sum(episode.success for episode in episodes), len(episodes))
 
 

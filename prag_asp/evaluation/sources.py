@@ -58,17 +58,17 @@ class ScenarioSource(Protocol):
         ...
 
     def groups(self) -> list[JobGroup]:
-        """Return the jobs, by stratum if there are strata; jobs whose search finds no witness are left out."""
+        """Return the jobs, by stratum if there are strata; jobs whose search finds no witness are left out later."""
         ...
 
     def strata(self, feed: StratumFeed[EpisodeJob]) -> list[StratumFigures]:
-        """Return the figures of the strata after an evaluation, or none without strata."""
+        """Return the figures of the strata after an evaluation, or nothing if there are no strata."""
         ...
 
 
 @dataclass(frozen=True)
 class FreshScenarios:
-    """Distinct feasible tasks of a space that satisfy `keep`, sampled uniformly without replacement.
+    """Distinct feasible tasks from a space that satisfy `keep`, sampled uniformly without replacement.
 
     Tasks whose final state is the initial state are left out unless `trivial` is true. With a `stratification`, tasks
     are sampled from each stratum.
@@ -101,7 +101,7 @@ class FreshScenarios:
 
     @property
     def identity(self) -> str:
-        """The space, and the options of the sample."""
+        """The space, and the options for sampling."""
         scenarios = Scenarios(self.space.domain, self.space)
         return digest([scenarios.digest, self.title, self.count, str(self.budget), self.excluded, self.trivial])
 
@@ -122,7 +122,7 @@ class FreshScenarios:
         ]
 
     def strata(self, feed: StratumFeed[EpisodeJob]) -> list[StratumFigures]:
-        """Return the figures of the strata after an evaluation, or none without strata."""
+        """Return the figures of the strata after an evaluation, or nothing if there are no strata."""
         return [] if self.stratification is None else feed.figures()
 
     def _tasks(self, stratum: Stratum) -> Iterator[Task]:
@@ -130,7 +130,7 @@ class FreshScenarios:
         return (task for _, task in with_tasks(self.space, stratum.order.pick(numbers_from(0))))
 
     def _jobs(self, name: str, tasks: Iterator[Task]) -> Iterator[tuple[int, EpisodeJob]]:
-        """Yield the job of each task with its number among the sampled tasks; trivial ones are left out."""
+        """Yield the job for each task, with its number among the sampled tasks; trivial ones are left out."""
         scenarios = Scenarios(self.space.domain, self.space)
         for index, task in enumerate(tasks):
             if self.trivial or not task.trivial:
@@ -180,13 +180,13 @@ class NamedScenarios:
         return [JobGroup("", self.count, self.count, jobs)]
 
     def strata(self, feed: StratumFeed[EpisodeJob]) -> list[StratumFigures]:
-        """Return no strata: ids do not show what they were sampled from."""
+        """Return no strata, because ids do not show what they were sampled from."""
         return []
 
 
 @dataclass(frozen=True)
 class StoredScenarios:
-    """The tasks of parts of datasets with their stored initial states; at most `most` tasks from each part."""
+    """The tasks in parts of datasets with their stored initial states, at most `most` tasks from each part."""
 
     parts: Sequence[tuple[str, Dataset]]
     most: int | None = None
@@ -195,7 +195,7 @@ class StoredScenarios:
     def open(
         cls, folder: str | Path, parts: Sequence[str] = (), most: int | None = None, *, trust: bool = False
     ) -> StoredScenarios:
-        """Open all or some parts of a dataset or a suite.
+        """Open all or some of the parts of a dataset or a suite.
 
         Raises:
             QueryError: there is no dataset, no such part, or a part has no initial states.
@@ -253,7 +253,7 @@ class StoredScenarios:
         return [JobGroup("", self.count, self.count, enumerate(self.jobs()))]
 
     def strata(self, feed: StratumFeed[EpisodeJob]) -> list[StratumFigures]:
-        """Return the strata of the dataset, or none if its parts are not strata, or not all of them are evaluated."""
+        """Return the strata of the dataset, or nothing if its parts are not strata or not all of them are evaluated."""
         dataset = self.parts[0][1]
         strata = dataset.manifest.strata
         whole = {name for name, each in self.parts if each.folder == dataset.folder}

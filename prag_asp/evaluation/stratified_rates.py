@@ -1,4 +1,4 @@
-"""Rates of success over a whole space, and their differences, estimated from stratified samples."""
+"""Success rates over a whole space, and differences between them, estimated from stratified samples."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from prag_asp.evaluation.episode import EvaluatedEpisode
 from prag_asp.integers import number_of
 
 Outcomes = Mapping[str, Sequence[Fraction]]
-"""For each stratum, a value of each of its evaluated tasks: the share of its episodes that succeed."""
+"""For each stratum, the value of each of its evaluated tasks, which is the share of its episodes that succeed."""
 
 
 class StratifiedRate(NamedTuple):
-    """An estimate over a whole space: the share of successes, a 95 % interval, the standard error, and counts."""
+    """An estimate for a whole space: the share of successes, a 95 % interval, the standard error, and the counts."""
 
     share: Fraction
     low: float
@@ -37,7 +37,7 @@ class StratifiedRate(NamedTuple):
 
 
 class StratifiedDifference(NamedTuple):
-    """The estimated rates of two policies over a whole space, their difference, and a 95 % interval for it."""
+    """The estimated rates of two policies over a whole space, and their difference with its 95 % interval."""
 
     first: Fraction
     second: Fraction
@@ -55,7 +55,7 @@ class StratifiedDifference(NamedTuple):
 class EvaluatedStratum:
     """A stratum with its weight, the estimated number of its tasks that count, and the values of its sampled tasks.
 
-    `population` is never smaller than the number of sampled tasks, and equal to it if all tasks were drawn.
+    `population` is never smaller than the number of sampled tasks, and is equal to it if all tasks were drawn.
     `share_variance` is the variance of the estimated share of its tasks that count, divided by the squared share.
     """
 
@@ -91,7 +91,7 @@ class EvaluatedStratum:
 
     @property
     def shifted(self) -> float:
-        """The mean, moved towards 1/2 as by one more success and one more failure, so that its variance is not 0."""
+        """The mean after adding one success and one failure, so that its variance is not 0."""
         n = len(self.values)
         return float((self.mean * n + 1) / (n + 2))
 
@@ -99,7 +99,8 @@ class EvaluatedStratum:
 def weighted(episodes: Sequence[EvaluatedEpisode], strata: Sequence[StratumFigures]) -> tuple[EvaluatedEpisode, ...]:
     """Return the episodes with their weights, which sum to 1; without strata, the episodes as they are.
 
-    The weight of a stratum is divided equally among its evaluated tasks, and that of a task among its initial states.
+    The weight of a stratum is divided equally among its evaluated tasks, and the weight of a task equally among its
+    initial states.
     """
     if not strata:
         return tuple(episodes)
@@ -118,12 +119,12 @@ def weighted(episodes: Sequence[EvaluatedEpisode], strata: Sequence[StratumFigur
 def stratified_rate(
     episodes: Iterable[EvaluatedEpisode], strata: Sequence[StratumFigures], confidence: float = 0.95
 ) -> StratifiedRate:
-    """Return the rate of success over all tasks that count, with an interval.
+    """Return the success rate over all tasks that count, with an interval.
 
-    The rate is the weighted mean of the rates of the strata, and its variance the sum of theirs with squared weights,
-    each corrected for the finite population (Cochran, Sampling Techniques, 1977, chapter 5). The interval is Wilson's
-    with the effective number of tasks (Korn and Graubard 1998). If physics rejects tasks, the weights are estimates;
-    the interval includes their variance, as for a ratio (Cochran, section 6.11).
+    The rate is the weighted mean of the rates of the strata, and its variance is the sum of their variances with
+    squared weights, each corrected for the finite population (Cochran, Sampling Techniques, 1977, chapter 5). The
+    interval is Wilson's, with the effective number of tasks (Korn and Graubard 1998). If physics rejects tasks, the
+    weights are estimates; the interval includes their variance, as for a ratio (Cochran, section 6.11).
 
     Raises:
         QueryError: no task of any stratum counts.
@@ -146,7 +147,7 @@ def stratified_difference(
     strata: Sequence[StratumFigures],
     confidence: float = 0.95,
 ) -> StratifiedDifference:
-    """Return the difference of two rates of success over all tasks that count, from pairs of episodes.
+    """Return the difference between two success rates over all tasks that count, from pairs of episodes.
 
     The interval combines those of `stratified_rate` with the correlation of the two estimates (Zou and Donner 2008).
 
@@ -190,7 +191,7 @@ def _outcomes(episodes: Iterable[tuple[EvaluatedEpisode, bool]]) -> Outcomes:
 
 
 def _evaluated_strata(outcomes: Outcomes, strata: Sequence[StratumFigures]) -> list[EvaluatedStratum]:
-    """Return the strata with tasks that count, each with its weight and the values of its evaluated tasks."""
+    """Return the strata that have tasks that count, each with its weight and the values of its evaluated tasks."""
     weights = stratum_weights(strata)
     return [
         EvaluatedStratum(
@@ -207,9 +208,9 @@ def _evaluated_strata(outcomes: Outcomes, strata: Sequence[StratumFigures]) -> l
 def _interval(strata: Sequence[EvaluatedStratum], z: float) -> tuple[float, float]:
     """Return Wilson's interval for the weighted mean, with the number of independent tasks that the sample is worth.
 
-    This number is the ratio of the variances of a single task and of the weighted mean, both with shifted means: strata
-    with few tasks that all succeed do not make the estimate certain. For a single stratum it is its number of tasks,
-    corrected for the finite population.
+    This number is the ratio of the variance of a single task to that of the weighted mean, both computed with shifted
+    means, so that strata with few tasks that all succeed do not make the estimate certain. For a single stratum, it is
+    the number of tasks, corrected for the finite population.
     """
     rows = [(float(each.weight), each.shifted, each.size) for each in strata]
     middle = sum(weight * mean for weight, mean, _ in rows)

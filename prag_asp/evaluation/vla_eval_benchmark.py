@@ -1,6 +1,6 @@
 """A benchmark for vla-eval: the scenarios of a dataset or a suite, with a model server of vla-eval as the policy.
 
-Its configuration names it as ``prag_asp.evaluation.vla_eval_benchmark:ScenarioBenchmark``. Only this module imports
+Its configuration refers to it as ``prag_asp.evaluation.vla_eval_benchmark:ScenarioBenchmark``. Only this module imports
 vla-eval.
 """
 
@@ -34,7 +34,7 @@ ARM_ACTIONS = {
     "joint_position": {"joints": DimSpec("joints", 7, "joint_positions")},
     "joint_delta": {"joints": DimSpec("joints", 7, "joint_delta", (-1, 1))},
 }
-"""The numbers of an action of one arm besides the gripper, in the terms of vla-eval."""
+"""The numbers in an action of one arm besides the gripper, in vla-eval's terms."""
 
 
 class ScenarioBenchmark(StepBenchmark):  # type: ignore[misc]  # vla-eval has no types for mypy
@@ -42,15 +42,15 @@ class ScenarioBenchmark(StepBenchmark):  # type: ignore[misc]  # vla-eval has no
 
     `data` is the folder of a dataset or a suite with physics; `parts` and `most` are as in `StoredScenarios.open`.
     Actions follow the convention `control`, with `rate` actions per second; an episode has at most `steps` for each
-    subgoal. Observations have ``images`` of the `cameras`, which have `size` pixels a side, ``task_description`` (the
-    instruction, by default that of the dataset), and ``state`` in a convention.
+    subgoal. Observations contain ``images`` from the `cameras`, which are `size` pixels wide and high,
+    ``task_description`` (the instruction, by default that of the dataset), and ``state`` in a convention.
     """
 
     render_backends = frozenset({"cpu", "gpu"})
 
     @classmethod
     def configure_render(cls, mode: str) -> dict[str, str]:
-        """Return no environment variables: the renderer is the CPU in any mode."""
+        """Return no environment variables, because rendering uses the CPU in every mode."""
         return {}
 
     def __init__(
@@ -77,7 +77,7 @@ class ScenarioBenchmark(StepBenchmark):  # type: ignore[misc]  # vla-eval has no
         )  # fmt: skip
 
     def get_tasks(self) -> list[dict[str, Any]]:
-        """Return the scenarios: their ids as names, and their parts as suites."""
+        """Return the scenarios, with their ids as names and their parts as suites."""
         return [{"name": name, "suite": job.part} for name, job in self._jobs.items()]
 
     def reset(self, task: dict[str, Any]) -> Any:

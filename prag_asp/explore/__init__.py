@@ -1,4 +1,4 @@
-"""A local page that browses a task space: states of the page, the views that they show, and the server.
+"""Local pages for a task space or the answer sets of a program: states of a page, the views that they show, the server.
 
 PageState  <->  query of a link
     |

@@ -15,7 +15,7 @@ from prag_asp.space.engines.engine import Level
 
 @dataclass(frozen=True)
 class Side:
-    """The conditions of one side, the number of tasks that satisfy them, and of those that the other side lacks."""
+    """The conditions on one side, the number of tasks that satisfy them, and how many of these the other side lacks."""
 
     where: tuple[str, ...]
     count: str
@@ -27,10 +27,10 @@ class Side:
 
 @dataclass(frozen=True)
 class ComparisonView:
-    """The numbers of tasks under two conditions, under both and under one of them; `all` counts without conditions.
+    """The numbers of tasks under each of two conditions, both or only one; `all` is the number without conditions.
 
-    If the conditions distinguish interchangeable entities, `level` is ``plan``: plans are counted, because each
-    condition would count tasks up to other renamings.
+    If the conditions distinguish interchangeable entities, `level` is ``plan`` and plans are counted, because tasks
+    would be counted up to different renamings under each condition.
     """
 
     level: str
@@ -44,7 +44,7 @@ class ComparisonView:
 
 
 def comparison_view(explored: ExploredDomain, state: PageState) -> ComparisonView:
-    """Return the comparison of the two conditions of a page; chosen actions do not matter.
+    """Return the comparison of the two conditions on a page; chosen actions do not matter.
 
     Raises:
         PragError: there is no second condition, a condition does not fit the domain, or a limit was reached.

@@ -24,7 +24,7 @@ class EmptyView:
 
 
 def empty_view(explored: ExploredDomain, state: PageState) -> EmptyView:
-    """Return why no task begins with the chosen actions of a page.
+    """Return why no task begins with the actions chosen on a page.
 
     Raises:
         PragError: the state does not fit the domain, or the program cannot be translated to clauses.

@@ -1,4 +1,4 @@
-"""Jumps of a page: to the task with a given rank, and to a random one of the remaining tasks."""
+"""The jumps of a page: to the task with a given rank, and to a random one of the remaining tasks."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Jump:
 
 
 def to_rank(explored: ExploredDomain, state: PageState, text: str) -> Jump:
-    """Return the task or plan with a rank under the conditions; negative ranks count from the end.
+    """Return the task or plan with a given rank under the conditions; negative ranks count from the end.
 
     Raises:
         PragError: the text is not a rank, or a limit was reached.

@@ -1,4 +1,4 @@
-"""The local server of a page: it listens on the loopback address only, and serves only its own files and views.
+"""The local server of a page: it listens only on the loopback address, and serves only its own files and views.
 
 The first part of each path is a random token, so that no other user or page can send requests.
 """
@@ -18,18 +18,19 @@ from urllib.parse import parse_qsl, urlsplit
 
 from prag_asp.errors import LimitReached, PragError, QueryError
 from prag_asp.explore.turns import Turns
+from prag_asp.html.player import PLAYER
 from prag_asp.stop_reason import StopKind
 
 HOST = "127.0.0.1"
 
 PATIENCE = 30.0
-"""Seconds after which a connection without a request is closed."""
+"""The number of seconds after which a connection without a request is closed."""
 
 MOST_FIELDS = 16
-"""The maximum number of fields of a request."""
+"""The maximum number of fields in a request."""
 
 LARGEST_NUMBER = 10**15
-"""The largest number of a request of a window."""
+"""The largest number that a window may give a request."""
 
 KINDS = {
     ".html": "text/html; charset=utf-8",
@@ -37,7 +38,7 @@ KINDS = {
     ".css": "text/css; charset=utf-8",
     ".svg": "image/svg+xml",
 }
-"""The media types of the files of a page."""
+"""The media types of the files that make up a page."""
 
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; "
@@ -71,9 +72,9 @@ class Elsewhere:
 
 
 class PageServer(ThreadingHTTPServer):
-    """The server of the files in a folder and of views, each answered as JSON.
+    """Serves the files in a folder, the player of 3D scenes, and views, each as JSON.
 
-    `turns` lets one request compute at a time. `report` receives one line for each mistake of this package.
+    `turns` lets only one request compute at a time. `report` receives one line for each mistake of this package.
 
     Raises:
         QueryError: the port is in use, or may not be used.
@@ -94,7 +95,8 @@ class PageServer(ThreadingHTTPServer):
     ) -> None:
         self.views, self.turns, self.report = views, turns, report
         self.token = token_urlsafe(24)
-        self.files = {path.name: path.read_bytes() for path in folder.iterdir() if path.suffix in KINDS}
+        paths = (path for each in (PLAYER, folder) for path in each.iterdir())
+        self.files = {path.name: path.read_bytes() for path in paths if path.suffix in KINDS}
         try:
             super().__init__((HOST, port), _Handler)
         except OSError as error:
@@ -111,7 +113,7 @@ class PageServer(ThreadingHTTPServer):
 
     @property
     def link(self) -> str:
-        """The address of the page; a query may follow."""
+        """The address of the page, to which a query may be appended."""
         return f"http://{HOST}:{self.port}/{self.token}/"
 
     def server_close(self) -> None:
@@ -120,7 +122,7 @@ class PageServer(ThreadingHTTPServer):
         super().server_close()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Ignore a connection that its client has closed; the handler itself reports mistakes."""
+        """Ignore a connection that its client has closed; the handler itself reports errors of this package."""
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -186,7 +188,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._send_problem(HTTPStatus.UNPROCESSABLE_ENTITY, *error.lines)
         except RecursionError:
             self._send_problem(HTTPStatus.UNPROCESSABLE_ENTITY, "the condition is nested too deeply; make it flatter")
-        except Exception as error:  # a mistake of this package ends one request, not the server
+        except Exception as error:  # a mistake in this package ends one request, not the server
             self.server.report(f"{urlsplit(self.path).path.rpartition('/')[2]}: {type(error).__name__}: {error}")
             self._send_problem(HTTPStatus.INTERNAL_SERVER_ERROR, "prag_asp made a mistake; see the terminal")
         else:
@@ -211,7 +213,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
     def log_message(self, format: str, *args: Any) -> None:
-        """Print nothing: results go to the page."""
+        """Print nothing, because results go to the page."""
 
 
 def _number(text: str) -> int:

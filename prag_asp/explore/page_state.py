@@ -10,15 +10,15 @@ from prag_asp.space.engines.engine import Level
 from prag_asp.wording import unknown
 
 MOST_FIELDS = 500
-"""The maximum number of fields of a query."""
+"""The maximum number of fields in a query."""
 
 LONGEST_LENGTH = 10_000
-"""The maximum number of actions of a task on a page."""
+"""The maximum number of actions in a task on a page."""
 
 
 @dataclass(frozen=True)
 class PageState:
-    """What a page shows: the tasks of a length under conditions that begin with the chosen actions.
+    """What a page shows: the tasks of a given length under conditions that begin with the chosen actions.
 
     `beside` are the conditions to compare with `where`. With the level ``plan``, interchangeable entities are shown
     separately; with ``task``, they are shown as one.

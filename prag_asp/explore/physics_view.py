@@ -1,4 +1,4 @@
-"""The task of a page before physics: its verdict in words, its film strip, and the robot that executes it."""
+"""Physics for the task on a page: its verdict in words, its film strip, and the robot executing it in 3D."""
 
 from __future__ import annotations
 
@@ -10,17 +10,19 @@ from prag_asp.errors import LimitReached, QueryError
 from prag_asp.explore.explored_domain import Cache, ExploredDomain
 from prag_asp.explore.page_server import Picture
 from prag_asp.explore.same_result import SameResult, python_space, shell_line
-from prag_asp.explore.task_trial import Trial, draw_film, draw_strip, judge
+from prag_asp.explore.task_trial import Trial, draw_film, draw_strip, execute, judge, make_scene_file
+from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.verdict import Budget, Verdict
 from prag_asp.processes.bounded_call import bounded
 from prag_asp.stop_reason import StopKind
 from prag_asp.wording import plural
 
 LONGEST = 120
-"""Seconds after which physics gives up on a task of a page; almost all tasks of the examples take less than 10 s."""
+"""The number of seconds after which physics gives up on a page's task; almost all tasks of the examples take less than
+10 s."""
 
-VERDICTS, PICTURES = 64, 12
-"""Numbers of verdicts and of pictures that are cached; a picture has about 0.3 MB, and a video up to 3 MB."""
+VERDICTS, EPISODES, PICTURES = 64, 12, 12
+"""Numbers of verdicts, episodes and pictures that are cached: a picture has 0.3 MB, a video or 3D scene up to 3 MB."""
 
 Call = Callable[..., Any]
 """Calls a function with arguments, here or in another process."""
@@ -49,7 +51,7 @@ def call_here(function: Callable[..., Any], *arguments: Any) -> Any:
 
 
 def calls_elsewhere(explored: ExploredDomain) -> Call:
-    """Return calls in another process, which ends after `LONGEST` seconds or when the page no longer needs it."""
+    """Return calls in another process, which ends after `LONGEST` seconds or once the page no longer needs it."""
 
     def call(function: Callable[..., Any], *arguments: Any) -> Any:
         limits = explored.limits
@@ -66,11 +68,12 @@ def calls_elsewhere(explored: ExploredDomain) -> Call:
 
 @dataclass
 class TaskPhysics:
-    """The verdicts on tasks of a domain and their pictures, each computed once by `call` while it is cached."""
+    """The verdicts on a domain's tasks, their episodes and pictures, each made by `call` once while cached."""
 
     explored: ExploredDomain
     call: Call = call_here
     _verdicts: Cache = field(default_factory=lambda: Cache(VERDICTS))
+    _episodes: Cache = field(default_factory=lambda: Cache(EPISODES))
     _pictures: Cache = field(default_factory=lambda: Cache(PICTURES))
 
     def verdict(self, trial: Trial) -> TaskVerdict:
@@ -93,6 +96,18 @@ class TaskPhysics:
             ("strip", _key(trial)), lambda: Picture("image/png", self.call(draw_strip, trial, verdict))
         )
 
+    def scene_file(self, trial: Trial) -> Picture:
+        """Return the 3D scene of the robot that executes a feasible task, a .glb file.
+
+        Raises:
+            PragError: the task is not known to be feasible, the robot fails to execute it, a package is not installed,
+                or a limit was reached.
+        """
+        shown = self._episode(trial)
+        return self._pictures.get(
+            ("scene", _key(trial)), lambda: Picture("model/gltf-binary", self.call(make_scene_file, trial, shown))
+        )
+
     def animation(self, trial: Trial) -> Picture:
         """Return the animation of the robot that executes a feasible task.
 
@@ -100,8 +115,13 @@ class TaskPhysics:
             PragError: the task is not known to be feasible, the robot fails to execute it, a package is not installed,
                 or a limit was reached.
         """
+        shown = self._episode(trial)
+        return self._pictures.get(("film", _key(trial)), lambda: Picture(*self.call(draw_film, trial, shown)))
+
+    def _episode(self, trial: Trial) -> Demonstration:
         verdict = self._feasible(trial)
-        return self._pictures.get(("film", _key(trial)), lambda: Picture(*self.call(draw_film, trial, verdict)))
+        episode: Demonstration = self._episodes.get(_key(trial), lambda: self.call(execute, trial, verdict))
+        return episode
 
     def _feasible(self, trial: Trial) -> Verdict:
         verdict = self._verdict(trial)
@@ -120,7 +140,7 @@ def _key(trial: Trial) -> tuple[object, ...]:
 
 
 def task_verdict(explored: ExploredDomain, trial: Trial, verdict: Verdict) -> TaskVerdict:
-    """Return a verdict in plain values, with the commands and the Python that give the same."""
+    """Return a verdict in plain values, with the commands and the Python code that yield the same."""
     tried = plural(verdict.restarts, "initial state")
     words = {
         "feasible": f"Feasible: the search found a witness after {tried}, which passes the tier {trial.budget.tier}.",
@@ -140,9 +160,10 @@ def task_verdict(explored: ExploredDomain, trial: Trial, verdict: Verdict) -> Ta
 
 
 def same_by_physics(explored: ExploredDomain, trial: Trial, *, feasible: bool) -> tuple[SameResult, ...]:
-    """Return how to get the verdict elsewhere, and of a feasible task its film strip and its animation.
+    """Return how to get the verdict elsewhere and, for a feasible task, its pictures.
 
-    The command line has no search budget for pictures, so other budgets than the default have no command for them.
+    The commands for pictures have no option for the search budget, so there are none for budgets other than the
+    default.
     """
     state, budget = trial.state, trial.budget
     effort = f"{budget.restarts}x{budget.samples}"
@@ -168,6 +189,15 @@ def same_by_physics(explored: ExploredDomain, trial: Trial, *, feasible: bool) -
     )
     same.append(
         SameResult(
+            "the 3D scene",
+            f"{drawing} --as html --output task.html" if drawing else "",
+            "from pathlib import Path\nfrom prag_asp.physics import demonstrate, episode_page\n"
+            "shown = demonstrate(task, verdict.witness, scene)\n"
+            'Path("task.html").write_text(episode_page(task, shown, scene))',
+        )
+    )
+    same.append(
+        SameResult(
             "the animation",
             f"{drawing} --as mp4 --output task.mp4" if drawing else "",
             "from pathlib import Path\nfrom prag_asp.physics import animate, demonstrate\n"
@@ -178,7 +208,7 @@ def same_by_physics(explored: ExploredDomain, trial: Trial, *, feasible: bool) -
 
 
 def _saved_task(explored: ExploredDomain, trial: Trial) -> str:
-    """Return the command that saves the task of a page; "" if a file of tasks cannot name it or its domain."""
+    """Return the command that saves a page's task, or "" if a file of tasks cannot name it or its domain."""
     if trial.rank is None or len(explored.words) > 1:
         return ""
     return f"{shell_line(explored, 'task', trial.state, '--index', str(trial.rank))} --format jsonl > task.jsonl"

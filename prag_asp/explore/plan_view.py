@@ -1,4 +1,4 @@
-"""The main view: the chosen actions, what may follow with exact numbers, and the states beside the plan.
+"""The main view: the chosen actions, what may follow them with exact numbers, and the states beside the plan.
 
 Numbers are texts of digits, because JavaScript's numbers are exact only up to 2^53. Shares are decimal texts.
 """
@@ -21,7 +21,7 @@ from prag_asp.space.task_space import TaskSpace
 from prag_asp.task import Task
 
 SHARE_DIGITS = 6
-"""Decimal places of shares."""
+"""The number of decimal places in shares."""
 
 SHOWN_READINGS = 5
 """The maximum number of readings that a view lists."""
@@ -41,10 +41,10 @@ class NextAction:
 
 @dataclass(frozen=True)
 class Step:
-    """One step of the plan: its action and the number of tasks left after it; the initial state has no action.
+    """One step of the plan: its action and how many tasks remain after it; the initial state has no action.
 
-    `true` are the facts that hold after it, `changed` those that it made true, and `undone` those that it made false.
-    `query` is the state of the page after this step. The facts are None if they are not known.
+    `true` are the facts that hold after the step, `changed` are those that it made true, and `undone` are those that it
+    made false. `query` is the state of the page after this step. The facts are None if they are not known.
     """
 
     action: str
@@ -77,8 +77,8 @@ class PlanView:
     """What a page shows of a plan.
 
     `total` is the number of tasks under the conditions and `count` the number of those that begin with the chosen
-    actions. Their ranks are `first_rank`, `first_rank` + 1, ... `interchangeable` are groups of entities, `tree` is
-    None without composites.
+    actions. Their ranks are `first_rank`, `first_rank` + 1, ... `interchangeable` are groups of entities; `tree` is
+    None if there are no composites.
     """
 
     query: str
@@ -137,14 +137,14 @@ def plan_view(explored: ExploredDomain, state: PageState) -> PlanView:
 
 @dataclass(frozen=True)
 class CountView:
-    """The number of tasks under the conditions, and of those that begin with the chosen actions."""
+    """The number of tasks under the conditions, and how many of them begin with the chosen actions."""
 
     total: str
     count: str
 
 
 def count_view(explored: ExploredDomain, state: PageState) -> CountView:
-    """Return only the numbers of a page, for conditions that are being typed.
+    """Return only the numbers on a page, for conditions that are still being typed.
 
     Raises:
         PragError: the state does not fit the domain, or a limit was reached.
@@ -155,7 +155,7 @@ def count_view(explored: ExploredDomain, state: PageState) -> CountView:
 
 
 def share(part: int, whole: int) -> str:
-    """Return the share of a whole as a decimal text, rounded half to even; 0 of 0 is 0."""
+    """Return a share of a whole as a decimal text, rounded half to even; the share of 0 in 0 is 0."""
     places = 10**SHARE_DIGITS
     rounded = round(Fraction(part * places, whole or 1))
     return f"{rounded // places}.{rounded % places:0{SHARE_DIGITS}d}"
@@ -168,7 +168,7 @@ def _total(explored: ExploredDomain, state: PageState) -> int:
 
 
 def _steps(explored: ExploredDomain, state: PageState, counts: Sequence[int]) -> tuple[Step, ...]:
-    """Return the steps of the plan, from the initial state."""
+    """Return the steps of the plan, starting with the initial state."""
     task = _task(explored, state) if counts[-1] else None
     facts: list[Mapping[Atom, bool] | None] = [None] * len(counts)
     if task is not None:
@@ -187,7 +187,7 @@ def _steps(explored: ExploredDomain, state: PageState, counts: Sequence[int]) ->
 
 
 def _task(explored: ExploredDomain, state: PageState) -> Task | None:
-    """Return the task with the chosen actions; None if the states of an unfinished plan are not known.
+    """Return the task with the chosen actions, or None if the states of an unfinished plan are not known.
 
     A goal in the conditions applies only to whole tasks.
     """
@@ -200,7 +200,7 @@ def _task(explored: ExploredDomain, state: PageState) -> Task | None:
 
 
 def _tree(space: TaskSpace, chosen: Letters) -> Tree | None:
-    """Return the readings of the longest beginning that has one; None if the domain has no composites."""
+    """Return the readings of the longest beginning that has one, or None if the domain has no composites."""
     hierarchy = space.engines.hierarchy
     if hierarchy.units is None:
         return None

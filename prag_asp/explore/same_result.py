@@ -12,7 +12,7 @@ from prag_asp.explore.page_state import PageState
 
 @dataclass(frozen=True)
 class SameResult:
-    """What a view shows, in a few words, and the command line and the Python code that give it."""
+    """What a view shows, in a few words, and the command line and the Python code that produce it."""
 
     what: str
     shell: str
@@ -20,7 +20,7 @@ class SameResult:
 
 
 def shell_line(explored: ExploredDomain, command: str, state: PageState, *options: str) -> str:
-    """Return a command line about the tasks of a page's length and conditions."""
+    """Return a command line about the tasks that have a page's length and conditions."""
     words = ["prag-asp", command, *explored.words, "--length", str(state.length)]
     words += [word for text in state.where for word in ("--where", text)]
     return shlex.join([*words, *options])
@@ -37,12 +37,12 @@ def python_space(explored: ExploredDomain, state: PageState, *more: str) -> str:
 
 
 def level_options(state: PageState) -> tuple[str, ...]:
-    """Return the options of a command for the level of a page."""
+    """Return the options of a command that select the level of a page."""
     return () if state.by == "task" else ("--by", state.by)
 
 
 def level_argument(state: PageState) -> str:
-    """Return the argument of a method for the level of a page, after other arguments."""
+    """Return the argument of a method, after other arguments, that selects the level of a page."""
     return "" if state.by == "task" else f", by={state.by!r}"
 
 

@@ -1,4 +1,4 @@
-"""The views of the pages of a task space by name, as functions of the fields of a request."""
+"""The views on the pages of a task space by name, as functions of the fields of a request."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from prag_asp.explore.task_trial import Trial, read_seed, trial_of
 from prag_asp.explore.vocabulary_view import vocabulary_view
 
 PAGE = Path(__file__).parent / "page"
-"""The folder of the files of the pages."""
+"""The folder that contains the files of the pages."""
 
 
 @dataclass(frozen=True)
 class Ended:
-    """The answer to a page that needs the results of its older requests no longer."""
+    """The answer to a page that no longer needs the results of its older requests."""
 
     ended: bool = True
 
@@ -65,6 +65,7 @@ def space_views(explored: ExploredDomain, call: Call | None = None) -> Mapping[s
         "sample": sample,
         "verdict": of_trial(physics.verdict),
         "strip": of_trial(physics.strip),
+        "scene": of_trial(physics.scene_file),
         "film": of_trial(physics.animation),
         "end": lambda fields: Ended(),
     }

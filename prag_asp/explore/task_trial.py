@@ -1,4 +1,4 @@
-"""A task of a page that physics judges, and the work on it, which another process can do."""
+"""A task on a page for physics to judge, and the work on it, which another process can do."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from prag_asp.errors import PicturesMissingError, QueryError
 from prag_asp.explore.explored_domain import ExploredDomain
 from prag_asp.explore.page_state import PageState, parse_query
 from prag_asp.physics import require_physics
+from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.verdict import TIERS, Budget, Tier, Verdict
 from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
@@ -28,8 +29,8 @@ LARGEST_SEED = 2**63 - 1
 class Trial:
     """A task in its scene, with the seed, the index and the budget of the search for a witness.
 
-    `captions` are a heading and a text for the picture of each state. `state` is the page that shows the task, and
-    `rank` the rank of the task; None on a page of plans.
+    `captions` holds a heading and a text for the picture of each state. `state` is the page that shows the task, and
+    `rank` is the rank of the task, or None on a page of plans.
     """
 
     state: PageState
@@ -41,9 +42,14 @@ class Trial:
     budget: Budget
     captions: tuple[tuple[str, str], ...]
 
+    @property
+    def headings(self) -> list[str]:
+        """The words for each action."""
+        return [heading.partition(". ")[2] for heading, _ in self.captions[1:]]
+
 
 def trial_of(explored: ExploredDomain, fields: Mapping[str, str]) -> Trial:
-    """Return the trial that the fields `state`, `seed`, `budget` and `tier` of a request state.
+    """Return the trial that a request specifies in the fields `state`, `seed`, `budget` and `tier`.
 
     Raises:
         PragError: a field is wrong, the page shows no whole task, or the domain has no scene.
@@ -64,7 +70,7 @@ def trial_of(explored: ExploredDomain, fields: Mapping[str, str]) -> Trial:
 
 
 def read_seed(fields: Mapping[str, str]) -> int:
-    """Return the seed of a request.
+    """Return the seed in a request.
 
     Raises:
         QueryError: it is not a whole number, or too large.
@@ -102,20 +108,41 @@ def draw_strip(trial: Trial, verdict: Verdict) -> bytes:
     return buffer.getvalue()
 
 
-def draw_film(trial: Trial, verdict: Verdict) -> tuple[str, bytes]:
-    """Return the media type and the animation of the robot that executes a feasible task: MP4, or WebP without PyAV.
+def execute(trial: Trial, verdict: Verdict) -> Demonstration:
+    """Return the episode of the robot that executes a feasible task.
 
     Raises:
         QueryError: the robot fails to execute it.
-        PicturesMissingError: Pillow is not installed; the message says what to install.
     """
-    from prag_asp.physics import animate, demonstrate  # noqa: PLC0415 - need PyBullet
+    from prag_asp.physics import demonstrate  # noqa: PLC0415 - needs PyBullet
 
     assert verdict.witness is not None
     shown = verdict.demonstration or demonstrate(trial.task, verdict.witness, trial.scene)
     if not shown.success:
         raise QueryError(f"the robot fails to execute it: {shown.detail}; another seed gives another witness")
-    headings = [heading.partition(". ")[2] for heading, _ in trial.captions[1:]]
+    return shown
+
+
+def make_scene_file(trial: Trial, shown: Demonstration) -> bytes:
+    """Return the 3D scene of an episode as a .glb file.
+
+    Raises:
+        PicturesMissingError: Pillow is not installed; the message says what to install.
+    """
+    from prag_asp.physics import episode_glb  # noqa: PLC0415 - needs PyBullet
+
+    return episode_glb(trial.task, shown, trial.scene, headings=trial.headings)
+
+
+def draw_film(trial: Trial, shown: Demonstration) -> tuple[str, bytes]:
+    """Return the media type and the animation of an episode: MP4, or WebP without PyAV.
+
+    Raises:
+        PicturesMissingError: Pillow is not installed; the message says what to install.
+    """
+    from prag_asp.physics import animate  # noqa: PLC0415 - needs PyBullet
+
+    headings = trial.headings
     with TemporaryDirectory() as folder:
         path = Path(folder) / "task.mp4"
         try:

@@ -1,6 +1,6 @@
-"""The requests of pages: one computes at a time, and a newer request of a window ends the work on its older ones.
+"""The requests of pages: one computes at a time, and a newer request from a window ends the work on its older ones.
 
-Work in another process takes a turn of its own, so that the views of a page are answered meanwhile.
+Work in another process takes a separate turn, so that the views of a page are answered in the meantime.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from prag_asp.processes.progress_events import Note
 from prag_asp.stop_reason import StopKind, StopReason
 
 WINDOWS = 256
-"""The number of windows whose latest request is remembered."""
+"""The number of windows whose latest requests are remembered."""
 
 POLL = 0.02
 """Seconds between two checks of a waiting request."""
@@ -26,14 +26,14 @@ CANCEL = StopReason(StopKind.CANCEL)
 
 @dataclass(frozen=True)
 class Doing:
-    """What the request that computes is doing, in words; `note` says why it will take long, if that is forecast."""
+    """What the computing request is doing, in words; `note` says why it will take long, if that is forecast."""
 
     words: str = ""
     note: str = ""
 
 
 class Turns:
-    """The turns of requests. Each window numbers its requests; requests with equal numbers do not end each other."""
+    """Lets requests take turns. Each window numbers its requests; requests with equal numbers do not end each other."""
 
     def __init__(self) -> None:
         self._latest: OrderedDict[str, int] = OrderedDict()
@@ -47,7 +47,7 @@ class Turns:
         self._closed = True
 
     def stop(self) -> StopReason | None:
-        """Return why the request of this thread should end, or None; this is a check for `Limits`."""
+        """Return why the request of this thread should end, or None; this serves as a check for `Limits`."""
         window, number = getattr(self._current, "request", ("", 0))
         return CANCEL if self._closed or self._latest.get(window, number) > number else None
 
@@ -58,10 +58,9 @@ class Turns:
 
     @contextmanager
     def turn(self, window: str, number: int, *, elsewhere: bool = False) -> Iterator[None]:
-        """Wait until no other request computes; `elsewhere`, until no other one has work in another process.
+        """Wait until no other request computes or, with `elsewhere`, until none has work in another process.
 
-        Raises:
-            LimitReached: the window has sent a newer request meanwhile.
+        Raises: LimitReached: the window has sent a newer request in the meantime.
         """
         self._current.request = (window, number)
         with self._registering:

@@ -1,4 +1,4 @@
-"""What conditions can name: the parts from which a page composes them by clicks."""
+"""What conditions can refer to: the parts from which a page composes conditions by clicks."""
 
 from __future__ import annotations
 

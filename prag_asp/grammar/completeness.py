@@ -24,7 +24,7 @@ BRACES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     },
     "joints": {"sentences": (), "facts": (), "many": (), "steps": ()},
 }
-"""The names in braces in the texts of a language; the second exact frame also has the facts."""
+"""The names in braces in the texts of a language; the second frame of an exact instruction also has the facts."""
 
 
 def check_kinds(words: TableEntry) -> None:
@@ -39,7 +39,7 @@ def check_kinds(words: TableEntry) -> None:
 
 
 def _is_like(value: object, model: object) -> bool:
-    """Return whether a value of a word table has the type of its English `model`."""
+    """Return whether a value in a word table has the same type as its English `model`."""
     if isinstance(model, Mapping):
         return isinstance(value, Mapping) and bool(value)
     if isinstance(model, list):
@@ -118,7 +118,7 @@ def _check_agreement(entry: TableEntry, words: Words) -> None:
 
 
 def _braces(text: str) -> tuple[str, ...] | None:
-    """Return the names in braces in order, or None if the braces do not match."""
+    """Return the names in braces, in order, or None if the braces do not match."""
     try:
         return tuple(name for _, name, _, _ in Formatter().parse(text) if name is not None)
     except ValueError:

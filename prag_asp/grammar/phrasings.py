@@ -18,14 +18,14 @@ Way = TypeVar("Way")
 
 SPELLED = re.compile(r"(?P<number>[1-9][0-9]{0,3}) of (?P<all>[1-9][0-9]{0,3})")
 FRAMES = ("vague", "default")
-"""The levels whose frames have paraphrases; the frames of ``exact`` number the actions instead."""
+"""The levels whose frames have paraphrases; in the frames of ``exact``, actions are numbered instead."""
 
 
 @dataclass(frozen=True)
 class Phrasings:
     """Every `all`-th paraphrase of each list, starting with the `number`-th, counted from 1.
 
-    A list without any such paraphrase, such as a list of length one, is used completely.
+    If a list has no such paraphrase, as a list of length one may not, the whole list is used.
     """
 
     number: int = 1
@@ -53,7 +53,7 @@ class Phrasings:
         return place % self.all == self.number - 1
 
     def of(self, ways: Sequence[Way]) -> Sequence[Way]:
-        """Return the paraphrases of a list that are in the subset, or all if there are none."""
+        """Return the paraphrases in a list that belong to the subset, or all of them if none does."""
         if self.all == 1:
             return ways
         return [way for place, way in enumerate(ways) if self.has(place)] or ways

@@ -21,7 +21,7 @@ FACT_KEYS = ("is", "not", "where", "of", "silent")
 
 
 def grammar_problems(settings: Settings, facts: Facts) -> list[TableProblem]:
-    """Return the problems of a domain's languages, and of the sentences directly under ``[language]``."""
+    """Return the problems with a domain's languages and with the sentences directly under ``[language]``."""
     own_tables, problems = tables(settings), list[TableProblem]()
     for code in languages(settings):
         entry = TableEntry(TableReport(), ("language", code), own_tables.get(code, {}))
@@ -31,7 +31,7 @@ def grammar_problems(settings: Settings, facts: Facts) -> list[TableProblem]:
 
 
 def _check_language(entry: TableEntry, settings: Settings, facts: Facts, code: str) -> None:
-    """Report the problems of a language of a domain; sentences are checked only if the parts and the words are valid.
+    """Report the problems with a language of a domain; sentences are checked only if its parts and words are valid.
 
     Missing entries that instructions need are reported only if all other entries are valid.
     """
@@ -106,7 +106,7 @@ def _check_facts(language: TableEntry, reader: GrammarReader) -> None:
 
 
 def _check_nouns(language: TableEntry, reader: GrammarReader) -> None:
-    """Report nouns that are for unknown names, have no word, or have an unknown gender."""
+    """Report nouns for unknown names, nouns without a word, and nouns of an unknown gender."""
     states, words = reader.states, reader.words
     declared = {*map(str, states.classes), *states.entity_names}
     for name, entry in language.at("nouns").entries():
@@ -168,7 +168,7 @@ def _check_ambiguity(language: TableEntry, reader: GrammarReader) -> None:
         alike = [each.arguments for each in reader.states.declared_actions if each.match(*signature)]
         if len({tuple(str(each[index]) for index in template.arguments) for each in alike}) < len(alike):
             reported.add((signature[0], ""))
-            text = f"a sentence omits {{{omitted[0]}}}, so two actions have the same sentence; mention it"
+            text = f"a sentence omits {{{omitted[0]}}}, so two actions have the same sentence; add it"
             entries[signature[0]].add(text, "sounds-alike")
 
 

@@ -1,4 +1,4 @@
-"""Read the tables of a language of a domain: ``[language.en]`` with its actions, facts, nouns and values."""
+"""Read a domain's tables for a language: ``[language.en]`` with its actions, facts, nouns and values."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ FIRST = "en"
 """The language of the sentences directly under ``[language]``."""
 
 PARTS = ("actions", "facts", "nouns", "values", "words")
-"""The names of the tables of a language in a domain."""
+"""The names of the tables that a language can have in a domain."""
 
 
 @dataclass(frozen=True)
 class Noun:
-    """A noun: its gender, and its text in each case."""
+    """A noun, with its gender and its text in each case."""
 
     gender: str
     forms: Mapping[str, str]
@@ -37,7 +37,7 @@ class Noun:
 
 @dataclass(frozen=True)
 class Where:
-    """A noun modifier derived from a fluent: ``on {1}`` describes the fluent's argument at position `subject`."""
+    """A noun modifier derived from a fluent: ``on {1}`` describes the argument of the fluent at position `subject`."""
 
     template: Template
     subject: int
@@ -45,7 +45,7 @@ class Where:
 
 @dataclass(frozen=True)
 class FactForms:
-    """The sentences for a fluent when true and when false, and its modifiers; a `silent` fluent is not mentioned."""
+    """The sentences for a fluent that is true or false, and its modifiers; a `silent` fluent is not mentioned."""
 
     true: tuple[Template, ...] = ()
     false: tuple[Template, ...] = ()
@@ -54,7 +54,7 @@ class FactForms:
 
 
 class PlainSentence(NamedTuple):
-    """A default sentence, and its actions; an empty set means all actions of the signature."""
+    """A default sentence and its actions; an empty set stands for all actions of the signature."""
 
     template: Template
     actions: frozenset[str]
@@ -62,11 +62,11 @@ class PlainSentence(NamedTuple):
 
 @dataclass(frozen=True)
 class Grammar:
-    """All sentences of a domain in one language, and its nouns, keyed by the names of classes and entities.
+    """All sentences of a domain in one language, and its nouns by the names of classes and entities.
 
-    `values` are the words for other arguments. `plain` are the default sentences of actions, `spare` those of fluents,
-    which every domain has. `sources` has, for each action that moves an object away from a place, the position of the
-    place in its arguments and the `Way`.
+    `values` are the words for other arguments. `plain` are the default sentences for actions, and `spare` those for
+    fluents, which every domain has. `sources` holds, for each action that moves an object away from a place, the
+    position of the place in its arguments and the `Way`.
     """
 
     words: Words
@@ -80,11 +80,11 @@ class Grammar:
 
 
 AGENTS = frozenset(["agent", "arm", "gripper", "hand", "robot"])
-"""Classes whose members act, if no scene defines which entities are robots."""
+"""The classes whose members act if no scene defines which entities are robots."""
 
 
 class GrammarReader:
-    """Reads the tables of a language of a domain; ignores wrong entries, which the linter reports."""
+    """Reads a domain's tables for a language; ignores wrong entries, which the linter reports."""
 
     def __init__(self, settings: Settings, facts: Facts, code: str) -> None:
         """Read the settings and the facts of a domain.
@@ -121,7 +121,7 @@ class GrammarReader:
         return found
 
     def actions(self) -> dict[Signature, tuple[Template, ...]]:
-        """Return the sentences of each action, from the language's table or (in English) directly under [language]."""
+        """Return the sentences for each action, from the language's table or (in English) directly under [language]."""
         table, sentences = self._table("actions"), {}
         articles = self.words.articles | {"a", "an"}
         for name, arity in self.states.action_arguments:
@@ -135,14 +135,17 @@ class GrammarReader:
     def plain(self) -> dict[Signature, tuple[PlainSentence, ...]]:
         """Return default sentences for actions, built from their names and arguments, without constant arguments.
 
-        The object that an action moves is named even if it is constant: "pick the cup from the table", not "pick the
+        The object that an action moves is named even if it is constant: "take the cup from the table", not "take the
         table". If all arguments are constant, the first that is not a robot is named. The preposition before a place
-        depends on the predicate that relates the object to it, so actions with one name may have several sentences.
+        depends on the predicate that relates the object to it, so actions with the same name may have different
+        sentences. The `verbs` of the language replace some names.
         """
         defaults = self.words.table.get("defaults", {})
         if "action" not in defaults:
             return {}
         directed = "from" in defaults and "to" in defaults
+        names = {name for name, _ in self.states.action_arguments}
+        verbs = {name: verb for name, verb in defaults.get("verbs", {}).items() if verb not in names}
         sentences = {}
         for (name, arity), places in self.states.action_arguments.items():
             varying = {index for index, arguments in enumerate(places) if len(arguments) > 1}
@@ -153,7 +156,7 @@ class GrammarReader:
             named = sorted(varying | moved or {*islice(things, 1)})
             led = sorted(index for index in common if index in varying)
             every = _joined([f"{{{index}}}" for index in named if index not in led], defaults["all"])
-            text = str(defaults["action"]).format(name=plain(name), all=every).strip()
+            text = str(defaults["action"]).format(name=verbs.get(name, plain(name)), all=every).strip()
             actions_of: dict[str, set[str]] = {text: set()} if not led else {}
             for action, ways in ways_of.items() if led else ():
                 whole = text
@@ -176,14 +179,14 @@ class GrammarReader:
 
     @cached_property
     def _robots(self) -> frozenset[str]:
-        """The bodies and classes of robots in the scene, the classes of `AGENTS`, and the members of all of these."""
+        """The bodies and classes of robots in the scene, the classes in `AGENTS`, and the members of all of these."""
         shapes = _below(self.settings.scene, "shapes")
         kinds = {name for name, shape in shapes.items() if isinstance(shape, Mapping) and shape.get("kind") == "robot"}
         kinds |= AGENTS
         return frozenset(kinds | {str(entity) for entity, name in self.states.memberships if str(name) in kinds})
 
     def facts(self) -> dict[Signature, FactForms]:
-        """Return the sentences of each fluent, from the language's table, its spatial predicate, or its name."""
+        """Return the sentences for each fluent, from the language's table, its spatial predicate, or its name."""
         from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
 
         table, scene = self._table("facts"), self.settings.scene
@@ -203,7 +206,7 @@ class GrammarReader:
         return forms
 
     def spare(self) -> dict[Signature, FactForms]:
-        """Return the default sentences of each fluent, from its name."""
+        """Return the default sentences for each fluent, made from its name."""
         return {
             (name, arity): self.forms(self._default(name, arity), arity) for name, arity in self.states.fluent_arguments
         }
@@ -219,7 +222,7 @@ class GrammarReader:
         return {key: str(text).replace("{name}", plain(name)).replace("{all}", every) for key, text in forms.items()}
 
     def forms(self, entry: object, arity: int) -> FactForms:
-        """Return the sentences of a fluent from an entry: a sentence, a list of sentences, or a table of forms."""
+        """Return the sentences for a fluent in an entry: a sentence, a list of sentences, or a table of forms."""
         table = entry if isinstance(entry, Mapping) else {"is": entry}
         true = listed(table.get("is"))
         false = listed(table.get("not"))
@@ -238,7 +241,7 @@ class GrammarReader:
         )
 
     def templates(self, texts: Sequence[str] | Iterator[str], arity: int, verb: str = "is") -> Iterator[Template]:
-        """Yield the templates of texts: one for each form of an agreeing word, with and without text in brackets."""
+        """Yield the templates in texts: one for each form of an agreeing word, with and without text in brackets."""
         for phrasing, whole in enumerate(map(self.words.expanded, texts)):
             for text, restores in restoring_forms(whole):
                 forms: dict[str, set[str]] = {}
@@ -252,7 +255,7 @@ class GrammarReader:
                     yield replace(template, phrasing=phrasing, restores=restores)
 
     def nouns(self) -> dict[str, Noun]:
-        """Return the noun of each class, and of each entity with a separate noun."""
+        """Return the noun for each class, and for each entity with a separate noun."""
         table = self._table("nouns")
         nouns = {name: noun for name, entry in table.items() if (noun := self.noun(entry)) is not None}
         for name in map(str, self.states.classes):
@@ -261,7 +264,7 @@ class GrammarReader:
         return nouns
 
     def noun(self, entry: object) -> Noun | None:
-        """Return the noun of an entry of a table, or None if it is invalid."""
+        """Return the noun in an entry of a table, or None if it is invalid."""
         table = entry if isinstance(entry, Mapping) else {"noun": entry}
         word, gender = table.get("noun"), table.get("gender", self.words.genders[0])
         if not isinstance(word, str) or not word.strip() or gender not in self.words.genders:
@@ -294,12 +297,12 @@ class GrammarReader:
 
 
 def languages(settings: Settings) -> tuple[str, ...]:
-    """Return the codes of a domain's languages: English, and those with tables."""
+    """Return the codes of a domain's languages: English, and those that have tables."""
     return tuple(dict.fromkeys([FIRST, *tables(settings)]))
 
 
 def tables(settings: Settings) -> Mapping[str, Mapping[str, Any]]:
-    """Return the tables of a domain's languages by their codes."""
+    """Return the tables for a domain's languages by their codes."""
     return {code: table for code, table in settings.grammar.items() if isinstance(table, Mapping)}
 
 
@@ -310,14 +313,14 @@ def listed(texts: object) -> tuple[str, ...]:
 
 
 def plain(name: str) -> str:
-    """Return a name as words of a sentence: ``pick up`` for ``pick_up``, ``disc 1`` for ``disc(1)``."""
+    """Return a name as words for a sentence: ``pick up`` for ``pick_up``, ``disc 1`` for ``disc(1)``."""
     return " ".join(
         name.replace("_", " ").replace("(", " ").replace(")", " ").replace(",", " ").replace('"', " ").split()
     )
 
 
 def _joined(words: Sequence[str], between: Sequence[str]) -> str:
-    """Return words joined with the first separator, the last word with the second."""
+    """Return words joined with the first separator, except the last word, which is joined with the second one."""
     return between[1].join(part for part in (between[0].join(words[:-1]), *words[-1:]) if part)
 
 

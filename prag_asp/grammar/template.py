@@ -1,4 +1,4 @@
-"""Sentence templates with slots for arguments, ``pick up {1} from {2:dat}``: filled, or matched with texts."""
+"""Sentence templates with slots for arguments, such as ``pick up {1} from {2:dat}``: filled, or matched with texts."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ VERBS = ("is",)
 
 
 BRACKETED = re.compile(r"\[([^\[\]]*)\]")
-"""Text that a sentence contains only for an action that restores earlier facts."""
+"""Text that is used only in the sentence for an action that restores earlier facts."""
 
 
 class Slot(NamedTuple):
-    """The slot of an argument in a sentence, with its case; "" is the default case."""
+    """The slot for an argument in a sentence, with its case; "" is the default case."""
 
     argument: int
     case: str = ""
@@ -32,7 +32,7 @@ class Template:
 
     If a word agrees with the first argument, `genders` are the genders of arguments for which this sentence is used.
     `phrasing` is its index, from 0, among the paraphrases. If `restores` is true, the sentence is only for actions that
-    restore earlier facts; if false, only for other actions.
+    restore earlier facts; if it is false, only for other actions.
     """
 
     texts: tuple[str, ...]
@@ -49,7 +49,7 @@ class Template:
         return "".join(parts)
 
     def find(self, text: str, fits: Callable[[str], bool] = bool) -> Iterator[tuple[str, ...]]:
-        """Yield every assignment of words to the slots with which this sentence equals the text, if all words fit."""
+        """Yield every assignment of words to the slots for which this sentence equals the text, if all words fit."""
         first, last = self.texts[0], self.texts[-1]
         if not self.slots:
             if text == first:
@@ -87,7 +87,7 @@ def parse_template(
     """Parse a sentence; `verbs` holds the forms of verbs in braces for given `genders`.
 
     Raises:
-        QueryError: the braces are wrong; the message states the problem and the remedy.
+        QueryError: the braces are wrong; the message gives the problem and the remedy.
     """
     unmatched = QueryError("has braces that do not match; write each as {0} or {0:case}")
     try:
@@ -133,5 +133,5 @@ def restoring_forms(text: str) -> Iterator[tuple[str, bool | None]]:
 
 
 def agrees(text: str) -> bool:
-    """Return whether a word of a sentence agrees with its first argument."""
+    """Return whether some word in a sentence agrees with the first argument."""
     return any(f"{{{verb}}}" in text for verb in VERBS)

@@ -1,4 +1,4 @@
-"""Find, by its effects, the arguments of an action that are the source and the destination of an object."""
+"""Find, from an action's effects, the arguments that are the source and the destination of an object."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ Signature = tuple[str, int]
 class Way(NamedTuple):
     """A source (``from``) or destination (``to``) of an action.
 
-    `moved` is the position of the moved argument, -1 for a robot. The action makes `fluent` false at a source, or true
-    at a destination; `predicate` is the fluent's spatial predicate, or its name.
+    `moved` is the position of the moved argument, or -1 for a robot. The action makes `fluent` false at a source, or
+    true at a destination; `predicate` is the fluent's spatial predicate, or its name.
     """
 
     word: str
@@ -30,7 +30,7 @@ class Way(NamedTuple):
 def ways_of_actions(
     facts: Facts, predicates: Mapping[str, Any], robots: Set[str]
 ) -> dict[Signature, dict[str, dict[int, Way]]]:
-    """Return the sources and destinations of each action by their position, for the actions of each signature.
+    """Return the sources and destinations of each action by their positions, for the actions of each signature.
 
     `predicates` maps fluents to spatial predicates, where the names differ.
 
@@ -64,7 +64,7 @@ def ways_of_actions(
 
 
 def common_ways(ways_of: Iterable[Mapping[int, Way]]) -> dict[int, Way]:
-    """Return the ways that all actions of a signature share: the same word at the same position."""
+    """Return the ways that all actions of a signature have in common: the same word at the same position."""
 
     def shared(both: Mapping[int, Way], here: Mapping[int, Way]) -> dict[int, Way]:
         return {

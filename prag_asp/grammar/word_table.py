@@ -1,4 +1,4 @@
-"""The words of a language that are common to all domains: articles, pronouns, colours, numbers, conjunctions."""
+"""The words of a language that all domains share: articles, pronouns, colours, numbers and conjunctions."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ else:
 
 FOLDER = Path(__file__).parent
 Forms = str | Mapping[str, Any]
-"""An invariable word, or its forms."""
+"""A word that never changes, or its forms."""
 
 
 @dataclass(frozen=True)
@@ -36,16 +36,16 @@ class Words:
 
     @cached_property
     def cases(self) -> tuple[str, ...]:
-        """The cases of nouns, the default first."""
+        """The cases of nouns, the default case first."""
         return tuple(self.table["cases"])
 
     @cached_property
     def genders(self) -> tuple[str, ...]:
-        """The genders of nouns, the default first; grammatical number counts as a gender."""
+        """The genders of nouns, the default gender first; grammatical number counts as a gender."""
         return tuple(self.table["genders"])
 
     def agreeing(self, word: str, gender: str, case: str = "") -> str:
-        """Return the form by gender and case of one of the words ``the``, ``it``, ``is`` and ``is_not``."""
+        """Return the form, by gender and case, of one of the words ``the``, ``it``, ``is`` and ``is_not``."""
         forms = self.table[word]
         form = forms.get(gender, "") if isinstance(forms, Mapping) else forms
         return str(form.get(case or self.cases[0], "") if isinstance(form, Mapping) else form)
@@ -58,7 +58,7 @@ class Words:
         return str(forms.get(self.table["forms"][gender][case], ""))
 
     def number(self, value: int) -> str:
-        """Return the ordinal of a step number, counted from 1: ``first``."""
+        """Return the ordinal for a step number, counted from 1, such as ``first``."""
         own: Sequence[str] = self.table.get("numbers", self.frames.get("numbers", ()))
         if value <= len(own):
             return own[value - 1]
@@ -67,7 +67,7 @@ class Words:
 
     @cached_property
     def frames(self) -> Mapping[str, Any]:
-        """The frames around sentences, keyed by level."""
+        """The frames around sentences for each level."""
         return dict(self.table["frames"])
 
     def joints(self, kind: str) -> tuple[str, ...]:
@@ -87,7 +87,7 @@ class Words:
 
     @cached_property
     def _contractions(self) -> Mapping[str, str]:
-        """The contractions of word sequences, also capitalized for the beginning of a sentence."""
+        """The contractions of word sequences, also with a capital letter for the beginning of a sentence."""
         pairs = self.table.get("contractions", {}).items()
         table = {long: short for long, short in pairs if long.strip() and isinstance(short, str) and short.strip()}
         return {
@@ -104,7 +104,7 @@ class Words:
         return _replaced(text, self._contractions)
 
     def expanded(self, text: str) -> str:
-        """Return a text with contractions expanded, the inverse of `contracted`: "zum" becomes "zu dem"."""
+        """Return a text with contractions expanded, which is the inverse of `contracted`: "zum" becomes "zu dem"."""
         return _replaced(text, self._expansions)
 
     @property
@@ -125,23 +125,23 @@ def english_ordinal(value: int) -> str:
 
 
 ORDINALS: Mapping[str, Callable[[int], str]] = {"en": english_ordinal}
-"""Functions that spell ordinals, for languages with a library for it."""
+"""Functions that spell ordinals, for languages for which there is a library."""
 
 
 def shipped_languages() -> tuple[str, ...]:
-    """Return the codes of the languages with a word table in the package."""
+    """Return the codes of the languages that have a word table in the package."""
     return tuple(sorted(path.stem for path in FOLDER.glob("*.toml")))
 
 
 @lru_cache(maxsize=16)
 def shipped_table(code: str) -> Mapping[str, Any]:
-    """Return the word table of a language in the package."""
+    """Return the word table for a language in the package."""
     table: Mapping[str, Any] = tomllib.loads((FOLDER / f"{code}.toml").read_text(encoding="utf-8"))
     return table
 
 
 def words_of(code: str, own: Mapping[str, Any]) -> Words:
-    """Return the words of a language: those in the package, overridden by a domain's `own` table.
+    """Return the words of a language: those in the package, overridden by those in a domain's `own` table.
 
     Raises:
         QueryError: the package does not have the language, and the domain's table lacks required words.

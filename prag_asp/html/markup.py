@@ -12,7 +12,7 @@ VOID = frozenset(["br", "col", "hr", "img", "input", "link", "meta"])
 
 
 class Markup(str):
-    """A text that is HTML already; every other text is escaped."""
+    """A text that is already HTML; every other text is escaped."""
 
     __slots__ = ()
 
@@ -20,7 +20,7 @@ class Markup(str):
 def element(name: str, /, *content: str, **attributes: str | int | float | bool | None) -> Markup:
     """Return an element with its attributes and content; texts that are not `Markup` are escaped.
 
-    A final underscore of an attribute's name is left out (``class_``), and other underscores become hyphens. An
+    A final underscore in an attribute's name is left out (``class_``), and other underscores become hyphens. An
     attribute that is None or False is left out; one that is True has no value.
     """
     given = "".join(
@@ -41,9 +41,9 @@ def joined(parts: Iterable[str]) -> Markup:
 
 
 def json_block(name: str, values: Any) -> Markup:
-    """Return an element that holds JSON values for a script of the page; `name` is its id.
+    """Return an element that holds JSON values for a script on the page; `name` is its id.
 
-    The characters that could end the element are escaped as JSON allows.
+    Characters that could end the element are escaped in a way that JSON allows.
     """
     text = json.dumps(values, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
     safe = text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")

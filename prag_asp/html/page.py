@@ -1,4 +1,4 @@
-"""The skeleton of a self-contained page, its style sheet, and tables that scroll inside their box."""
+"""The skeleton of a self-contained page, its style sheet, and tables that scroll inside their boxes."""
 
 from __future__ import annotations
 
@@ -10,17 +10,17 @@ from pathlib import Path
 from prag_asp.html.markup import Markup, element, joined
 
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
-"""What a page may load: nothing but its own styles, scripts and pictures, so it works offline and sends nothing."""
+"""What a page may load: only its own styles, scripts and pictures, so it works offline and sends nothing."""
 
 
 NUMBER = re.compile(r"[-+]?[\d,]*\.?\d*(e[-+]?\d+)?( ?%)?|-|\d+ digits")
-"""A cell of a column of numbers; it may be empty."""
+"""A cell in a column of numbers, which may be empty."""
 
 
 def html_page(title: str, *parts: str, styles: Iterable[str] = (), scripts: Iterable[str] = ()) -> str:
     """Return a page that needs no other file: its title, its style sheets, its parts in order, and its scripts.
 
-    `scripts` are ES modules in one text each, run after the parts have been read.
+    `scripts` are ES modules, one text each, which run after the parts have been read.
     """
     head = joined(
         [
@@ -37,14 +37,14 @@ def html_page(title: str, *parts: str, styles: Iterable[str] = (), scripts: Iter
 
 
 def fragment(*parts: str) -> Markup:
-    """Return parts with the style sheet, for a page of others such as a notebook; nothing else on it is changed."""
+    """Return parts with the style sheet, for use in a page such as a notebook, whose other contents do not change."""
     return element("div", element("style", Markup(style_sheet())), *parts, class_="prag")
 
 
 def scroll_table(heads: Sequence[str], rows: Iterable[Sequence[str]], *, label: str, most: int | None = None) -> Markup:
     """Return a table in a box that scrolls if the table is wider than the page; columns of numbers are right-aligned.
 
-    `label` names the table for screen readers. With `most`, further rows are left out, and a last row tells how many.
+    `label` names the table for screen readers. With `most`, further rows are left out, and a last row says how many.
     """
     listed = list(rows)
     shown = listed if most is None else listed[:most]
@@ -66,5 +66,5 @@ def scroll_table(heads: Sequence[str], rows: Iterable[Sequence[str]], *, label: 
 
 @cache
 def style_sheet() -> str:
-    """Return the style sheet of all pages: colours as CSS variables, light and dark, down to a phone's width."""
+    """Return the style sheet for all pages: colours as CSS variables, light and dark, down to a phone's width."""
     return Path(__file__).with_name("style.css").read_text(encoding="utf-8")

@@ -14,7 +14,7 @@ from prag_asp.wording import did_you_mean
 TOML_COMMENT = re.compile(r"#(?P<words>[^#]*\blint:.*)$")
 
 Allowed = Mapping[tuple[Path, int], tuple[str, ...]]
-"""The names that each line allows, even unknown names."""
+"""The names that are allowed on each line, including unknown names."""
 
 
 def allowed_names(sources: Iterable[Source], settings: Settings) -> Allowed:
@@ -32,7 +32,7 @@ def not_allowed(problems: Iterable[Problem], allowed: Allowed) -> Iterator[Probl
 
 
 def allowance_problems(allowed: Allowed) -> Iterator[Problem]:
-    """Yield comments with unknown names, or without names."""
+    """Yield comments with unknown names or without names."""
     for (path, line), names in allowed.items():
         for name in names:
             if name not in WARNINGS:

@@ -14,7 +14,7 @@ from prag_asp.program.facts import Facts
 from prag_asp.program.problem import Problem
 
 MOST_ACTIONS = 100
-"""The maximum number of actions of a composite: the encodings nest them in a term of this depth."""
+"""The maximum number of actions in a composite, because the encodings nest them in a term of this depth."""
 
 Symbol = clingo.Symbol
 
@@ -29,7 +29,7 @@ class Complaint(NamedTuple):
 
 
 def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Yield the problems with composites, stages and free actions; each check requires that the previous ones pass."""
+    """Yield the problems with composites, stages and free actions; each check runs only if the previous ones pass."""
     undeclared = list(_undeclared(facts, origins))
     yield from undeclared
     if facts.free and not facts.composites:
@@ -84,7 +84,7 @@ def _undeclared(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def _misplaced(facts: Facts, origins: Origins) -> Iterator[Complaint]:
-    """Yield the composites without stages, with gaps between stages, or with two parts at one stage."""
+    """Yield the composites that have no stages, gaps between stages, or two parts at one stage."""
     actions = set(facts.actions)
     for composite in facts.composites:
         stages = facts.stages.get(composite, ())

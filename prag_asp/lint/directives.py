@@ -33,13 +33,13 @@ STATED = frozenset(
         ("composite", 1), ("stage", 3), ("free", 1), ("at_most", 2), ("ever", 1),
     ]
 )  # fmt: skip
-"""The predicates of the base part, which do not depend on the step."""
+"""The predicates of the base part, which must not depend on the step."""
 
 CHOICES = (ASTType.Aggregate, ASTType.Disjunction, ASTType.HeadAggregate)
 TIMED: frozenset[Signature] = frozenset([OCCURS, HOLDS])
 
 MOST = 10**8
-"""The maximum number of atoms of a fact. Each atom takes at least 100 bytes, so this number takes 10 GB."""
+"""The maximum number of atoms in a fact. Each atom takes at least 100 bytes, so this number of atoms takes 10 GB."""
 
 NUMBER = re.compile(r"-?\d+")
 INTERVAL = re.compile(r"\((-?\d+|_*[a-z]\w*)\.\.(-?\d+|_*[a-z]\w*)\)")
@@ -110,11 +110,11 @@ def placement_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
 
 
 def last_step_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the step rules that read a predicate which rules in ``check(t)`` derive at the same step.
+    """Yield the step rules that read a predicate derived at the same step by rules in ``check(t)``.
 
-    A step is the same function at every time, so it does not know whether it is the last one: the program is grounded
-    part by part, ``base``, ``step(1)`` to ``step(n)``, then ``check(n)``, and each part reads only atoms that it or an
-    earlier part derives.
+    A step is the same function at every time, so it does not know whether it is the last one. The program is grounded
+    part by part: ``base``, then ``step(1)`` to ``step(n)``, then ``check(n)``. Each part can read only atoms that it or
+    an earlier part derives.
     """
     checks = [each for each in statements if each.is_rule and each.part == "check"]
     derived = {head.signature: each for each in checks for head in each.heads if not head.negated}
@@ -153,7 +153,7 @@ def size_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
 
 
 def recursion_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the author's step rules that certainly derive endlessly growing terms within one step.
+    """Yield the author's step rules that certainly derive ever-growing terms within one step.
 
     Rules of the base part that do so are found while it is grounded. A rule that never fires, because no other rule
     derives its head, is not reported.

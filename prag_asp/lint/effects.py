@@ -20,7 +20,7 @@ Row = tuple[Symbol, ...]
 ACTION = ("action", 1)
 INVARIANTS = ("exclusive", "implies", "impossible")
 ARITIES = {"precondition": 3, "postcondition": 3, "initially": 2, "goal": 2, **dict.fromkeys(INVARIANTS, 2)}
-"""The arities of invariants and of predicates that assign values to fluents; of three arguments, the first is an
+"""The arities of invariants and of predicates that assign values to fluents; with three arguments, the first is an
 action."""
 
 BOOLEAN = ("true", "false")
@@ -48,7 +48,7 @@ def effect_problems(control: clingo.Control, facts: Facts, origins: Origins) -> 
 
 
 def action_problems(facts: Facts, statements: Iterable[Statement], origins: Origins) -> Iterator[Problem]:
-    """Report a domain without actions: as an error if no rule states an action, as a warning if no such rule fires."""
+    """Report a domain without actions: an error if no rule states an action, and a warning if no such rule fires."""
     if facts.actions:
         return
     own = [each for each in statements if each.own]
@@ -89,7 +89,7 @@ class _Culprit:
 
 
 class Findings:
-    """Collects undeclared terms, so that one mistake in many atoms is reported once."""
+    """Collects undeclared terms, so that a mistake that affects many atoms is reported only once."""
 
     def __init__(self, origins: Origins, facts: Facts) -> None:
         self._origins = origins
@@ -120,7 +120,7 @@ class Findings:
 
     @property
     def any(self) -> bool:
-        """Whether there is a problem."""
+        """Whether there are any problems."""
         return bool(self._culprits)
 
     def named(self, predicate: str, rows: Iterable[list[Symbol]]) -> None:

@@ -1,9 +1,9 @@
-"""Check the statements of ``ever``: if a possibly true fluent lacks one, actions whose rules read it are lost.
+"""Check the statements of ``ever``: if a fluent that may be true lacks one, actions whose rules read it are lost.
 
 Actions are also lost if their rules read a fluent that the action does not require.
 
 Every fluent that is reachable and read must be stated. By induction over the steps, an action that is not ground then
-never occurs, because all steps before it are ground actions.
+never occurs, because all actions before it are ground.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ def ever_problems(
     defined = ((each.node.name, each.node.arity) for each in statements if each.own and each.kind == ASTType.Defined)
     derived = (atom.signature for each in statements for atom in each.heads)
     if EVER not in (*defined, *derived):
-        text = 'ever is read, but no rule states it; add #include "rules/ever.lp".'
+        text = 'ever is read, but no rule derives it; add #include "rules/ever.lp".'
         yield next(iter(readers.values())).problem(text)
         return
     ever = {fluent for (fluent,) in unsorted_rows(grounder.control, *EVER)}
@@ -76,14 +76,14 @@ def _unknown(facts: Facts, statements: Sequence[Statement]) -> Callable[[clingo.
 
 
 def needless_problems(grounder: Grounder, facts: Facts, statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield a warning for each rule that requires with ``ever`` a fluent that its action does not require."""
+    """Yield a warning for each rule that uses ``ever`` to require a fluent that its action does not require."""
     asking = [
         each
         for each in statements
         if each.own and each.is_rule and not each.conditions
         if [atom.signature for atom in each.heads] == [ACTION] and any(_ever_queries(each))
     ]
-    stated: set[tuple[str, str]] = set()  # each action with the fluents that a rule requires for all its instances
+    stated: set[tuple[str, str]] = set()  # each action with the fluents that a rule requires for all instances of it
     for rule in statements if asking else ():
         body = [text for _, text in rule.literals]
         for head in rule.heads if rule.own else ():
@@ -124,7 +124,7 @@ def _ever_queries(rule: Statement) -> Iterator[str]:
 def _problem(
     fluent: clingo.Symbol, facts: Facts, reader: Statement, setters: Mapping[tuple[clingo.Symbol, str], FluentSetter]
 ) -> Problem:
-    """Report an unstated fluent, at the user rule that sets the fluent or at the rule that reads it."""
+    """Report a fluent that is not stated, at the user rule that sets it or at the rule that reads it."""
     made_by = setters.get((fluent, "true"))
     if made_by is not None:
         effect = f"leaves open whether {fluent} is" if made_by.head.signature == CHANGED else f"may make {fluent}"

@@ -106,7 +106,7 @@ def shared_name_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
 def choice_problems(control: clingo.Control, statements: Sequence[Statement], origins: Origins) -> Iterator[Problem]:
     """Yield the first uncertain atom of each predicate: an atom that some answer sets of the base part lack.
 
-    If `ever` depends on its own negation through actions, and there are no choices, only this is reported.
+    If there are no choices, and `ever` depends on its own negation through actions, only this is reported.
     """
     ever = [each.symbol for each in control.symbolic_atoms.by_signature(*EVER) if not each.is_fact]
     if ever and not any(each.node.head.ast_type in CHOICES for each in statements if each.own and each.is_rule):

@@ -55,14 +55,14 @@ def contract_signatures(statements: Iterable[Statement]) -> set[Signature]:
 
 
 def is_reserved(name: str) -> bool:
-    """Return whether a predicate, strongly negated or not, has a name reserved for the library."""
+    """Return whether a predicate, strongly negated or not, has a name that is reserved for the library."""
     return name.removeprefix("-").startswith(RESERVED)
 
 
 def _unread_heads(
     statements: Iterable[Statement], contract: set[Signature]
 ) -> dict[Signature, tuple[Statement, AtomNode]]:
-    """Return the author's heads outside the contract that no body reads, each at its first occurrence."""
+    """Return the author's heads that no body reads and the contract does not declare, each at its first occurrence."""
     unread: dict[Signature, tuple[Statement, AtomNode]] = {}
     for statement in statements:
         if statement.own:
@@ -80,7 +80,7 @@ def _unread_heads(
 
 
 def _takes(name: str, defined: Iterable[Signature]) -> str:
-    """Return the arities of the predicates with a name as text, or an empty text if there are none."""
+    """Return as text the arities of the predicates with a name, or an empty text if there are none."""
     return " or ".join(str(arity) for other, arity in sorted(defined) if other == name)
 
 
@@ -92,7 +92,7 @@ def _hint(name: str, defined: Iterable[Signature], vocabulary: Iterable[str], ot
 def _undefined_atoms(
     statements: Iterable[Statement], contract: set[Signature]
 ) -> dict[Signature, tuple[Statement, AtomNode]]:
-    """Return the atoms in the author's bodies that no head and no contract defines, each at its first occurrence."""
+    """Return the atoms in the author's bodies that no head and no contract defines, each where it first occurs."""
     defined = set(contract)
     for statement in statements:
         defined |= {atom.signature for atom in statement.heads}

@@ -1,4 +1,4 @@
-"""Report actions and composites that can never occur, an initial state that violates invariants, unreachable goals."""
+"""Report actions and composites that never occur, initial states that violate invariants, and unreachable goals."""
 
 from __future__ import annotations
 

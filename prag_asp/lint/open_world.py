@@ -1,4 +1,4 @@
-"""Refuse step rules that read a fluent whose value may be unknown: three-valued states are not exact for them."""
+"""Refuse step rules that read a fluent whose value may be unknown, because three-valued states are inexact for them."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def _unsure(control: clingo.Control, facts: Facts) -> dict[clingo.Symbol, str]:
 def _read_fluent(
     control: clingo.Control, part: str, atom: AtomNode, conditions: Sequence[str], unsure: Iterable[clingo.Symbol]
 ) -> clingo.Symbol | None:
-    """Return the first fluent of `unsure` that a rule may read through an atom, or None."""
+    """Return the first fluent in `unsure` that a rule may read through an atom, or None."""
     numbers = itertools.count()
     fluent = ANONYMOUS.sub(lambda _: f"_V{next(numbers)}", atom.arguments[0])
     facts = " ".join(f"{UNSURE}({each})." for each in unsure)

@@ -1,8 +1,8 @@
 """Compare a copy of the encodings with the shipped encodings, about which the library makes assumptions.
 
-Pruning, the refusal of unknown values, explanations, PDDL and physics assume the meaning of the shipped encodings.
-Engines compute from the ground rules; `automaton` and `symbolic` assume only that each step has one action, and refuse
-a copy with a different rule for actions (see ``logic/ground/stationary.py``).
+Pruning, the refusal of unknown values, explanations, PDDL and physics assume that the encodings mean what the shipped
+ones do. Engines compute from the ground rules; `automaton` and `symbolic` assume only that each step has one action,
+and refuse a copy with a different rule for actions (see ``logic/ground/stationary.py``).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ FOLDERS = ("rules", "conditions")
 
 
 def edited_encodings(program: Program, statements: Sequence[Statement]) -> Mapping[Path, int]:
-    """Return files named like a shipped encoding but with different statements, each with the line of the first one.
+    """Return files named like a shipped encoding that have different statements, each with the line of the first one.
 
     These are files of a copy of the encodings, including those that only the library adds to a program, and files of a
     domain in a folder `rules` or `conditions`. A file that is missing from a copy has line 0. `#defined` is ignored.
@@ -57,7 +57,7 @@ def edited_encodings(program: Program, statements: Sequence[Statement]) -> Mappi
 def _edited_besides(encodings: Path, read: set[Path]) -> dict[Path, int]:
     """Return the edited files in a copy that only the library reads, and the required files that the copy lacks.
 
-    `read` are the files of the program, which have already been compared.
+    `read` contains the files of the program, which have already been compared.
     """
     shipped = data_folder("encodings")
     edited: dict[Path, int] = {}

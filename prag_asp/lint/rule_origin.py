@@ -1,4 +1,4 @@
-"""The rules that derive the ground atoms of the base part, which clingo does not record."""
+"""Find the rules that derive the ground atoms of the base part, which clingo does not record."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Origins:
     def __init__(self, statements: Sequence[Statement]) -> None:
         self._statements = statements
         self._marked: dict[str, list[int]] = {}
-        """The numbers of the rules with each predicate in the head, whose atoms are marked."""
+        """The numbers of the rules with each predicate in the head, for predicates whose atoms have been marked."""
 
     @cached_property
     def _base(self) -> list[Statement]:

@@ -22,7 +22,7 @@ TYPES: Mapping[str, tuple[type, str]] = {
     "language": (dict, 'a table, such as [language] with grasp = "grasp {1}" below it'),
     "scene": (dict, "a table that begins with [scene]"),
 }
-"""The type of each key, and its description in messages."""
+"""The type of each key, and how messages describe it."""
 
 
 def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Problem]:
@@ -47,7 +47,7 @@ def table_problems(table: Mapping[str, Any], settings: Settings) -> Iterator[Pro
 
 
 def name_problems(settings: Settings, facts: Facts) -> Iterator[Problem]:
-    """Yield the weights, sentences and scene parts that do not match the declarations in the logic.
+    """Yield the weights, sentences and scene entries that do not match the declarations in the logic.
 
     Pruned actions count as declared.
     """
@@ -79,7 +79,7 @@ def _located(problems: Iterable[TableProblem], settings: Settings) -> Iterator[P
 
 
 def _check_weight(entry: TableEntry, key: str, facts: Facts) -> None:
-    """Report a weight whose key names nothing, or is ambiguous."""
+    """Report a weight whose key names nothing or is ambiguous."""
     actions, weighable = facts.action_names, set[str]().union(*named(facts).values())
     parts = key.split(">")
     for part in parts:

@@ -1,4 +1,4 @@
-"""The checks of a domain in stages, each of which relies on the previous ones, with pruning in between."""
+"""Check a domain in stages, each of which relies on the previous ones, with pruning in between."""
 
 from __future__ import annotations
 
@@ -52,7 +52,8 @@ from prag_asp.tables.toml_text import parse_toml
 STEP_PART = re.compile(r"(#program\s+)(step|check)\b")
 
 MANY = 250_000
-"""The number of fluents or actions from which a note warns: preparing this many actions took 48 s and 1.3 GB."""
+"""The number of fluents or actions above which a note warns the user: preparing this many actions took 48 s and 1.3 GB.
+"""
 
 
 @dataclass(frozen=True)
@@ -88,7 +89,7 @@ def check(
 ) -> Checked:
     """Return the facts of a domain without actions that can never occur, its settings and its warnings.
 
-    `like` maps entities that are not ground to ground representatives; settings may name both.
+    `like` maps entities that are not ground to ground representatives; settings may refer to both.
 
     Raises:
         DomainError: the domain has errors; the message has one line for each problem.
@@ -137,7 +138,7 @@ def check(
 
 
 def _note_size(facts: Facts, statements: Sequence[Statement]) -> None:
-    """Warn the user of fluents or actions so numerous that preparing them takes long."""
+    """Warn the user if there are so many fluents or actions that preparing them takes long."""
     for predicate, terms in (("fluent", facts.fluents), ("action", facts.actions)):
         declaring = [each for each in statements if any(atom.signature == (predicate, 1) for atom in each.heads)]
         if len(terms) > MANY and declaring:
@@ -162,7 +163,7 @@ def _check_facts(
 
 
 def with_entities(facts: Facts, like: Mapping[clingo.Symbol, clingo.Symbol]) -> Facts:
-    """Return facts with the entities of `like`, each with the classes of its declared representative."""
+    """Return facts with the entities in `like`, each with the classes of its declared representative."""
     if not like:
         return facts
     above: dict[clingo.Symbol, list[clingo.Symbol]] = {}

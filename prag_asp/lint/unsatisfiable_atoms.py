@@ -2,10 +2,10 @@
 
     precondition(dorp(R,O), empty(R), true) :- action(dorp(R,O)).
 
-never fires if no action is called dorp, and clingo does not report it. Each name in a body is searched in the ground
-atoms of its predicate, at the same place. A name that no ground atom has is not a mistake if it is in the head of a
-rule that might fire with more entities. If the rules that derive it demand another missing name, only that name is
-reported: as an error if a known name is similar, otherwise as a warning.
+never fires if no action is called dorp, and clingo does not report it. Each name in a body is searched for in the
+ground atoms of its predicate, at the same place. A name that no ground atom has is not a mistake if it is in the head
+of a rule that might fire with more entities. If the rules that derive it demand another missing name, only that other
+name is reported: as an error if a known name is similar, and otherwise as a warning.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from prag_asp.wording import did_you_mean, is_misspelt
 FUNCTION = re.compile(r"(?P<name>_*[a-z][\w']*)?(?:\((?P<arguments>.*)\))?", re.S)
 ACTION, FLUENT = ("action", 1), ("fluent", 1)
 DECLARING: dict[Signature, Signature] = {OCCURS: ACTION, **dict.fromkeys([HOLDS, KNOWN, CHANGED], FLUENT)}
-"""The predicate of the base part that declares the first argument, for some predicates of steps."""
+"""For some predicates of steps, the predicate in the base part that declares the first argument."""
 
 CLASS, CLASS_BELOW, BELONGING = ("class", 1), ("class", 2), ("entity", 2)
 """The predicates that declare a class, and the members of a class."""
@@ -46,19 +46,19 @@ class ArgumentPlace(NamedTuple):
 
 
 class TermPattern(NamedTuple):
-    """A function or constant in a rule; an argument that is a variable, a number or computed is None."""
+    """A function or constant in a rule; an argument that is a variable, a number or a computed term is None."""
 
     name: str
     arguments: tuple[TermPattern | None, ...]
 
     @property
     def signature(self) -> Signature:
-        """The name and the number of arguments."""
+        """Return the name and the number of arguments."""
         return self.name, len(self.arguments)
 
 
 class NameDemand(NamedTuple):
-    """A name in an atom of a rule; without a place, it may occur anywhere.
+    """A name in an atom of a rule; if it has no place, it may occur anywhere.
 
     If the atom is `necessary`, the rule never fires without the name.
     """
@@ -98,7 +98,7 @@ def demand_problems(control: clingo.Control, statements: Sequence[Statement]) ->
 
 
 def _problem(demand: NameDemand, control: clingo.Control, derivable: set[str]) -> Problem:
-    """Return the problem for a name that no atom has at the demanded place; `derivable` are the names of all atoms."""
+    """Return the problem of a name that no atom has at the demanded place; `derivable` holds the names of all atoms."""
     name, arity = demand.name
     rule, line = demand.rule, demand.atom.line
     there: set[Signature] = set()
@@ -122,7 +122,7 @@ def _problem(demand: NameDemand, control: clingo.Control, derivable: set[str]) -
 def _demands(
     rules: Iterable[Statement], stated: Collection[Signature], defined: Collection[Signature]
 ) -> Iterator[NameDemand]:
-    """Yield the names in the bodies of user rules; names in predicates `stated` only in the base part have a place.
+    """Yield the names in the bodies of user rules; names in predicates `stated` only in the base have a place.
 
     Undefined predicates are skipped: they are reported elsewhere, or declared with ``#defined``.
     """
@@ -223,10 +223,10 @@ class _NameMakers:
                 self._of_name.setdefault(name, set()).add(rule)
 
     def roots(self, unmet: Sequence[NameDemand]) -> Iterator[NameDemand]:
-        """Yield the demands that no rule can meet, except demands that are unmet only because others are.
+        """Yield the demands that no rule can meet, except those that are unmet only because others are.
 
-        Only a rule whose own demands are met can meet a demand. If only dead rules would meet a demand, it follows from
-        their demands, unless they demand the same name.
+        Only a rule whose own demands are met can meet a demand. If only dead rules would meet a demand, it is unmet
+        because of their demands, unless they demand the same name.
         """
         dead = {each.rule for each in unmet if each.necessary}
         while True:
@@ -242,7 +242,7 @@ class _NameMakers:
         yield from first or hopeless[:1]
 
     def names(self, dead: set[Statement]) -> set[str]:
-        """Return all names, in heads or computed in bodies, that rules other than `dead` ones can put in atoms."""
+        """Return all names, in heads or computed in bodies, that rules other than the `dead` ones can put in atoms."""
         return {name for name, rules in self._of_name.items() if not rules.issubset(dead)} | self._constants
 
     def _can_make(self, demand: NameDemand, dead: set[Statement]) -> bool:
@@ -269,7 +269,7 @@ class _NameMakers:
 
 
 def _written_at(head: AtomNode, place: ArgumentPlace) -> Signature | None:
-    """Return the name that a head has at a place, or None if it may have any name."""
+    """Return the name that a head has at a place, or None if it may have any name there."""
     term = read_term(head.arguments[place.argument])
     for name, arity, number in place.below:
         if term is None:

@@ -1,6 +1,6 @@
 """Find the fluents that a user rule of a step may change without giving them a value.
 
-They are unknown after such a step, like a fluent with the postcondition `unknown`. A step is grounded once, in any
+They are unknown after such a step, like a fluent with the postcondition `unknown`. A step is grounded once, for any
 state that satisfies the invariants, and a solver searches for a step that leaves a known fluent without a value. The
 hypotheses are that a fluent is known in every state, and that a user predicate carried from step to step is true of
 given terms in every state. Hypotheses that a step may break are dropped until the rest is inductive (Flanagan and Leino
@@ -25,7 +25,7 @@ from prag_asp.pruning.rejected_actions import STEP
 from prag_asp.pruning.relaxed_rules import BOOLEAN, renamed_literals
 
 MOST_STEPS = 512
-"""The number of steps from which a carried predicate counts as endless; in this case, no hypothesis is tested."""
+"""The number of steps above which a carried predicate counts as endless, in which case no hypothesis is tested."""
 
 BEFORE = STEP - 1
 STATES = f"""
@@ -37,16 +37,16 @@ STATES = f"""
 #external _supposed(F) : fluent(F).
 :- _supposed(F), fluent(F), not holds(F,true,{BEFORE}), not holds(F,false,{BEFORE}).
 """
-"""The states before a step, in which some fluents are known and satisfy the invariants."""
+"""The rules for the states before a step, in which some fluents are known and satisfy the invariants."""
 
 BROKEN = f"_broken(F) :- fluent(F), changed(F,{STEP}), not holds(F,true,{STEP}), not holds(F,false,{STEP})."
-"""A step leaves a fluent without a value."""
+"""The rule for a step that leaves a fluent without a value."""
 
 
 def unset_fluents(
     program: Program, facts: Facts, statements: Sequence[Statement], unsure: Collection[clingo.Symbol]
 ) -> dict[clingo.Symbol, Statement]:
-    """Return the fluents that may become unknown, each with a responsible rule, except those in `unsure`."""
+    """Return the fluents that may become unknown, each with the rule responsible, except those in `unsure`."""
     steps = [each for each in statements if each.own and each.is_rule and each.part == "step"]
     heads = ((each, atom) for each in steps for atom in each.heads if atom.signature == CHANGED and not atom.negated)
     changing = [(each, atom) for each, atom in heads if not _is_set(each, atom, steps)]
@@ -85,7 +85,7 @@ def _may_name(term: str, fluent: clingo.Symbol) -> bool:
 
 
 def _carried(statements: Sequence[Statement], steps: Sequence[Statement]) -> list[Signature]:
-    """Return the predicates, except states and actions, that user rules read at the previous step."""
+    """Return the predicates, other than states and actions, that user rules read at the previous step."""
     timed = {atom.signature for each in statements if each.timed for atom in each.heads}
     read = {
         atom.signature
@@ -151,7 +151,7 @@ def _found_unset(
 
 
 def _carried_atoms(program: Program, carried: Sequence[Signature]) -> set[clingo.Symbol] | None:
-    """Return the atoms of given predicates, without their time, that any number of steps may derive.
+    """Return the atoms of given predicates, without their time, that steps may derive, however many there are.
 
     The result is None if there seem to be infinitely many.
     """

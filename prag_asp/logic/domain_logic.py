@@ -29,14 +29,15 @@ LOOP_FREE = ("conditions", "loop_free.lp")
 class DomainLogic:
     """The logic of a domain.
 
-    If a step is not a function of state and action, `step` and `transition` raise EngineError with the reason.
-    Everything else works on the unrolled program.
+    If a step is not a function of the state and the action, `step` and `transition` raise an EngineError with the
+    reason. Everything else works on the unrolled program.
 
-    `bare` is the logic of the domain without conditions, for a domain under conditions. Conditions distinguish
-    entities, so renamings must preserve the rules of both.
+    `bare` is the logic of the domain without conditions, for a domain under conditions. Conditions may distinguish
+    entities, so renamings must preserve the rules of both logics.
 
-    `part_of` is another logic with a superset of the plans; the selection is invariant under the renamings of its
-    tasks. Plans are counted up to the renamings of `part_of`, so that the tasks of all parts together are its tasks.
+    `part_of` is another logic, whose plans include those of this one; the choice of these plans is invariant under the
+    renamings of its tasks. Plans are counted up to the renamings of `part_of`, so that the tasks of all parts together
+    are its tasks.
     """
 
     domain: Domain
@@ -138,7 +139,7 @@ class DomainLogic:
         return symmetries if closed is None else alike(closed)
 
     def _closed(self, groups: Collection[Sequence[clingo.Symbol]] = ()) -> DomainLogic | None:
-        """Return the logic with all entailed invariants if entities beyond those of `groups` may be alike in it."""
+        """Return the logic with all entailed invariants if more entities than those in `groups` may be alike in it."""
         from prag_asp.logic.ground.program import closed_program  # noqa: PLC0415 - plans and skeletons need none
         from prag_asp.logic.symmetry.asymmetric_invariants import states_unevenly  # noqa: PLC0415
 
@@ -194,7 +195,7 @@ class DomainLogic:
         return read_step(Program(tuple(source for source in program.sources if source.path != ADDED)))
 
     def task_program(self, length: int) -> Program:
-        """Return the program whose answer sets are tasks of a given length: plans that name their entities in order."""
+        """Return the program whose answer sets are tasks of a given length: plans that name entities in order."""
         symmetries = self.symmetries(length)
         if not symmetries:
             return self.program
@@ -206,7 +207,7 @@ class DomainLogic:
 
     @cached_property
     def _canonical(self) -> dict[Symmetries, Program]:
-        """The programs of tasks; the keys are the symmetries."""
+        """The programs of tasks; the keys are symmetries."""
         return {}
 
     def transition(
@@ -214,7 +215,8 @@ class DomainLogic:
     ) -> Transition:
         """Return the step function of plans, or of tasks.
 
-        `weighed` are facts to add, together with ``rules/weights.lp``. The edges carry the atoms `labels`.
+        `weighed` contains facts to add, together with ``rules/weights.lp``. The edges are labelled with the atoms
+        `labels`.
 
         Raises:
             EngineError: the step is not a function of the state and the action.

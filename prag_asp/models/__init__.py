@@ -3,4 +3,5 @@
 from __future__ import annotations
 
 ENGINES = ("auto", "ganak", "d4", "diagram", "clingo")
-"""The engines: automatic choice; two #SAT counters, which only count; a compiled diagram; enumeration by clingo."""
+"""The engines: automatic choice; two #SAT counters, which can only count; a compiled diagram; and enumeration by
+clingo."""

@@ -18,8 +18,8 @@ from prag_asp.processes.progress_events import stage
 class ModelFormula:
     """A formula, with the symbols that its models show.
 
-    `cnf.shown` are the projection variables, which distinguish answer sets or their projections. `printed` has the
-    symbols that may be shown, sorted, each with its literal. With `whole`, all other variables are functions of
+    `cnf.shown` are the projection variables, which distinguish answer sets or their projections. `printed` holds the
+    symbols that may be shown, sorted, each with its literal. If `whole` is true, all other variables are functions of
     `cnf.shown`.
     """
 
@@ -30,10 +30,10 @@ class ModelFormula:
 
 
 def model_formula(ground: GroundModels, *, project: bool, copied: bool) -> ModelFormula:
-    """Return the formula of a head-cycle-free program; with `copied`, its models without open copies are answer sets.
+    """Return the formula for a head-cycle-free program; with `copied`, its models without open copies are answer sets.
 
-    With `project`, answer sets that agree on the atoms of ``#project`` (without such a statement, on the shown symbols)
-    count as one, as with clingo's option ``--project``. These atoms are then the printed symbols.
+    With `project`, answer sets that agree on the atoms of ``#project`` (or, without such a statement, on the shown
+    symbols) count as one, as with clingo's option ``--project``. These atoms are then the printed symbols.
     """
     stage("writing clauses")
     completion = complete(shift_disjunctions(ground.rules), copied=copied)

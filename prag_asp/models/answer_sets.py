@@ -24,7 +24,7 @@ from prag_asp.models.diagram import WeightedDiagram
 from prag_asp.models.foundedness import list_models
 from prag_asp.models.ground_program import GroundModels, ground_models
 from prag_asp.models.program_reader import GivenProgram, places_of_costs, read_program
-from prag_asp.models.questions.choices import Choice, conditions_of_symbols, only_chosen, parse_choice
+from prag_asp.models.questions.choices import AtomChoice, conditions_of_symbols, only_chosen, parse_choice
 from prag_asp.models.questions.conflict import Conflict, find_conflict
 from prag_asp.models.questions.facets import Facet, facets_of_diagram, facets_of_lists
 from prag_asp.models.questions.optimum import Optimum, find_optimum, only_optimal
@@ -38,10 +38,10 @@ AnswerSet = tuple[clingo.Symbol, ...]
 Tell = Callable[[str], None]
 
 LONG_COUNT = 10**60
-"""The first number that is too long for a table of a notebook."""
+"""The smallest number that is too long for a table in a notebook."""
 
 COUNTERS = {"ganak": GANAK, "d4": D4}
-"""The engines that only count, using the clauses."""
+"""The engines that can only count, using the clauses."""
 
 
 def answer_sets(
@@ -59,9 +59,9 @@ def answer_sets(
 
     With `project`, answer sets that agree on the projection variables count as one: the atoms of ``#project`` or,
     without such a statement, all shown symbols. With `weighted`, the weight of an answer set is the product of the
-    weights of its atoms, given by facts ``weight(Atom, W)``. With `optimal`, only answer sets that are optimal under
-    the program's weak constraints, ``#minimize`` and ``#maximize`` count. `tell` receives notes, for example that
-    another engine counts in parallel, and `progress` the progress of long computations.
+    weights of its atoms, given by facts ``weight(Atom, W)``. With `optimal`, only answer sets count that are optimal
+    under the program's weak constraints, ``#minimize`` and ``#maximize``. `tell` receives notes, for example that
+    another engine counts in parallel, and `progress` receives the progress of long computations.
 
     Raises:
         DomainError: a file cannot be read or ground, or has unsupported statements; the message has one line for each.
@@ -99,8 +99,8 @@ class AnswerSets:
 
     Iteration is lazy and in a fixed order: of two answer sets, the one that contains the first symbol in which they
     differ, in clingo's order, comes first. If clingo enumerates, its own order is used. With an `optimum`, only the
-    optimal answer sets are included, and with `choices`, only those that agree with them; `whole` are then the answer
-    sets without choices.
+    optimal answer sets are included, and with `choices`, only those that agree with the choices; `whole` is then the
+    object without choices.
     """
 
     given: GivenProgram
@@ -111,13 +111,13 @@ class AnswerSets:
     optimum: Optimum | None = None
     tell: Tell | None = None
     progress: Progress | None = None
-    choices: tuple[Choice, ...] = ()
+    choices: tuple[AtomChoice, ...] = ()
     whole: AnswerSets | None = field(default=None, repr=False, compare=False)
 
     def where(self, *literals: str) -> AnswerSets:
         """Return the answer sets that show some symbols and lack others, such as ``p(1)`` and ``not p(2)``.
 
-        If the answer sets are optimal ones, those of them that agree are kept. Once a diagram has been compiled, it
+        If these are optimal answer sets, those of them that agree are kept. Once a diagram has been compiled, it
         answers queries about all choices in time linear in its size.
 
         Raises:
@@ -129,7 +129,7 @@ class AnswerSets:
         return replace(whole, choices=tuple(dict.fromkeys(choices)), whole=whole) if choices else self
 
     def compile(self, look: Callable[[], None] = lambda: None) -> bool:
-        """Compile the diagram unless that is done; return False if there is none because clingo has to enumerate.
+        """Compile the diagram if necessary; return False if there is none because clingo has to enumerate.
 
         `look` is called periodically; an exception that it raises ends the compilation.
         """
@@ -160,7 +160,7 @@ class AnswerSets:
     def _compiled(self) -> CompiledProgram:
         ground = self.ground
         if self.choices:
-            ground = ground_models(self.given)  # the constraints of choices change its control
+            ground = ground_models(self.given)  # the constraints for choices change its control
             ground = ground if self.optimum is None else only_optimal(ground, self.optimum)
             ground = only_chosen(ground, self.choices, project=self.project)
         return CompiledProgram(
@@ -169,7 +169,7 @@ class AnswerSets:
 
     @cached_property
     def _base(self) -> AnswerSets:
-        """The answer sets whose diagram is used: those without choices if they have been compiled."""
+        """The answer sets whose diagram is used: those without choices, if they have been compiled."""
         compiled = None if self.whole is None else self.whole.__dict__.get("_compiled")
         return self if self.whole is None or compiled is None or not compiled.has_diagram else self.whole
 
@@ -221,7 +221,7 @@ class AnswerSets:
         return estimate_models(self._compiled.counting_formula.cnf, tolerance, seed)
 
     def total(self) -> Fraction:
-        """Return the exact sum of the weights of the answer sets; without weights, their number."""
+        """Return the exact sum of the weights of the answer sets, which is their number if there are no weights."""
         if not self.stated:
             return Fraction(self.count())
         if self._way() == "clingo":
@@ -239,7 +239,7 @@ class AnswerSets:
             self._require(total)
             yield from self._compiled.enumeration.sample(seed, count, total)
             return
-        diagram = self._compiled.diagram  # not that of the whole, so that a seed gives the same in every case
+        diagram = self._compiled.diagram  # not that of the whole, so that a seed gives the same result in every case
         self._require(diagram.total)
         yield from map(self._printer(self._compiled), islice(diagram.sample(seed), count))
 

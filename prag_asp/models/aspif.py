@@ -1,4 +1,4 @@
-"""Ground programs in aspif, the intermediate format of gringo and clasp: each line is checked before clingo reads it.
+"""Ground programs in aspif, the intermediate format of gringo and clasp; each line is checked before clingo reads it.
 
 The format is that of Kaminski, Schaub and Wanko, "A Tutorial on Hybrid Answer Set Solving with clingo" (2017),
 appendix A.
@@ -22,7 +22,7 @@ LARGEST = 2**31 - 1
 """The largest number that clingo can read."""
 
 RULE, MINIMIZE, OUTPUT, ASSUME, THEORY, COMMENT = 1, 2, 4, 6, 9, 10
-"""The type numbers of rules, minimize, show, assumption and theory statements, and comments."""
+"""The type numbers of rules, minimize statements, show statements, assumptions, theory statements, and comments."""
 
 
 def is_aspif(source: Source) -> bool:
@@ -31,7 +31,7 @@ def is_aspif(source: Source) -> bool:
 
 
 def aspif_text(source: Source) -> str:
-    """Return the text of a checked program for clingo, without its comments and any text after its end.
+    """Return the text of a checked program for clingo, without its comments and anything after its end.
 
     Assumptions become constraints, because clingo forgets them after its first search.
     """
@@ -71,7 +71,7 @@ def aspif_problems(source: Source, *, optimal: bool) -> Iterator[Problem]:
 
 
 class _Malformed(Exception):
-    """A line is not a supported statement; the message has the reason and the remedy."""
+    """A line is not a supported statement; the message gives the reason and the remedy."""
 
 
 class _AspifLine:
@@ -105,7 +105,7 @@ class _AspifLine:
             raise _Malformed(f"{self._left.decode(errors='replace')!r} follows the statement; remove it")
 
     def number(self, what: str, least: int = 0, most: int = LARGEST) -> int:
-        """Read the next number, separated from the last one by a single blank."""
+        """Read the next number, which is separated from the previous one by a single blank."""
         text, blank, rest = self._left[self._begun :].partition(b" ")
         self._begun, self._left = True, blank + rest
         digits = text.removeprefix(b"-")

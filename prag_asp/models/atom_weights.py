@@ -68,7 +68,7 @@ def stated_weights(ground: GroundModels, program: Program) -> dict[clingo.Symbol
 
 
 def unknown_weights(stated: Iterable[clingo.Symbol], ground: GroundModels, program: Program) -> str:
-    """Return a note on weighted atoms that no rule derives, with the place of the first atom, or an empty text."""
+    """Return a note on weighted atoms that no rule derives, with the place of the first one, or an empty text."""
     atoms = {symbol for symbol, _ in ground.names}
     missing = sorted(atom for atom in stated if atom not in atoms)
     if not missing:
@@ -106,7 +106,7 @@ def projected_away(atom: clingo.Symbol, ground: GroundModels, program: Program) 
 def literal_weights(
     formula: ModelFormula, stated: Mapping[clingo.Symbol, Fraction], ground: GroundModels, program: Program
 ) -> LiteralWeights:
-    """Return the weights of literals; impossible atoms are ignored.
+    """Return the weights of literals; atoms that are impossible are ignored.
 
     Raises:
         QueryError: equivalent answer sets may have different weights.

@@ -1,4 +1,4 @@
-"""The representations for counting and listing answer sets, each created once, on first use."""
+"""The representations used for counting and listing answer sets, each created on first use."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from prag_asp.models.enumeration.enumeration import Enumeration
 from prag_asp.models.ground_program import GroundModels
 from prag_asp.models.prepared_formula import PreparedFormula, prepare_formula
 from prag_asp.models.program_reader import GivenProgram
-from prag_asp.models.questions.choices import Choice
+from prag_asp.models.questions.choices import AtomChoice
 from prag_asp.models.questions.optimum import Optimum
 from prag_asp.models.shifting import is_head_cycle_free
 from prag_asp.processes.progress_events import stage
@@ -27,7 +27,7 @@ from prag_asp.processes.progress_events import stage
 class CompiledProgram:
     """A ground program as a formula, as a diagram of the formula, and as an enumeration by clingo.
 
-    `stated` are the weights of atoms. `ground` has constraints for the `choices`, which `given` does not have. `note`
+    `stated` are the weights of atoms. `ground` contains constraints for the `choices`, whereas `given` does not. `note`
     receives a line before a long compilation.
     """
 
@@ -38,7 +38,7 @@ class CompiledProgram:
     optimum: Optimum | None
     progress: Progress | None
     note: Callable[[str], None]
-    choices: tuple[Choice, ...] = ()
+    choices: tuple[AtomChoice, ...] = ()
 
     @cached_property
     def no_clauses(self) -> str:
@@ -75,7 +75,7 @@ class CompiledProgram:
 
     @cached_property
     def prepared(self) -> PreparedFormula:
-        """The formula, ordered for compilation."""
+        """The formula, prepared for compilation."""
         printed = {abs(literal) for _, literal in self.formula.printed}
         stage("ordering variables")
         return prepare_formula(self.formula, printed | {abs(literal) for literal in self.weights.weights})
@@ -91,7 +91,7 @@ class CompiledProgram:
         return "diagram" in self.__dict__
 
     def compile(self, look: Callable[[], None]) -> None:
-        """Compile the diagram, and call `look` after every 64 node visits; an exception in it ends the compilation."""
+        """Compile the diagram, calling `look` after every 64 node visits; an exception from it ends the compilation."""
         self.__dict__["diagram"] = self._compile(look)  # fills the cached_property
 
     def _compile(self, look: Callable[[], None] = lambda: None) -> WeightedDiagram:

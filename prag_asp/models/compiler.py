@@ -1,9 +1,9 @@
 """Compile a formula into a diagram by exhaustive search with component caching.
 
 The trace of the search (Bayardo and Pehoushek 2000; Sang et al. 2004) is a deterministic decomposable negation normal
-form (Huang and Darwiche 2005). A learning SAT solver tests each case for an answer set, so that only satisfiable cases
-are explored. Only projection variables are decided: if none is left, there is one projected model (as in Lagniez and
-Marquis 2019). Copies of atoms in loops are not decided either, because unit propagation derives them.
+form (Huang and Darwiche 2005). A learning SAT solver tests whether each case has an answer set, so that only
+satisfiable cases are explored. Only projection variables are decided: if none is left, there is one projected model (as
+in Lagniez and Marquis 2019). Copies of atoms in loops are not decided either, because unit propagation derives them.
 
 Unit propagation uses only the given clauses, never learned ones, so that the diagram depends only on the formula.
 """
@@ -37,7 +37,7 @@ Node = int
 
 @dataclass(frozen=True)
 class _Part:
-    """The variables of a component of the formula and its listed clauses and sums, both sorted.
+    """The variables of a component of the formula, and its listed clauses and sums, both sorted.
 
     Sums are numbered after the clauses; `missing` holds the missing weights of each sum.
     """
@@ -70,7 +70,7 @@ def compile_formula(
     if prepared.contradictory:
         return Diagram(())
     clauses = (*prepared.clauses, *prepared.nodes)
-    propagation = Solver(max(len(prepared.names) - 1, 1), clauses)  # it only propagates, so it learns nothing
+    propagation = Solver(max(len(prepared.names) - 1, 1), clauses)  # only propagates, so it learns nothing
     with closing(FoundednessOracle(formula.completion)) as oracle, propagation:
         return _Compiler(prepared, oracle, propagation, progress, look).compile()
 
@@ -95,7 +95,7 @@ class _Compiler:
         self._beside: list[list[int]] = [[] for _ in range(variables + 1)]
         for number, clause in enumerate(clauses):
             if len(clause) == 2 and not prepared.copies:
-                # The clause is open exactly if both variables are, so no component lists it.
+                # The clause is open if and only if both variables are, so no component lists it.
                 one, other = self._variables_of[number]
                 self._beside[one].append(other)
                 self._beside[other].append(one)
@@ -199,7 +199,7 @@ class _Compiler:
         implied = self._propagation.propagated(decisions)
         if implied is None:
             return None
-        new = implied[case.implied :]  # propagation follows the decisions in their order
+        new = implied[case.implied :]  # propagation follows the decisions in order
         if (case.model[self._formula.names[abs(literal)] - 1] > 0) == (literal > 0):
             return _Case(decisions, len(implied), case.model), new
         names = self._formula.names
@@ -220,7 +220,7 @@ class _Compiler:
     ) -> list[_Part]:
         """Return the components into which the clauses `unseen` and the binary clauses connect the variables `waiting`.
 
-        Each component has one of the variables `touched`, so a search may stop at the last touched variable. All three
+        Each component contains one of the variables `touched`, so a search may stop at the last of these. All three
         sets are consumed. Variables without clauses are in no component.
         """
         components = []
@@ -287,8 +287,8 @@ def _merge_copies(
 ) -> tuple[dict[Literal, Literal], set[int]]:
     """Return a representative literal for each merged copy, and the variables that the remaining clauses read.
 
-    A copy derives another by a binary clause; if no other clause derives the latter, the two are equivalent. The least
-    copy that further clauses read represents its class, so that unread copies do not matter.
+    One copy derives another by a binary clause; if no other clause derives the latter, the two are equivalent. A class
+    is represented by its least copy that further clauses read, so that unread copies do not matter.
     """
     pairs: list[tuple[int, int]] = []
     read: set[int] = set()

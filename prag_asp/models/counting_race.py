@@ -29,7 +29,7 @@ from prag_asp.processes.progress_events import stage
 
 
 class _Counted(Exception):
-    """A counter finished before the compilation."""
+    """Raised when a counter finishes before the compilation."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -37,7 +37,7 @@ class _Counted(Exception):
 
 
 class _TimeOver(Exception):
-    """The turn of the compiler is over."""
+    """Raised when the turn of the compiler is over."""
 
 
 def count_by_race(compiled: CompiledProgram) -> int | None:
@@ -96,9 +96,9 @@ def count_unless_compiled(
 ) -> int | None:
     """Return the number of models from the first engine to finish, or None if the compiler finishes first.
 
-    `compile_formula` receives a function that it calls periodically, and propagates its errors. `begins` is called
-    with each counter that has no separate turn, when it starts to run alongside the compiler. `own` holds the engines
-    of this process, each a function of its time limit in seconds.
+    `compile_formula` receives a function that it calls periodically, and propagates its errors. `begins` is called with
+    each counter that has no separate turn when it starts to run alongside the compiler. `own` holds the engines of this
+    process, each a function of its time limit in seconds.
     """
     looks = count()
     with ExitStack() as stack:

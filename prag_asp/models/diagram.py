@@ -1,4 +1,4 @@
-"""A compiled formula with exact totals, marginals and samples in time linear in its size.
+"""A compiled formula, which gives exact totals, marginals and samples in time linear in its size.
 
 A node is a disjunction of mutually exclusive branches; a branch is a conjunction of literals and nodes that share no
 variable (a deterministic decomposable negation normal form; Darwiche 2001). Totals are therefore sums of products, and
@@ -57,7 +57,7 @@ _Choice = tuple[int, Branch, Branch, Callable[[Iterator[int]], bool]]
 
 @dataclass(frozen=True)
 class WeightedDiagram:
-    """A diagram with model weights; each is the product of the integer weights of its literals, by default 1."""
+    """A diagram with weights of models; each is the product of the integer weights of its literals, by default 1."""
 
     diagram: Diagram
     weights: Mapping[Literal, int]
@@ -68,7 +68,7 @@ class WeightedDiagram:
 
     @property
     def total(self) -> int:
-        """The sum of the weights of all models; without weights, their number."""
+        """The sum of the weights of all models, which is their number if there are no weights."""
         return self._totals[-1] if self._totals else 0
 
     @cached_property
@@ -109,11 +109,11 @@ class WeightedDiagram:
     def sample(self, seed: int) -> Iterator[list[Literal]]:
         """Yield models endlessly, with probabilities proportional to their weights; the total must be above 0.
 
-        Each sample has its own random words, whose number is the same for all samples.
+        Each sample uses separate random words, whose number is the same for all samples.
         """
         bits = SeededBits(seed, "models")
         choices: dict[int, _Choice] = {}
-        choices_below: list[int] = []  # the maximum number of choices in a sample of each node
+        choices_below: list[int] = []  # for each node, the maximum number of choices in a sample
         for branches in self.diagram.nodes:
             below = max(sum(choices_below[child] for child in branch.children) for branch in branches)
             choices_below.append(below + (len(branches) > 1))
@@ -139,7 +139,7 @@ class WeightedDiagram:
             first += batch
 
     def _choice(self, node: int) -> _Choice:
-        """Return the choice of a node: its first branch if a random word is below a threshold, otherwise the second.
+        """Return the choice at a node: its first branch if a random word is below a threshold, otherwise the second.
 
         A negative threshold means that only one branch is possible.
         """
@@ -156,7 +156,7 @@ class WeightedDiagram:
 
 
 def _among(rest: int, total: int) -> Callable[[Iterator[int]], bool]:
-    """Return a tie-breaker for a word equal to the threshold: it tests if the next words are below the remainder."""
+    """Return a tie-breaker for a word equal to the threshold, which tests if the next words are below the remainder."""
 
     def below(words: Iterator[int]) -> bool:
         left = rest

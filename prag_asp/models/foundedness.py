@@ -53,7 +53,7 @@ class FoundednessOracle:
             return (model[abs(value) - 1] > 0) == (value > 0)
 
         def supports(rule: Rule) -> bool:
-            """Return whether the body is true without the remaining atoms."""
+            """Return whether the body is true without the atoms that remain."""
             if not rule.weights:
                 return all(literal not in left and true(literal) for literal in rule.body)
             pairs = zip(rule.body, rule.weights, strict=True)
@@ -75,7 +75,7 @@ class FoundednessOracle:
         return left
 
     def _forbid(self, loop: Loop, atoms: set[int]) -> None:
-        """Add the loop formula of a set: if one of its atoms is true, a rule supports the set from outside."""
+        """Add the loop formula of a set: if one of its atoms is true, some rule supports the set from outside."""
 
         def outside(literal: int) -> Literal:
             return -TRUE if literal in atoms else self._completion.value(literal)
@@ -91,9 +91,9 @@ class FoundednessOracle:
 def list_models(formula: ModelFormula, order: Sequence[Literal]) -> Iterator[list[Literal]]:
     """Yield the combinations of values that the literals in `order` have in models, each once, true before false.
 
-    For each literal of a model, one solver call decides whether another model first differs there.
+    For each literal of a model, one solver call decides whether another model differs first at this literal.
     """
-    # Keep only one of a literal and its negation, because a symbol may be shown exactly if another is not.
+    # Keep only one of a literal and its negation, because a symbol may be shown if and only if another is not.
     first = {abs(literal): literal for literal in reversed(order) if abs(literal) != TRUE}
     order = [literal for literal in dict.fromkeys(order) if first.get(abs(literal)) == literal]
     with closing(FoundednessOracle(formula.completion)) as oracle:

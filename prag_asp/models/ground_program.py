@@ -17,13 +17,13 @@ from prag_asp.program.problem import allowed_in_sources
 class GroundModels:
     """The ground rules of a program.
 
-    `names` holds the atoms by their symbols, sorted, and `shown` the shown symbols, sorted, each with alternative
-    conditions. `projected` holds the atoms of ``#project``, or is None without such a statement. `acyclic` is true if a
-    graph must be acyclic (``#edge``), which rules do not express; `contested` has the externals that are not false and
-    that rules also derive. `minimized` holds the weighted literals of each priority, the highest first. `notes` are
-    clingo's notes on instances dropped because an operation is undefined, and `remarks` those on atoms that no rule
-    derives, unless their line has a comment ``% lint: allow undefined``. `grounder` holds the ground program, without
-    optimisation.
+    `names` holds the atoms by their symbols, sorted, and `shown` holds the shown symbols, sorted, each with alternative
+    conditions. `projected` holds the atoms of ``#project``, or is None if there is no such statement. `acyclic` is true
+    if a graph must be acyclic (``#edge``), which rules do not express; `contested` holds the externals that are not
+    false and that rules also derive. `minimized` holds the weighted literals of each priority, the highest first.
+    `notes` are clingo's notes on instances that are dropped because an operation is undefined, and `remarks` are its
+    notes on atoms that no rule derives, unless their line has a comment ``% lint: allow undefined``. `grounder` holds
+    the ground program, without optimisation.
     """
 
     rules: tuple[Rule, ...]
@@ -56,8 +56,8 @@ class GroundModels:
 def ground_models(given: GivenProgram) -> GroundModels:
     """Ground the part `base` of a program, as clingo does by default.
 
-    An ``#external`` is false unless it is declared ``[true]`` or ``[free]``. clingo ignores it if a rule derives the
-    atom, but not if that rule is simplified away, even because of an earlier rule.
+    An ``#external`` is false unless it is declared ``[true]`` or ``[free]``. If a rule derives the atom, clingo ignores
+    the statement, but not if the rule is simplified away, which an earlier rule may also cause.
 
     Raises:
         DomainError: clingo cannot ground the program.
@@ -65,7 +65,7 @@ def ground_models(given: GivenProgram) -> GroundModels:
     recorder = GroundRecorder()
     grounder = given.grounder(REMARKS, "--opt-mode=ignore", "--stats=2", observer=recorder)
     grounder.ground([("base", [])])
-    # Atom 0 stands for symbols that no rule can derive.
+    # atom 0 stands for symbols that no rule can derive
     names = sorted((atom.symbol, atom.literal) for atom in grounder.control.symbolic_atoms if atom.literal)
     shown = sorted((symbol, tuple(dict.fromkeys(conditions))) for symbol, conditions in recorder.shown.items())
     projected = None if recorder.projected is None else frozenset(recorder.projected)

@@ -60,10 +60,10 @@ class PreparedFormula:
     """A formula before compilation: units are propagated, and variables numbered in decision order.
 
     The clauses `nodes` define the `sums`; their further variables have the last numbers, and are not decided. `names`
-    holds the variable of each number, from 1; `projection` holds the numbers of decision variables, and `kept` the
-    names of the variables whose values the diagram contains. `copies` holds the atom of each copy, 0 for a fixed one,
-    and None for a gate. All models have the literals `fixed`; no clause or sum restricts the variables `free`. If the
-    formula is `contradictory`, the other fields are meaningless.
+    holds the variable for each number, from 1; `projection` holds the numbers of decision variables, and `kept` holds
+    the names of the variables whose values the diagram contains. `copies` holds the atom of each copy, or 0 for a fixed
+    one and None for a gate. All models contain the literals `fixed`; no clause or sum restricts the variables `free`.
+    If the formula is `contradictory`, the other fields are meaningless.
     """
 
     clauses: tuple[tuple[Literal, ...], ...]
@@ -80,7 +80,7 @@ class PreparedFormula:
 
     @property
     def cost(self) -> str:
-        """The length of the formula as text."""
+        """The length of the formula written as text."""
         numbers = {"clause": len(self.clauses), "sum": len(self.sums), "variable": len(self.order.variables)}
         clauses, sums, variables = (
             f"{number:,} {what}{'' if number == 1 else 's'}" for what, number in numbers.items()
@@ -89,7 +89,7 @@ class PreparedFormula:
 
 
 def prepare_formula(formula: ModelFormula, kept: Iterable[int]) -> PreparedFormula:
-    """Return a formula prepared for a diagram with the values of the variables `kept`."""
+    """Return a formula prepared for a diagram that contains the values of the variables `kept`."""
     cnf, copies = formula.cnf, formula.completion.copies
     fixed, propagated = propagate_units(cnf.clauses)
     hidden = set() if copies else formula.completion.clauses.nodes
@@ -128,7 +128,7 @@ def prepare_formula(formula: ModelFormula, kept: Iterable[int]) -> PreparedFormu
 def propagate_units(
     clauses: Iterable[Sequence[Literal]],
 ) -> tuple[set[Literal], list[tuple[Literal, ...]] | None]:
-    """Return the literals implied by unit propagation and the remaining clauses, or None at a contradiction."""
+    """Return the literals that unit propagation implies and the remaining clauses, or None at a contradiction."""
     distinct = list(dict.fromkeys(tuple(dict.fromkeys(clause)) for clause in clauses))
     against: dict[Literal, list[int]] = {}
     for place, clause in enumerate(distinct):

@@ -1,4 +1,4 @@
-"""Read the files of a logic program, and refuse unsupported statements, naming each with its line."""
+"""Read the files of a logic program, and refuse unsupported statements, each with its line."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ REFUSED: Mapping[ASTType, tuple[str, str]] = {
     ASTType.TheoryDefinition: ("a theory means nothing to clingo alone", "leave it out"),
     ASTType.Script: ("a script is not run", "state by rules or facts what it computes"),
 }
-"""Refused statements, each with the problem and the remedy."""
+"""The statements that are refused, each with the problem and the remedy."""
 
 NAMES = {ASTType.Minimize: "a weak constraint or #minimize", ASTType.Script: "#script"}
 
@@ -78,7 +78,7 @@ def read_program(
 
 
 def _options(statements: Sequence[Statement], values: Mapping[str, str], declared: set[str]) -> Iterator[str]:
-    """Yield clingo's options for the constants that no statement declares; each must occur as a term."""
+    """Yield clingo's options for the constants that no statement declares; each of them must occur as a term."""
     read: set[str] = set()  # constants that occur as terms, without predicates and functions
     if not declared.issuperset(values):
         nodes = (node for statement in statements for node in below(statement.node))
@@ -121,7 +121,7 @@ def _ground_program(sources: Sequence[Source], constants: Mapping[str, Constant]
 
 
 def _refusals(statements: Sequence[Statement], suspects: Collection[Path], *, optimal: bool) -> Iterator[Problem]:
-    """Yield unsupported statements; terms are searched only in `suspects`, because the search is slow."""
+    """Yield unsupported statements; terms are searched only for `suspects`, because the search is slow."""
     for statement in statements:
         if statement.kind in REFUSED and not (optimal and statement.kind == ASTType.Minimize):
             wrong, todo = REFUSED[statement.kind]

@@ -1,6 +1,6 @@
 """Find conditional literals in heads that clingo 5 grounds wrongly, because their conditions depend on the head.
 
-A rule such as ``a : a :- b.`` with ``b :- a.`` derives its head while the instances of its condition are still unknown:
+A rule such as ``a : a :- b.`` with ``b :- a.`` derives its head while the instances of its condition are still unknown;
 clingo drops them, and the program loses answer sets or gets wrong ones. The same happens if the body of a rule with
 such a head has a conditional literal that depends on the head. Choices are not affected, nor are conditions that the
 head does not depend on.
@@ -38,14 +38,14 @@ def _has_conditional_head(head: AST) -> bool:
 
 
 def _conditional_atoms(body: Sequence[AST]) -> Iterator[AtomNode]:
-    """Yield the atoms of the conditional literals of a body."""
+    """Yield the atoms in the conditional literals of a body."""
     for node in body:
         if node.ast_type == ASTType.ConditionalLiteral:
             yield from atoms(node, str(node))
 
 
 def _component_numbers(statements: Sequence[Statement]) -> dict[Signature, int]:
-    """Return the component of each predicate in the graph of the positive dependencies of heads on bodies."""
+    """Return the component of each predicate in the graph of positive dependencies of heads on bodies."""
     graph: dict[Signature, set[Signature]] = {}
     for statement in statements:
         read = {atom.signature for atom in statement.body if not atom.negated} if statement.is_rule else set()

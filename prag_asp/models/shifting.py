@@ -14,7 +14,7 @@ from prag_asp.program.finite.components import components
 
 
 def is_head_cycle_free(rules: Sequence[Rule]) -> bool:
-    """Return whether no disjunctive head has two atoms of one component of the positive dependency graph."""
+    """Return whether no disjunctive head has two atoms in the same component of the positive dependency graph."""
     graph: dict[int, set[int]] = {}
     for rule in rules:
         for head in rule.heads:

@@ -4,10 +4,10 @@ Variables that share a clause are adjacent. Min-degree elimination (a heuristic;
 tree decomposition. Variables near its centre are decided first, so that the formula splits into halves without a common
 clause (as Korhonen and Järvisalo 2021 do for model counting).
 
-Reachability does not split into halves: the variables of a formula with loops are ordered from one end to the other, as
-Cuthill and McKee (1969) number the rows of a matrix to reduce its bandwidth, so that a case depends on few earlier
-decisions. Neither does a formula with sums or clauses over all of its parts, such as "each cell is visited at some
-time": such a clause only needs to know whether one of its literals was made true by an earlier decision.
+Reachability does not split into halves, so the variables of a formula with loops are ordered from one end to the other,
+as Cuthill and McKee (1969) number the rows of a matrix to reduce its bandwidth, so that a case depends on few earlier
+decisions. A formula with sums or clauses over all of its parts, such as "each cell is visited at some time", does not
+split either; for such a clause, all that matters is whether an earlier decision has made one of its literals true.
 """
 
 from __future__ import annotations
@@ -26,7 +26,8 @@ LONG = 6
 """The number of literals above which a clause does not make its variables neighbours in a sweep."""
 
 LONGEST = 1000
-"""The number of literals above which a clause is too long for a tree decomposition, whose size is its square."""
+"""The number of literals above which a clause is too long for a tree decomposition, which takes the square of this
+number."""
 
 WIDE = 24
 """The width above which a formula without sums may be swept."""
@@ -78,7 +79,7 @@ def _primal_graph(groups: Sequence[tuple[int, ...]], longest: int) -> dict[int, 
 
 
 def _frontier(order: Sequence[int], groups: Sequence[tuple[int, ...]]) -> int:
-    """Return the largest number of earlier variables and long groups that matter to later variables of an order."""
+    """Return the largest number of earlier variables and long groups that matter to the later variables of an order."""
     place = {variable: number for number, variable in enumerate(order)}
     last = list(range(len(order)))  # the last neighbour of the variable at each place
     changes = [0] * len(order)
@@ -118,7 +119,7 @@ def _by_distance(graph: Mapping[int, set[int]], start: int) -> list[int]:
 
 
 def _eliminate(graph: dict[int, set[int]]) -> tuple[list[tuple[int, set[int]]], set[int]]:
-    """Return the variables in elimination order with their neighbours at that time, and the remaining ones."""
+    """Return the variables in elimination order, with the neighbours that they then have, and the remaining ones."""
     waiting = [(len(neighbours), variable) for variable, neighbours in graph.items()]
     heapify(waiting)
     eliminated: list[tuple[int, set[int]]] = []

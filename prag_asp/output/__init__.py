@@ -1,4 +1,4 @@
-"""Atomic files and folders, and journals to resume a run from.
+"""Atomic files and folders, and journals from which runs are resumed.
 
 The names below are loaded at first use, because a count writes nothing.
 """

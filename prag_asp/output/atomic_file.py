@@ -1,7 +1,7 @@
 """Atomic files: a file is written next to its target, flushed, and renamed, while a lock excludes other writers.
 
-A rename is atomic, and data flushed before the rename survive a loss of power: a reader always sees either the old or
-the new content. If the process is killed, the old file and ``NAME.part`` remain.
+A rename is atomic, and data that were flushed before it survive a power failure, so a reader always sees either the old
+or the new content. If the process is killed, the old file and ``NAME.part`` remain.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ EVERYBODY = 0o666
 """The permissions of a new file, reduced by the user's umask."""
 
 PATIENCE = 3.0
-"""Seconds to wait for another writer of the same file: a killed process may take that long to disappear."""
+"""Seconds to wait for another writer of the same file, because a killed process may take that long to disappear."""
 
 POLL = 0.02
 """Seconds between two attempts to lock a file."""
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-"""The errors of a full disk, an exceeded quota, or a file of the maximum size."""
+"""The errors for a full disk, an exceeded quota, or a file of the maximum size."""
 
 NO_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS)
-"""The errors of a file system without locks."""
+"""The errors of a file system that has no locks."""
 
 NO_FLUSH = (errno.EINVAL, errno.ENOTSUP, errno.EACCES)
 """The errors of a file system that cannot flush a folder."""
@@ -97,7 +97,7 @@ class AtomicFile:
 def open_atomic(file: str | Path, *, mode: int = EVERYBODY, follow: bool = True) -> Iterator[AtomicFile]:
     """Yield a file to write, which replaces its target when the block ends, and is removed if the block fails.
 
-    With `follow`, a link is followed, otherwise it is replaced. `mode` holds the permissions of a new file.
+    With `follow`, a link is followed; otherwise, it is replaced. `mode` holds the permissions of a new file.
 
     Raises:
         OutputError: the file cannot be written, or another run is writing it.
@@ -115,7 +115,7 @@ def open_atomic(file: str | Path, *, mode: int = EVERYBODY, follow: bool = True)
 
 
 def replace_file(file: str | Path, content: bytes, *, mode: int = EVERYBODY, follow: bool = True) -> None:
-    """Write a file atomically: after an interruption, it has either its old or its new content.
+    """Write a file atomically, so that after an interruption, it has either its old or its new content.
 
     A device or a pipe is written directly. `mode` and `follow` have the same meaning as in `open_atomic`.
 
@@ -194,7 +194,7 @@ def locked(path: Path, open_path: Callable[[], int]) -> int:
     while True:
         descriptor = open_path()
         try:
-            with suppress(FileNotFoundError):  # the previous writer may have renamed the file meanwhile
+            with suppress(FileNotFoundError):  # the previous writer may have renamed the file in the meantime
                 if _lock(descriptor) and os.path.samestat(os.fstat(descriptor), path.lstat()):
                     return descriptor
         except BaseException:
@@ -207,7 +207,7 @@ def locked(path: Path, open_path: Callable[[], int]) -> int:
 
 
 def write_at(descriptor: int, content: bytes, position: int) -> None:
-    """Write bytes at a position of a file; this may be repeated after an interruption."""
+    """Write bytes at a position in a file; this may be repeated after an interruption."""
     rest = memoryview(content)
     while rest:
         written = os.pwrite(descriptor, rest, position)
@@ -215,7 +215,7 @@ def write_at(descriptor: int, content: bytes, position: int) -> None:
 
 
 def flush_folder(folder: Path) -> None:
-    """Flush a folder, if the file system supports that, so that a rename in it survives a loss of power."""
+    """Flush a folder, if the file system supports that, so that a rename in it survives a power failure."""
     try:
         descriptor = os.open(folder, os.O_RDONLY | os.O_CLOEXEC)
         try:
@@ -228,7 +228,7 @@ def flush_folder(folder: Path) -> None:
 
 
 def _lock(descriptor: int) -> bool:
-    """Lock a file, and return whether that succeeded; on a file system without locks it always does."""
+    """Lock a file, and return whether that succeeded; on a file system without locks, it always does."""
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:

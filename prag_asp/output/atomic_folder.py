@@ -1,4 +1,4 @@
-"""Atomic folders, which are filled under another name, flushed, and renamed; and folders to write files into."""
+"""Atomic folders, which are filled under another name, flushed and renamed; and folders in which to write files."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from prag_asp.safe_reading import is_inside
 def new_folder(folder: Path) -> Iterator[Path]:
     """Yield an empty folder to fill, which is renamed atomically to the new folder when the block ends.
 
-    It is filled as ``NAME.part/NAME``, and ``NAME.part`` is locked meanwhile. Remains of a killed run are
-    removed first.
+    It is filled as ``NAME.part/NAME``, while ``NAME.part`` is locked. What a killed run has left behind is removed
+    first.
 
     Raises:
         OutputError: the folder exists already, another run is writing it, or a file or folder cannot be written.
@@ -33,7 +33,7 @@ def new_folder(folder: Path) -> Iterator[Path]:
         lock = locked(part, lambda: os.open(make_folder(part), os.O_RDONLY | os.O_CLOEXEC | os.O_NOFOLLOW))
     inner = part / folder.name
     try:
-        _require_new(folder)  # another run may have created it meanwhile
+        _require_new(folder)  # another run may have created it in the meantime
         with output_errors(part):
             others = sorted({path.name for path in part.iterdir()} - {folder.name})
             if others:
@@ -73,7 +73,7 @@ def make_folder(folder: str | Path) -> Path:
 
 
 def file_in(folder: str | Path, name: str) -> Path:
-    """Return the path of a file to write in a folder, which may contain links made by others.
+    """Return the path of a file to be written in a folder, which may contain links made by others.
 
     Raises:
         OutputError: the path exists and is not a regular file, or is a link that leads out of the folder.

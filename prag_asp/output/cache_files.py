@@ -1,9 +1,9 @@
 """The user's cache: files with results that took a long time to compute, for later runs.
 
-A file ends with a checksum: a truncated or modified file counts as missing. Failures to write are ignored.
+A file ends with a checksum, so that a truncated or modified file counts as missing. Failures to write are ignored.
 
-A checksum is not a signature: anyone who can write to a file can forge its content. So folders and files that belong to
-another user, or that others may write to, are neither read nor written.
+A checksum is not a signature: anyone who can write to a file can forge its content. Folders and files that belong to
+another user, or to which others may write, are therefore neither read nor written.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from prag_asp.output.atomic_file import replace_file
 from prag_asp.safe_reading import open_binary
 
 CHECKSUM = 4
-"""Bytes of a checksum."""
+"""The number of bytes in a checksum."""
 
 OWN = 0o600
 """The permissions of a file: other users can neither read nor write it."""
@@ -31,7 +31,7 @@ OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
 def cache_folder() -> Path | None:
-    """Return ``PRAG_ASP_CACHE`` or else a folder in the user's cache; None if the variable is set but empty."""
+    """Return ``PRAG_ASP_CACHE``, or else a folder in the user's cache, or None if the variable is set but empty."""
     folder = os.environ.get("PRAG_ASP_CACHE")
     if folder is not None:
         return Path(folder) if folder else None

@@ -1,4 +1,4 @@
-"""Digests of values and files, for cache keys and to recognise a run that is resumed.
+"""Digests of values and files, for cache keys and for recognising a run that is resumed.
 
 They are 160 bits of BLAKE2b in hexadecimal. Datasets use SHA-256 instead, because other tools also compute it.
 """
@@ -17,7 +17,7 @@ except ImportError:
 from prag_asp.safe_reading import read_bytes
 
 BYTES = 20
-"""Bytes of a digest."""
+"""The number of bytes in a digest."""
 
 
 def digest(values: object) -> str:

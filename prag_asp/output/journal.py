@@ -1,7 +1,8 @@
 """A journal: the lines that a run has completed since it last wrote a result, from which the next run resumes.
 
-Each line has a checksum, so a kill or a loss of power loses only the lines that were not flushed: the next run uses the
-lines before the first damaged one. The first line names the run; a journal of another run is emptied.
+Each line has a checksum, so if the process is killed or power fails, only the lines that were not flushed are lost: the
+next run uses the lines before the first damaged one. The first line names the run; the journal of another run is
+emptied.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from time import monotonic
 from prag_asp.output.atomic_file import open_locked, output_errors, write_at
 
 INTERVAL = 1.0
-"""Seconds between flushes, which take some milliseconds each: a loss of power loses at most the lines of this time."""
+"""Seconds between flushes, which take a few milliseconds each; a power failure loses at most the lines of this time."""
 
 CHECKSUM = 8
 """The number of hexadecimal digits of the checksum before each line."""
@@ -26,7 +27,7 @@ class Journal:
     """The journal of a run, locked until it is closed."""
 
     def __init__(self, file: Path, run: str) -> None:
-        """Open the journal with the lines of an interrupted run of the same name, or create it.
+        """Open the journal with the lines of an interrupted run that has the same name, or create it.
 
         Raises:
             OutputError: the journal cannot be written, or another run is writing it.
@@ -47,7 +48,7 @@ class Journal:
         self._next = monotonic() + INTERVAL
 
     def write(self, line: bytes) -> None:
-        """Append a line, given without its line end.
+        """Append a line, given without its line ending.
 
         Raises:
             OutputError: the journal cannot be written.
@@ -77,7 +78,7 @@ class Journal:
         os.close(self._descriptor)
 
     def _begin(self) -> None:
-        """Reset the journal to the line with the name of the run."""
+        """Reset the journal to a single line with the name of the run."""
         os.ftruncate(self._descriptor, 0)
         write_at(self._descriptor, self._header, 0)
         self._size = len(self._header)
@@ -95,5 +96,5 @@ class Journal:
 
 
 def _checked(line: bytes) -> bytes:
-    """Return a line with its checksum and a line end."""
+    """Return a line with its checksum and a line ending."""
     return b"%08x%b\n" % (zlib.crc32(line), line)

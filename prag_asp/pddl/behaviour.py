@@ -30,8 +30,7 @@ class Behaviour:
         self._rules = rules
         self._bodies = Bodies(words, rules)
         self._in_steps: dict[bool, FileLine] = {}
-        """The places of the first rule of a step that adds (key true) and of the first rule that deletes (key
-        false)."""
+        """The places of the first rule of a step that adds (key true) and of the first one that deletes (key false)."""
 
     @property
     def looks_ahead(self) -> bool:
@@ -143,7 +142,7 @@ class Behaviour:
         yield from dict.fromkeys(rest)
 
     def _step_effect(self, term: str, effect: SchemaEffect) -> Iterator[str]:
-        """Add the rule for a state-dependent effect; yield a rule which states that the added atom may ever be true."""
+        """Add the rule for a state-dependent effect; yield a rule which states that the added atom may become true."""
         positive, atom = effect.literal.positive, self._words.atom(effect.literal)
         kinds = [*map(self._words.belongs, effect.variables)]
         body = [f"occurs({term},t)", *kinds, *self._bodies.body(effect.condition, STEP)]
@@ -170,7 +169,7 @@ class Behaviour:
             self._rules.add(STEP, "holds(F,true,t)", ["adds(F,t)"])
 
     def derive(self, part: str) -> None:
-        """Add rules that evaluate the derived predicates which a program part reads, in the state that it reads."""
+        """Add rules that evaluate the derived predicates that a program part reads, in the state that it reads."""
         done: set[str] = set()
         while new := self._bodies.read[part] - done:
             done |= new
@@ -220,7 +219,7 @@ def _is_plain(effect: SchemaEffect) -> bool:
 
 
 def _overlap(domain: DomainFile, problem: ProblemFile) -> Callable[[Variable | str, Variable | str], bool]:
-    """Return a test of whether two terms may denote the same object, by their types."""
+    """Return a test of whether two terms may denote the same object, based on their types."""
     above = [domain.above(name) for name in domain.types]
 
     @cache

@@ -1,7 +1,7 @@
 """Readable and unique clingo names for PDDL names.
 
 A hyphen becomes an underscore. If the result is taken or reserved, it gets a prefix for its kind (``the_``, ``do_``,
-``some_``, ``is_``), and a number as a suffix if that name is also taken. The mapping is returned, so that plans can be
+``some_``, ``is_``) and, if that name is also taken, a number as a suffix. The mapping is returned, so that plans can be
 translated back to PDDL names.
 """
 
@@ -19,7 +19,7 @@ RESERVED = frozenset([
 """Names with a meaning in clingo, in the contract or in the translation of effects, with any number of arguments."""
 
 TERMS = frozenset(["not", "true", "false", "unknown", "t"])
-"""The reserved names of fluents, which are terms, not predicates; t is the number of a step."""
+"""The reserved names of fluents, which are terms rather than predicates; t is the number of a step."""
 
 CLINGO = re.compile(r"[a-z][a-z0-9_]*")
 
@@ -27,7 +27,7 @@ CLINGO = re.compile(r"[a-z][a-z0-9_]*")
 def clingo_names(
     names: Iterable[str], word: str, taken: Collection[str] = (), reserved: Collection[str] = RESERVED
 ) -> Mapping[str, str]:
-    """Return a clingo name for each PDDL name, distinct from each other and from the `taken` names of other kinds.
+    """Return distinct clingo names for PDDL names, which also differ from the `taken` names of other kinds.
 
     A name that is valid in clingo is unchanged, and takes precedence over translated names.
     """

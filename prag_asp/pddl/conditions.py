@@ -1,7 +1,7 @@
 """Translate formulas into rule bodies.
 
-A conjunction is a body. A disjunction within a conjunction and a universal formula get an auxiliary atom, with a rule
-for each case. The atom of a universal formula stands for its exceptions, and is negated.
+A conjunction is a body. A disjunction within a conjunction gets an auxiliary atom, with a rule for each case, and so
+does a universal formula. The atom of a universal formula stands for its exceptions, and is negated.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ BASE, STEP, END = "base", "step(t)", "check(t)"
 """The parts of a program: the static part, a step with the state before it, and the final state."""
 
 TIMES = {STEP: "t-1", END: "t"}
-"""The time of the state that a part reads."""
+"""The time of the state that each part reads."""
 
 NEVER = "#false"
 """The body of a rule that never fires."""
@@ -58,14 +58,14 @@ class Rules:
         self.at = FileLine(file, line)
 
     def placed(self, lines: Iterable[str]) -> Iterator[str]:
-        """Yield lines with their places; a line without a place gets the current one."""
+        """Yield lines with their places; a line that has no place gets the current one."""
         for each in lines:
             yield each if isinstance(each, PlacedLine) or not each else PlacedLine(each, self.at)
 
 
 @dataclass
 class Vocabulary:
-    """The clingo names of predicates, types and objects; which predicates are static or derived; argument types."""
+    """The clingo names of predicates, types and objects; which predicates are static or derived; and argument types."""
 
     predicates: Mapping[str, str]
     types: Mapping[str, str]
@@ -93,7 +93,7 @@ class Vocabulary:
 
 
 def applied(name: str, terms: Iterable[str]) -> str:
-    """Return a name applied to arguments, ``name(a,b)``; without arguments, return just the name."""
+    """Return a name applied to arguments, such as ``name(a,b)``, or only the name if there are no arguments."""
     arguments = ",".join(terms)
     return f"{name}({arguments})" if arguments else name
 
@@ -107,7 +107,7 @@ class Bodies:
         self._auxiliary: dict[tuple[str, Formula], str] = {}
         self._at_end: dict[str, str] = {}
         self.read: dict[str, set[str]] = {STEP: set(), END: set()}
-        """The derived predicates that the rules of a part read."""
+        """The derived predicates that the rules of each part read."""
         self._names: set[str] = {*words.predicates.values(), *words.types.values()}
 
     def changes(self, formula: Formula) -> bool:
@@ -115,7 +115,7 @@ class Bodies:
         return any(each.predicate not in self._words.static for each in literals(formula))
 
     def body(self, formula: Formula, part: str) -> list[str]:
-        """Return a formula as one body in a program part; its free variables must be bound by the rest of the rule."""
+        """Return a formula as a single body in a program part; the rest of the rule must bind its free variables."""
         body: list[str] = []
         for each in conjuncts(formula):
             if isinstance(each, Literal):
@@ -137,7 +137,7 @@ class Bodies:
         return body
 
     def bodies(self, formula: Formula, part: str) -> Iterator[list[str]]:
-        """Yield rule bodies whose disjunction is a formula."""
+        """Yield rule bodies whose disjunction is equivalent to a formula."""
         if isinstance(formula, Junction) and not formula.every:
             for each in formula.parts:
                 yield from self.bodies(each, part)
@@ -164,7 +164,7 @@ class Bodies:
         return atom if literal.positive else f"not {atom}"
 
     def _named(self, word: str, formula: Formula, part: str) -> str:
-        """Return the auxiliary atom of a formula; its rules are added on first use."""
+        """Return the auxiliary atom for a formula; its rules are added on first use."""
         part = part if self.changes(formula) else BASE
         free = variables(formula)
         terms = [variable.name for variable in free] + ([] if part == BASE else ["t"])

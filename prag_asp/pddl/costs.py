@@ -14,16 +14,16 @@ from prag_asp.pddl.reading.comparisons import quantity_value
 from prag_asp.pddl.reading.scopes import TOTAL
 
 DIGITS = 2000
-"""The maximum number of digits after the decimal point of a weight."""
+"""The maximum number of digits after the decimal point in a weight."""
 
 LONGEST = 100
-"""The maximum number of characters of a factor."""
+"""The maximum number of characters in a factor."""
 
 EXACT = Context(prec=MAX_PREC, Emax=MAX_EMAX, Emin=MIN_EMIN)
 """The decimal context for exact sums, which keep all digits of their terms."""
 
 MOST_COST = 10_000
-"""The largest cost that is converted to a weight. The power of a factor has about this number of digits."""
+"""The largest cost that is converted to a weight; the power of a factor has about this number of digits."""
 
 
 def factor_of(text: str) -> Fraction:
@@ -44,7 +44,7 @@ def factor_of(text: str) -> Fraction:
 
 
 def cost_of(domain: DomainFile, problem: ProblemFile, action: str, terms: Sequence[str]) -> Decimal:
-    """Return the cost that a ground action adds to ``total-cost``. `action` is the name of its schema.
+    """Return the cost that a ground action adds to ``total-cost``; `action` is the name of its schema.
 
     Raises:
         DomainError: the cost depends on the state, has no value in the problem, or has no finite decimal expansion.
@@ -112,5 +112,5 @@ def weight_of_cost(factor: Fraction, cost: Decimal) -> Decimal:
 
 
 def weights_table(weights: Mapping[str, Decimal]) -> str:
-    """Return the weights of ground actions as the ``[weights]`` table of a domain.toml."""
+    """Return the weights of ground actions as the ``[weights]`` table for a domain.toml."""
     return "".join(["[weights]\n", *(f'"{action}" = {weight:f}\n' for action, weight in weights.items())])

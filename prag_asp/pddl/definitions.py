@@ -23,7 +23,7 @@ class SchemaEffect:
 
 @dataclass(frozen=True)
 class NumericEffect:
-    """A change of a function, for all values of the variables that satisfy the condition.
+    """A change to a function, for all values of the variables that satisfy the condition.
 
     `operator` is one of ``increase decrease assign scale-up scale-down``.
     """
@@ -38,7 +38,7 @@ class NumericEffect:
 
 @dataclass(frozen=True)
 class Schema:
-    """An action with parameters. `name` is unique; `given_name` is its name in the file, which others may share."""
+    """An action with parameters; `name` is unique, but `given_name`, its name in the file, may be shared by others."""
 
     name: str
     given_name: str
@@ -61,7 +61,7 @@ class Derived:
 
 @dataclass(frozen=True)
 class Declaration:
-    """A declared predicate or function: the alternative types of each argument."""
+    """The declaration of a predicate or function: the alternative types of each argument."""
 
     types: tuple[tuple[str, ...], ...]
     line: int
@@ -93,7 +93,7 @@ class DomainFile:
 
 @dataclass(frozen=True)
 class ProblemFile:
-    """A problem of a domain: all objects and constants with their types, the initial literals and the goal.
+    """A problem for a domain: all objects and constants with their types, the initial literals and the goal.
 
     `values` are the initial values of functions; `object_lines` excludes constants.
     """

@@ -38,7 +38,7 @@ class Equality:
 
 @dataclass(frozen=True)
 class FunctionTerm:
-    """A numeric function of terms."""
+    """A numeric function applied to terms."""
 
     function: str
     terms: tuple[Variable | str, ...]
@@ -57,7 +57,7 @@ Quantity: TypeAlias = "Fraction | FunctionTerm | Arithmetic"
 
 @dataclass(frozen=True)
 class Comparison:
-    """A comparison (``< <= > >= =``) of quantities, or its negation. Both are false if a quantity has no value."""
+    """A comparison (``< <= > >= =``) of quantities, or its negation; both are false if a quantity has no value."""
 
     operator: str
     left: Quantity
@@ -68,7 +68,7 @@ class Comparison:
 
 @dataclass(frozen=True)
 class Junction:
-    """A conjunction (`every`) or a disjunction; the empty conjunction is true, the empty disjunction false."""
+    """A conjunction (`every`) or a disjunction; the empty conjunction is true, and the empty disjunction is false."""
 
     every: bool
     parts: tuple[Formula, ...]
@@ -107,7 +107,7 @@ def conjuncts(formula: Formula) -> Iterator[Formula]:
 
 
 def demanded(formula: Formula) -> Iterator[Literal]:
-    """Yield the positive literals among the conjuncts of a formula, which the formula requires to be true."""
+    """Yield the positive literals among the conjuncts of a formula, which it requires to be true."""
     return (each for each in conjuncts(formula) if isinstance(each, Literal) and each.positive)
 
 
@@ -121,12 +121,12 @@ def subformulas(formula: Formula) -> Iterator[Formula]:
 
 
 def literals(formula: Formula) -> Iterator[Literal]:
-    """Yield all literals of a formula."""
+    """Yield all literals in a formula."""
     return (each for each in subformulas(formula) if isinstance(each, Literal))
 
 
 def certainly_unlike(one: Sequence[Variable | str], other: Sequence[Variable | str], condition: Formula) -> bool:
-    """Return whether two rows of terms surely differ, because a condition or the names of objects say so."""
+    """Return whether two rows of terms certainly differ, because a condition or the names of objects say so."""
     unequal: list[set[Variable | str]] = [
         {each.left, each.right} for each in conjuncts(condition) if isinstance(each, Equality) and not each.positive
     ]
@@ -146,7 +146,7 @@ def function_terms(quantity: Quantity) -> Iterator[FunctionTerm]:
 
 
 def replaced(formula: Formula, change: Callable[[Formula], Formula]) -> Formula:
-    """Return a formula with each literal, equality and comparison changed."""
+    """Return a formula in which each literal, equality and comparison has been replaced."""
     if isinstance(formula, Junction):
         return replace(formula, parts=tuple(replaced(each, change) for each in formula.parts))
     if isinstance(formula, Quantified):

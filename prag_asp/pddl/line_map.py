@@ -1,4 +1,4 @@
-"""Record the PDDL line from which each line of a program comes, and lay out programs by these lines."""
+"""Record the PDDL line from which each line of a program comes, and lay out programs according to these lines."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ class PlacedLine(str):
 def sources_of(lines: Iterable[str], paths: Mapping[File, Path]) -> Iterator[Source]:
     """Yield a program as sources with the paths of the PDDL files, each statement on its PDDL line.
 
-    Each source has one program part, so several may share a path. Lines without a place are omitted.
+    Each source contains one program part, so several sources may share a path. Lines without a place are omitted.
     """
     header = ""
     statements: dict[tuple[str, File], dict[int, list[str]]] = {}

@@ -1,4 +1,4 @@
-"""The layout of a program: rules, headings, and facts in lines of limited width."""
+"""The layout of a program: rules, headings, and facts, in lines of limited width."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def heading(title: str) -> list[str]:
 
 
 def filled(parts: Iterable[str], indent: str = "", width: int = 110) -> Iterator[str]:
-    """Yield lines of limited width with texts separated by blanks; further lines begin with `indent` and a blank."""
+    """Yield lines of limited width, with blanks between texts; all but the first begin with `indent` and a blank."""
     line = ""
     for part in parts:
         if line and len(line) + len(part) >= width:

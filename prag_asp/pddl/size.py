@@ -12,10 +12,11 @@ from prag_asp.pddl.definitions import DomainFile, ProblemFile, Schema
 from prag_asp.pddl.formulas import Equality, Literal, Variable, conjuncts, demanded, literals, variables
 
 MOST_FLUENTS, MOST_ACTIONS = 10**6, 10**7
-"""The maximum numbers of fluents, and of actions of one name. A fluent takes 3 kB and 0.1 ms, an action takes more."""
+"""The maximum numbers of fluents, and of actions with the same name. A fluent takes 3 kB and 0.1 ms, and an action
+takes more."""
 
 LARGE = 10**4
-"""The number of actions of one name above which only actions with relaxed-reachable preconditions are grounded."""
+"""The number of actions with the same name above which only those with relaxed-reachable preconditions are grounded."""
 
 Kinds = Iterable[tuple[str, ...]]
 
@@ -23,12 +24,12 @@ Kinds = Iterable[tuple[str, ...]]
 def check_size(
     path: Path, domain: DomainFile, problem: ProblemFile, fluents: Mapping[str, Kinds], static: Collection[str]
 ) -> None:
-    """Check the number of fluents and actions. `fluents` are the argument types of the predicates that actions change.
+    """Check the number of fluents and actions; `fluents` are the argument types of predicates that actions change.
 
     Actions are counted by `fewest_instances`, which reads only the initial state and the types of parameters.
 
     Raises:
-        DomainError: there are more than the limits allow. The message has the line in the domain.
+        DomainError: there are more than the limits allow; the message gives the line in the domain.
     """
     instances = _instances(domain, problem)
     limit = f"of {len(problem.objects):,} objects, and no more than"
@@ -53,8 +54,8 @@ def fewest_instances(
     """Return a lower bound on the number of instances of an action that has any, or 0 if the types allow none.
 
     A positive precondition on a `required` predicate has at least the instances that hold initially. A parameter that
-    no such precondition binds ranges over all objects of its types, except those from which it must differ. Joins of
-    preconditions by a shared parameter give no bound. Other conditions on the state exclude no instance.
+    is not bound by such a precondition ranges over all objects of its types, except those from which it must differ.
+    Preconditions joined by a shared parameter give no bound. Other conditions on the state exclude no instance.
     """
     rows = [each for each in demanded(action.precondition) if each.predicate in required]
     bound = [term for each in rows for term in variables(each)]

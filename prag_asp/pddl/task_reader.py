@@ -1,4 +1,4 @@
-"""Import a PDDL domain and problem as the logic program of one domain."""
+"""Import a PDDL domain and problem as the logic program of a single domain."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class Imported:
     """A PDDL domain and problem as a logic program: its name and its text.
 
     `sources` are the same program as files with the line numbers of the PDDL files, so that messages refer to those
-    files. `actions` and `objects` map names of the program to PDDL names. `warnings` are about ignored or undeclared
+    files. `actions` and `objects` map names in the program to PDDL names. `warnings` are about ignored or undeclared
     parts of the files.
     """
 
@@ -39,7 +39,7 @@ class Imported:
 
     @property
     def has_costs(self) -> bool:
-        """Whether an action has a cost."""
+        """Whether any action has a cost."""
         effects = (effect for action in self._files[0].actions for effect in action.numeric)
         return any(effect.function.function == TOTAL for effect in effects)
 
@@ -59,7 +59,7 @@ class Imported:
 def read(domain: str | Path, problem: str | Path, *, untimed: bool = False) -> Imported:
     """Read a PDDL domain and problem; both may be in one file, which is given twice.
 
-    The logic program has the same plans of every length as the problem: sequences of actions that are applicable one
+    At every length, the logic program has the same plans as the problem: sequences of actions that are applicable one
     after another and lead to the goal. With `untimed`, durative actions become instantaneous: each has the effect of
     running from start to end without overlap.
 

@@ -15,16 +15,16 @@ STDOUT, STDERR = 1, 2
 
 _LOCK = Lock()
 _MUTED: dict[int, tuple[int, int]] = {}
-"""For each muted descriptor: how many contexts mute it, and a duplicate of the original.
+"""For each muted descriptor, how many contexts mute it, and a duplicate of the original.
 
-Threads mute concurrently: if each thread saved the descriptor that it found, the last thread to leave would restore the
+Threads mute concurrently. If each thread saved the descriptor that it found, the last thread to leave would restore the
 null device.
 """
 
 
 @contextmanager
 def mute_output(*descriptors: int) -> Iterator[None]:
-    """Discard what the block writes to the given file descriptors, including what C has buffered."""
+    """Discard what the body of the context writes to the given file descriptors, including what C has buffered."""
     flush()
     for descriptor in descriptors:
         with _LOCK:

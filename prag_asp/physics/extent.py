@@ -1,6 +1,6 @@
 """Compute the extent of a rotated body from the shape of a primitive or the solids of a model.
 
-The bounding box of a model along the axes of its file says little about a body that is oblique in that file, so
+The bounding box of a model along the axes of its file says little about a body that stands obliquely in that file, so
 everything is measured on the convex hull of the solids. Lengths are metres.
 """
 
@@ -26,8 +26,8 @@ Floats = NDArray[np.float64]
 ORIGIN: Vector = (0.0, 0.0, 0.0)
 
 OBLIQUE = 0.98
-"""The sides of a body are those of the smallest rectangle around it if its area is at most this share of the area of
-the rectangle along the axes of the file."""
+"""A body is measured along the smallest rectangle around it if the area of this rectangle is at most this share of the
+area of the rectangle along the axes of the file."""
 
 
 class BodyExtent(NamedTuple):
@@ -59,7 +59,7 @@ def extent(shape: Shape, quaternion: Quaternion) -> BodyExtent:
 
 @cached_by_geometry(maxsize=1 << 11)
 def extent_along(shape: Shape, quaternion: Quaternion, direction: Vector) -> tuple[float, float]:
-    """Return the middle of a rotated body along a unit vector, relative to its origin, and its half-width."""
+    """Return the middle of a rotated body along a unit vector, relative to its origin, and half its width."""
     x, y, z, w = quaternion
     along = rotate((-x, -y, -z, w), direction)
     if shape.model is None:
@@ -69,7 +69,7 @@ def extent_along(shape: Shape, quaternion: Quaternion, direction: Vector) -> tup
 
 
 def reach(shape: Shape, directions: Floats) -> tuple[Floats, Floats]:
-    """Return the lowest and the highest coordinates (n,) of a body with a model along unit vectors (n, 3) in its frame.
+    """Return the least and the greatest coordinates (n,) of a body with a model along unit vectors (n, 3) in its frame.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -114,7 +114,7 @@ def silhouette(shape: Shape, pose: Pose) -> Outline:
 
 @cached_by_geometry(maxsize=256)
 def side_yaw(shape: Shape) -> float:
-    """Return the yaw, in the frame of an upright body, of the sides of the smallest rectangle around it, in radians.
+    """Return the yaw in radians, in the frame of an upright body, of the smallest rectangle around it.
 
     The yaw is 0 if a rectangle along the axes of the frame is about as small, as for round bodies.
     """
@@ -129,7 +129,7 @@ def side_yaw(shape: Shape) -> float:
     best = int(areas.argmin())
     if areas[best] > OBLIQUE * areas[0]:
         return 0.0
-    # The nearest of the four equivalent yaws.
+    # the smallest of the four equivalent yaws
     return float(yaws[best] - math.pi / 2 if yaws[best] > math.pi / 4 else yaws[best])
 
 
@@ -138,7 +138,7 @@ def least_reach(shape: Shape) -> float:
     """Return a lower bound on how far a body extends from its origin in any direction, in metres.
 
     For a convex body that contains its origin, the bound is the distance to the nearest face. It is negative if the
-    origin is outside.
+    origin is outside the body.
     """
     if shape.model is None:
         return min(shape.half)
@@ -147,5 +147,5 @@ def least_reach(shape: Shape) -> float:
     lengths = np.linalg.norm(normals, axis=1)
     flat = lengths > 0.0
     nearest = float((np.einsum("ij,ij->i", normals, triangles[:, 0])[flat] / lengths[flat]).min())
-    # The least reach is minus the distance of the origin from the body, which is at most that from a corner.
+    # The least reach is minus the distance from the origin to the body, which is at most the distance to a corner.
     return nearest if nearest >= 0.0 else -float(np.linalg.norm(triangles.reshape(-1, 3), axis=1).min())

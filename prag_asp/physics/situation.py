@@ -1,4 +1,4 @@
-"""The state of the world at one moment, for spatial predicates: poses, arms and openings."""
+"""The state of the world at one moment, as spatial predicates need it: poses, arms and openings."""
 
 from __future__ import annotations
 
@@ -34,10 +34,10 @@ class Body(NamedTuple):
 class Situation:
     """The poses of the objects, and the arms by robot name.
 
-    `openings` are the openings of furniture, in metres or radians; 0 by default. `tools` are the tool poses (of the
-    point between the fingertips) according to a simulator; missing poses are computed from the joint angles.
+    `openings` are the openings of furniture, in metres or radians; 0 by default. `tools` are the tool poses (those of
+    the point between the fingertips) according to a simulator; missing poses are computed from the joint angles.
 
-    `measured` caches the bounding boxes of poses; situations made from one another share it.
+    `measured` caches the bounding boxes for poses, and is shared by situations that are made from one another.
     """
 
     scene: Scene
@@ -90,7 +90,7 @@ class Situation:
         return self.shape(entity).kind == "table"
 
     def is_surface(self, entity: str) -> bool:
-        """Return whether an entity is the table, or a zone, which is a part of its top."""
+        """Return whether an entity is the table or a zone, which is a part of the table top."""
         return self.shape(entity).traits.surface
 
     def pose(self, entity: str) -> Pose:
@@ -162,11 +162,11 @@ class Situation:
         return raised(pose, shape.wall - self.half(entity)[2])
 
     def half(self, entity: str) -> Vector:
-        """Return the half-extents of the axis-aligned bounding box of an entity in metres."""
+        """Return the half-extents, in metres, of the axis-aligned bounding box of an entity."""
         return self.body(entity).half
 
     def own_half(self, entity: str) -> Vector:
-        """Return the half-extents of an entity in its own frame in metres."""
+        """Return the half-extents, in metres, of an entity in its own frame."""
         return self.half(entity) if self.is_table(entity) else self.shape(entity).half
 
     def top(self, entity: str) -> float:
@@ -204,7 +204,7 @@ def fixed_pose(scene: Scene, entity: str) -> Pose:
 
 
 def _boxed(pose: Pose, box: Box) -> Body:
-    """Return a body from its pose and bounding box."""
+    """Return a body, given its pose and its bounding box."""
     low, high = corners_of(box)
     return Body(pose, box[1], low, high, box[0])
 

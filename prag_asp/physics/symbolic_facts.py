@@ -1,4 +1,4 @@
-"""The physical meaning of a symbolic task: spatial facts of its states, and effects of its actions."""
+"""The physical meaning of a symbolic task: the spatial facts of its states, and the effects of its actions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from prag_asp.task import State, Task
 from prag_asp.wording import plural
 
 BORDER = 1e-12
-"""The distance from the border of a predicate to where it no longer holds, in metres or radians."""
+"""How far beyond its border a predicate no longer holds, in metres or radians."""
 
 
 class Fact(NamedTuple):
@@ -32,9 +32,9 @@ class Fact(NamedTuple):
     def distance(self, situation: Situation) -> float:
         """Return the signed distance of a situation from satisfying the fact, in metres or radians.
 
-        It is at most 0 if the fact is satisfied, and its absolute value is then the margin. For a predicate that must
-        not hold, it is the depth of the situation within the predicate: at least the motion needed, and more than 0 on
-        the border.
+        If the fact is satisfied, the distance is at most 0, and its absolute value is the margin. For a predicate that
+        must not hold, it is how deep the situation is within the predicate: at least the motion needed, and more than 0
+        on the border.
         """
         signed = self.predicate.signed_distance(situation, self.arguments)
         return signed if self.value else (-signed or BORDER)
@@ -42,7 +42,8 @@ class Fact(NamedTuple):
     def way(self, situation: Situation) -> float:
         """Return the length of a path to a situation that satisfies the fact, in metres or radians.
 
-        It is the distance, or more if the direct path is blocked; at most 0 if and only if the fact is satisfied.
+        It is the distance, or more if the direct path is blocked, and it is at most 0 if and only if the fact is
+        satisfied.
         """
         return self.predicate.signed_way(situation, self.arguments) if self.value else self.distance(situation)
 
@@ -58,9 +59,10 @@ class ActionEffect:
     `grasps`, `releases` and `visits` name the object that the gripper grasps, releases or moves to; `over` names the
     object over which it moves. `holds` is the object held before and after. The gripper belongs to `robot`; `giver` is
     the other robot in a handover. `leaves` means that the gripper leaves its object, `lifts` that a grasped object
-    leaves its support, `stays` that the gripper remains at a released object. `moved` are the objects that the action
-    makes the subject of a relation, `turns` is the furniture that it opens or closes, `closes` means that it closes the
-    gripper. `after` are the facts of the resulting state `number`, `fresh` those that are not in the state before.
+    leaves its support, and `stays` that the gripper remains at a released object. `moved` are the objects that the
+    action makes the subject of a relation, `turns` is the furniture that it opens or closes, `closes` means that it
+    closes the gripper. `after` are the facts of the resulting state `number`, and `fresh` those that are not in the
+    state before it.
     """
 
     action: Atom
@@ -84,7 +86,7 @@ class ActionEffect:
 
 @dataclass(frozen=True)
 class PhysicalTask:
-    """The physical meaning of a task: its bodies, the facts of its initial state, and the effects of its actions.
+    """The physical meaning of a task: its bodies, the facts in its initial state, and the effects of its actions.
 
     `held` maps each robot that holds an object in the initial state to that object.
     """
@@ -101,7 +103,7 @@ class PhysicalTask:
 
 
 def facts(scene: Scene, state: State) -> tuple[Fact, ...]:
-    """Return the spatial facts of a state; other fluents are ignored.
+    """Return the spatial facts in a state; other fluents are ignored.
 
     Raises:
         SceneError: the scene lacks the shape or the yaw of an entity in a spatial fluent.
@@ -138,7 +140,7 @@ def physical_task(task: Task, scene: Scene) -> PhysicalTask:
 
 
 def _facts(scene: Scene, state: State, cache: dict[tuple[Atom, bool], Fact | None]) -> tuple[Fact, ...]:
-    """Return the spatial facts of a state; `cache` stores the meanings of fluents."""
+    """Return the spatial facts in a state; `cache` stores the meanings of fluents."""
     for item in state.items():
         if item not in cache:
             cache[item] = _fact(scene, *item)
@@ -160,7 +162,7 @@ def _fact(scene: Scene, atom: Atom, value: bool) -> Fact | None:
             table = "rotations" if role == "rotation" else "shapes"
             raise SceneError(f"{atom} names {entity}, which has no entry under [scene.{table}]")
     if not value and len(set(atom.arguments)) < len(atom.arguments):
-        return None  # no object is in a relation to itself
+        return None  # no object is in a relation with itself
     own = scene.own.get(name)
     around = () if own is None or own.around is None else (own.around,)
     return Fact(predicate_of(scene, name), (*atom.arguments, *around), value)
@@ -172,7 +174,7 @@ def of_robot(state: Iterable[Fact], robot: str | None) -> list[Fact]:
 
 
 def _acting(scene: Scene, subgoal: tuple[Fact, ...]) -> str | None:
-    """Return the robot that an action moves: the robot that grasps an object, else the first robot in the subgoal.
+    """Return the robot that an action moves: the one that grasps an object, or else the first one in the subgoal.
 
     The result is None if the subgoal concerns no gripper and there are several robots.
     """

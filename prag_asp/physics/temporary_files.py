@@ -1,6 +1,6 @@
 """Temporary files that exist only while PyBullet reads them.
 
-Worker processes are killed from outside and run no finalizers, so a folder with the lifetime of its process would be
+Worker processes are killed from outside and run no finalizers, so a folder that existed as long as its process would be
 left behind.
 """
 
@@ -26,8 +26,8 @@ REMEDY = "set TMPDIR to a folder with room that can be written"
 def temporary_folder(files: Mapping[str, bytes]) -> Iterator[Path]:
     """Write files into a temporary folder and delete it afterwards; calls must not be nested.
 
-    A thread uses the same path each time, because PyBullet caches meshes by path for the life of the process: give
-    different contents different names. Files that an interrupted run left in the folder are deleted first.
+    A thread uses the same path each time. Different contents must have different names, because PyBullet caches meshes
+    by path as long as the process lives. Files that an interrupted run left in the folder are deleted first.
 
     Raises:
         OutputError: the folder cannot be written.

@@ -1,6 +1,6 @@
 """Pass witnesses through the tiers in order of cost, both when the validator finds them and when they are rechecked.
 
-A witness that a search finds satisfies the first tier, kinematics, by construction; `check_witness` checks it.
+A witness found by a search passes the first tier, kinematics, by construction; `check_witness` checks this tier.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ from prag_asp.task import Task
 
 
 class TierOutcome(NamedTuple):
-    """The result of checking a witness in the tiers: its first fault, if any, and the episode from the last tier.
+    """The result of passing a witness through the tiers: its first fault, if any, and the episode of the last tier.
 
-    The `witness` holds the transit waypoints that the transit tier added.
+    The `witness` includes the transit waypoints that the transit tier added.
     """
 
     witness: Witness
@@ -37,10 +37,10 @@ class TierOutcome(NamedTuple):
 
 
 class TierPipeline:
-    """Passes witnesses of one scene through the tiers above kinematics; each tier opens its world on first use.
+    """Passes the witnesses for one scene through the tiers above kinematics; each tier opens its world on first use.
 
-    The bodies in the `simulator` must have the sizes that the witness has (`Simulator.use`). The worlds are closed with
-    `resources`.
+    The bodies in the `simulator` must have the sizes that the witness has (`Simulator.use`). The worlds are closed
+    together with `resources`.
     """
 
     def __init__(self, scene: Scene, simulator: Simulator, resources: ExitStack):
@@ -51,7 +51,7 @@ class TierPipeline:
     def run(
         self, physical: PhysicalTask, witness: Witness, budget: Budget, seeds: Sequence[int], staging: Staging
     ) -> TierOutcome:
-        """Return the result of checking a witness in the tiers of a budget; transit waypoints are added if it has none.
+        """Return the result of passing a witness through a budget's tiers; transit waypoints are added if it has none.
 
         `staging` holds the options of the demonstration; `seeds` determine the random variation.
         """
@@ -83,10 +83,10 @@ class TierPipeline:
 def open_tier_check(
     scene: Scene, budget: Budget, staging: Staging | None = None, seed: int = 0
 ) -> Iterator[Callable[..., TierOutcome]]:
-    """Open simulators, yield a function that checks witnesses in the tiers of a budget, and close them afterwards.
+    """Open simulators, yield a function that passes witnesses through a budget's tiers, and close them afterwards.
 
-    The function takes a task, a witness and the index of the task, on which variations depend (0 by default).
-    `staging` holds the options of demonstrations. A witness without transit waypoints gets some if the budget includes
+    The function takes a task, a witness and the index of the task (0 by default), on which variations depend. `staging`
+    holds the options of demonstrations. Transit waypoints are added to a witness that has none if the budget includes
     the transit tier.
 
     Raises:

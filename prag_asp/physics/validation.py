@@ -1,7 +1,7 @@
 """Validate many tasks, or check many witnesses, in order, in one process or in several with the same verdicts.
 
-Each task has its own random generator, seeded from the seed and its index. Workers are spawned, not forked, because
-PyBullet does not survive a fork; each keeps one simulator for all its tasks.
+Each task has its own random generator, seeded with the seed and the task's index. Workers are spawned, not forked,
+because PyBullet does not survive a fork; each keeps one simulator for all its tasks.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ def validate_tasks(
 ) -> Generator[Verdict, None, None]:
     """Yield the verdict on each task, in the order of the tasks, which may be infinite; they are numbered from 0.
 
-    `staging` has the options of demonstrations, if the budget includes that tier. A single worker runs in this process,
-    several run in separate processes; the verdicts do not depend on their number. A new worker repeats the tasks of a
-    killed one. Closing the iterator ends the workers at once.
+    `staging` has the options of demonstrations, if the budget includes that tier. A single worker runs in this process;
+    several workers run in separate processes. The verdicts do not depend on the number of workers. If a worker is
+    killed, a new one repeats its tasks. Closing the iterator ends the workers at once.
 
     Raises:
         QueryError: the number of workers is not positive, or the scene lacks a camera.
@@ -75,7 +75,7 @@ def check_numbered(
     workers: int = 1,
     staging: Staging | None = None,
 ) -> Generator[TierOutcome, None, None]:
-    """Yield the result of checking each witness in the tiers of a budget, in order; tasks come with their indices.
+    """Yield the result of passing each witness through a budget's tiers, in order; tasks come with their indices.
 
     Closing the iterator ends the workers at once.
 

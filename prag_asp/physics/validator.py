@@ -29,11 +29,11 @@ ACTIVITY = "checking tasks by physics"
 """The name of the activity in progress displays."""
 
 LISTED = 8
-"""The maximum number of details of failed attempts in a verdict."""
+"""The maximum number of details about failed attempts in a verdict."""
 
 
 class Validator:
-    """Validates tasks of one scene in simulators that it opens; use `open_validator`, which closes them."""
+    """Validates tasks of one scene in its simulators; `open_validator` creates one, and closes it afterwards."""
 
     def __init__(self, scene: Scene, resources: ExitStack):
         self._scene = scene
@@ -134,7 +134,7 @@ def validate_task(
 
 
 def _details(faults: Counter[PhysicsFault], scene: Scene) -> tuple[Detail, ...]:
-    """Return the details of failed attempts, the most common first, at most `LISTED`."""
+    """Return the details of failed attempts, the most common first, but no more than `LISTED`."""
     counts: Counter[tuple[str, str, str, bool | None, tuple[str, ...]]] = Counter()
     for fault, number in faults.items():
         fact, value, text = "", None, fault.text

@@ -1,4 +1,4 @@
-"""Budgets and verdicts of physical validation, as values that round-trip to JSON."""
+"""Budgets and verdicts of physical validation, as values that can be converted to JSON and back."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from prag_asp.tables.json_fields import Whole, read, require_complete
 Status = Literal["feasible", "not_found", "infeasible"]
 
 LONGEST = 9
-"""The maximum number of digits of restarts or samples in a text."""
+"""The maximum number of digits in a text for the number of restarts or of samples."""
 
 
 class Tier(str, Enum):
-    """A tier of checks; tiers are in order of cost, each includes the tiers before it, and each equals its name."""
+    """A tier of checks; tiers are in order of cost, each includes all before it, and each is equal to its name."""
 
     KINEMATICS = "kinematics"
     SETTLING = "settling"
@@ -39,9 +39,9 @@ TIERS = tuple(Tier)
 class Budget:
     """The effort of the search for a witness, and the checks that the witness has to pass.
 
-    `restarts` is the number of initial states to try for a task, `samples` the number of attempts at each action. If
-    objects lack room, a few further restarts pack them tightly. `tier` is the most expensive tier of checks, as a
-    `Tier` or its name; the tiers before it in `TIERS` are included.
+    `restarts` is the number of initial states to try for a task, and `samples` is the number of attempts at each
+    action. If objects lack room, a few further restarts pack them tightly. `tier` is the most expensive tier of checks,
+    as a `Tier` or its name; the tiers before it in `TIERS` are included.
 
     Raises:
         QueryError: a number is not positive, or the tier is unknown.
@@ -53,7 +53,7 @@ class Budget:
 
     @classmethod
     def parse(cls, text: str, tier: Tier = Tier.KINEMATICS) -> Budget:
-        """Parse a budget such as ``10x10``: restarts and samples.
+        """Parse a budget such as ``10x10``, which gives restarts and samples.
 
         Raises:
             QueryError: the text has a wrong format.
@@ -87,8 +87,8 @@ class Budget:
 class Detail:
     """The common features of several attempts that failed for the same cause.
 
-    `fact` is a spatial predicate with its arguments that should have the `value`; `text` states it in words. If no fact
-    is to blame, it is "" and the value None. `entities` are the bodies and robots involved.
+    `fact` is a spatial predicate with its arguments, which should have the truth value `value`; `text` states it in
+    words. If no fact is to blame, `fact` is "" and `value` is None. `entities` are the bodies and robots involved.
     """
 
     cause: str
@@ -111,10 +111,11 @@ class Verdict:
     """The result of validating a task, and the effort of the search.
 
     `reason` is the reason why a task is proved infeasible, or the cause of most failed attempts; `causes` counts the
-    failed attempts by cause (one of `CAUSES`), and `details` has their facts and bodies; `restarts` is the number of
-    initial states tried, including those packed tightly. `seed` and `index` together reproduce the search.
-    `demonstration` is present if the budget includes one; it is too large for JSON, and has a separate file. `nearest`
-    describes in words how far the best attempts came if no witness was found; it is not part of the JSON either.
+    failed attempts by cause (one of `CAUSES`), and `details` has the facts and bodies involved; `restarts` is the
+    number of initial states tried, including those packed tightly. `seed` and `index` together reproduce the search.
+    `demonstration` is present if the budget includes one; it is too large for JSON and is stored in a separate file.
+    `nearest` describes in words how far the best attempts came if no witness was found; it is not part of the JSON
+    either.
     """
 
     status: Status

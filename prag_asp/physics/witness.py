@@ -1,4 +1,4 @@
-"""A witness: an execution of a task, as values that round-trip to JSON."""
+"""A witness: an execution of a task, as values that can be converted to JSON and back."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ else:  # the type that msgspec checks
     JointAngles = tuple[Number, Number, Number, Number, Number, Number, Number]
 
 BoxSize = tuple[Number, Number, Number]
-"""The sides of a bounding box in metres."""
+"""The dimensions of a bounding box in metres."""
 
 
 @dataclass(frozen=True)
@@ -54,8 +54,8 @@ class Arm:
 class Moment:
     """One state of a witness.
 
-    `poses` are the poses of all objects, `arms` the arms by robot name, `openings` the openings of furniture, in metres
-    or radians.
+    `poses` are the poses of all objects, `arms` are the arms by robot name, and `openings` are the openings of
+    furniture, in metres or radians.
     """
 
     poses: Mapping[str, Pose]
@@ -82,8 +82,8 @@ class Moment:
 class Waypoint:
     """A joint configuration that the arm of a `robot` passes during an action.
 
-    `name` is approach (above the object), at, lift, carry, pull, retreat, move (empty) or stay; it is transit on the
-    path to one of these. `held` is the body in the gripper; if the gripper holds the handle of furniture, `opening` is
+    `name` is approach (above the object), at, lift, carry, pull, retreat, move (empty) or stay; on the path to one of
+    these, it is transit. `held` is the body in the gripper; if the gripper holds the handle of furniture, `opening` is
     the opening of the furniture, in metres or radians.
     """
 
@@ -110,7 +110,7 @@ class Waypoint:
 class Witness:
     """An execution of a task: a moment for every state, and the waypoints from each moment to the next.
 
-    `sizes` are the sizes of the objects whose size was sampled.
+    `sizes` holds the sizes of those objects whose sizes were sampled.
     """
 
     moments: tuple[Moment, ...]

@@ -15,9 +15,9 @@
 4. If no action is to blame, or after twice as many returns as there are attempts, the search restarts with step 1.
 
 Tasks that only move primitive bodies restart instead of step 3, which is faster because they have few grasps. If no
-restart of the budget finds a witness, a few further restarts return as in step 3, if a held object could not be put
-down, and pack objects tightly, if only room was missing. If a witness fails a more expensive check, the next restart
-begins with other grasps of bodies with a model.
+restart within the budget finds a witness, there are a few further ones. They return as in step 3 if a held object could
+not be put down, and pack objects tightly if only room was lacking. If a witness fails a more expensive check, the next
+restart begins with other grasps of bodies with a model.
 """
 
 from __future__ import annotations
@@ -48,11 +48,11 @@ from prag_asp.scene.scene import Scene, Size
 Result = TypeVar("Result")
 
 CROWDED = frozenset((EMPTY_VOLUME, OBJECTS_COLLIDE))
-"""The causes of failed attempts that indicate a lack of room, where tight packing may help."""
+"""The causes of failed attempts that indicate a lack of room, so that tight packing may help."""
 
 PACKED = 4
-"""The maximum number of further restarts, which is also at most half of the budget's: each returns or backtracks
-itself."""
+"""The maximum number of further restarts, which is also limited to half of the budget's: each of them returns or
+backtracks."""
 
 RETURNS = 2
 """The maximum number of returns to earlier actions in one restart, per attempt at an action."""
@@ -97,7 +97,7 @@ def _handled(physical: PhysicalTask) -> set[str]:
 
 
 def _initial_state(physical: PhysicalTask, search: Search, samples: int, log: FailureLog) -> Snapshot | None:
-    """Return an initial state, or None if all samples fail; a search that packs tries once, because it backtracks."""
+    """Return an initial state, or None if all samples fail; a search that packs has one try, because it backtracks."""
     trial = _retry((0, 1 if search.packs else samples), log, -1, lambda _: sample_initial_state(search, physical))
     return trial.result
 
@@ -110,7 +110,7 @@ def _follow(
     samples: int,
     log: FailureLog,
 ) -> Witness | None:
-    """Return a witness from an initial state, or None if all samples of an action fail and no action is to blame."""
+    """Return a witness from an initial state, or None if all attempts at an action fail and no action is to blame."""
     snapshots, motions = [snapshot], list[tuple[Waypoint, ...]]()
     number, returns = len(physical.effects), 0
     tried, blamed = [0] * number, [set[int]() for _ in range(number)]
@@ -140,7 +140,7 @@ def actions_to_blame(physical: PhysicalTask, k: int, faults: Iterable[PhysicsFau
     faults = list(faults)
     effect, grasped = physical.effects[k], _grasped_before(physical, k)
     bodies = {name for fault in faults for name in fault.entities} | {effect.grasps, effect.visits}
-    # Any body that was put down may block a body that finds no room.
+    # any body that was put down may block a body for which there is no room
     crowded = any(fault.cause in CROWDED and len(fault.entities) == 1 for fault in faults)
     moved = []
     for i, earlier in enumerate(physical.effects[:k]):
@@ -160,7 +160,7 @@ def _grasped_before(physical: PhysicalTask, k: int) -> int | None:
 
 @dataclass(frozen=True)
 class _Trial(Generic[Result]):
-    """Attempts at an action: the number and the result of the successful one, or None, and the faults of the others."""
+    """Attempts at an action: the number and result of the successful one, if any, and the faults of the others."""
 
     number: int
     result: Result | None
@@ -168,7 +168,7 @@ class _Trial(Generic[Result]):
 
 
 def _retry(numbers: tuple[int, int], log: FailureLog, done: int, attempt: Callable[[int], Result]) -> _Trial[Result]:
-    """Call an attempt with each number in the range between two `numbers` in turn, and return the first success.
+    """Call an attempt with each number in the range given by `numbers` in turn, and return the first success.
 
     `done` is the number of earlier actions.
     """

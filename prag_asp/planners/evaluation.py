@@ -1,4 +1,4 @@
-"""Evaluate the rules of a step symbolically: the state after it as Boolean functions of the state before.
+"""Evaluate the rules of a step symbolically: the state after it as Boolean functions of the state before it.
 
 The ground rules are evaluated as in the engines. A fluent that is known in every state is one proposition; any other
 fluent has one proposition for "known to be true" and one for "known to be false". Other state variables of the rules
@@ -62,13 +62,13 @@ class StepFunctions:
 
     @property
     def first(self) -> dict[int, bool]:
-        """The initial values of all propositions, keyed by number."""
+        """The initial values of all propositions, by number."""
         start = self._transition.step.ground.initial
         symbols = self._transition.variables
         return {number: (symbols[variable] in start) == value for variable, (number, value) in enumerate(self._own)}
 
     def opposed(self, fluent: clingo.Symbol, value: str) -> tuple[int, bool] | None:
-        """Return the literal for "the fluent is not known to have the value".
+        """Return the literal for "the fluent is not known to have this value".
 
         The result is None if the fluent never has the value.
         """
@@ -118,7 +118,7 @@ class StepFunctions:
         return self._functions.choice(true, false, self._functions.opposite(false))
 
     def refused_at_end(self) -> list[Node]:
-        """Return the functions that forbid a final state if they are true."""
+        """Return the functions that forbid a final state in which they are true."""
         step = self._transition.step
         values = self._state(step.ground.now)
         self._evaluate(self._transition.final_strata, step.final_bodies.__getitem__, values, {})

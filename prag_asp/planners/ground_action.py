@@ -9,7 +9,7 @@ from typing import NamedTuple
 import clingo
 
 NOT_TRUE = "known-not"
-"""The role of the proposition "known to be false" of a fluent that may be unknown."""
+"""The role of the proposition "known to be false" for a fluent that may be unknown."""
 
 CARRIED = "carried"
 """The role of a proposition that is not a fluent."""

@@ -1,4 +1,4 @@
-"""A domain without rules over time as ground actions with preconditions and effects.
+"""A domain without rules over time, as ground actions with preconditions and effects.
 
 An invariant that an action might break becomes a precondition: if the action makes one literal of a binary clause
 false, it requires the other one, unless it makes the other one true.
@@ -22,7 +22,7 @@ from prag_asp.program.sources import Program, owned
 from prag_asp.task import Task
 
 NOT_OVER_TIME = ("closed_world", "ever", "canonical_names", "joint_names", "closed_invariants", "same_start", "weights")
-"""Rules of the encodings that do not restrict plans."""
+"""Rules in the encodings that do not restrict plans."""
 
 MOST = 400
 """The maximum number of fluents for which pairs are computed; the number of pairs is four times its square."""
@@ -30,7 +30,7 @@ MOST = 400
 Values = Mapping[clingo.Symbol, bool]
 
 Outcomes = Mapping[tuple[clingo.Symbol, clingo.Symbol], bool]
-"""The values of unknown effects, keyed by action and fluent."""
+"""The values of unknown effects, by action and fluent."""
 
 
 class _StripsAction(NamedTuple):
@@ -62,11 +62,11 @@ class FactPairs:
             pass
 
     def excludes(self, before: Values, fluent: clingo.Symbol, value: bool) -> bool:
-        """Return whether a value of a fluent is mutex with one of several other values."""
+        """Return whether a value of a fluent is mutually exclusive with one of several other values."""
         return not self._beside(self._bits(before)) >> self._bit(fluent, value) & 1
 
     def _apply(self, before: list[int], after: list[int], changed: int) -> bool:
-        """Add the pairs that an action reaches, and return whether one is new."""
+        """Add the pairs that an action reaches, and return whether any of them is new."""
         beside = self._beside(before)
         if any(not beside >> bit & 1 for bit in before):
             return False
@@ -102,7 +102,7 @@ class FactPairs:
 def ground_plain(facts: Facts, state: Values, goal: Values, outcomes: Outcomes | None = None) -> PlanningTask:
     """Return the planning task with all applicable actions; fluents not in `state` are false.
 
-    With `outcomes`, unknown effects have these values, by default false.
+    With `outcomes`, unknown effects have these values, or false if they have none.
 
     Raises:
         DomainError: an effect is unknown, and there are no `outcomes`.
@@ -150,7 +150,7 @@ def outcomes_of(task: Task, facts: Facts) -> Outcomes:
 
 
 def broken_invariant(facts: Facts, state: Mapping[clingo.Symbol, bool]) -> bool:
-    """Return whether a state violates an invariant; fluents that the state does not have are false."""
+    """Return whether a state violates an invariant; fluents that are not in the state are false."""
     both = (*facts.exclusive, *facts.impossible)
     return any(state.get(f) and state.get(g) for f, g in both) or any(
         state.get(f) and not state.get(g) for f, g in facts.implies
@@ -158,7 +158,7 @@ def broken_invariant(facts: Facts, state: Mapping[clingo.Symbol, bool]) -> bool:
 
 
 def rules_over_time(program: Program) -> Iterator[tuple[Path, int]]:
-    """Yield the places of rules that restrict plans further than preconditions and effects of actions do."""
+    """Yield the places of rules that restrict plans more than the preconditions and effects of actions do."""
     for source, own in owned(program):
         if own or (source.path.parent.name == "rules" and source.path.stem not in NOT_OVER_TIME):
             statements, _ = parse_sources([(source, own)])
@@ -215,7 +215,7 @@ def _safe_precondition(
 
 
 def known_values(values: Iterable[tuple[clingo.Symbol, str]]) -> dict[clingo.Symbol, bool]:
-    """Return fluents with Boolean values in place of the contract's texts ``true`` and ``false``."""
+    """Return fluents with Boolean values in place of ``true`` and ``false``, the texts of the contract."""
     return {fluent: value == "true" for fluent, value in values}
 
 

@@ -20,7 +20,7 @@ class ImpliedValues:
         self._unknown = unknown
 
     def possible(self, values: Iterable[Value]) -> bool:
-        """Return whether some values are consistent."""
+        """Return whether the given values are consistent."""
         return conflict(self._known(values)) is None
 
     def fixed(self, before: Mapping[Proposition, bool], propositions: Iterable[Proposition]) -> dict[int, bool]:
@@ -49,14 +49,14 @@ class ImpliedValues:
     def units(
         self, clauses: Iterable[Sequence[Value]]
     ) -> tuple[dict[Proposition, bool], tuple[tuple[Value, ...], ...]]:
-        """Propagate units; return the values and the remaining clauses, of which one is empty on a contradiction."""
+        """Propagate units; return the values and the remaining clauses, one of which is empty at a contradiction."""
         before: dict[Proposition, bool] = {}
         left = [*dict.fromkeys(map(tuple, clauses))]
         while True:
             known = self._known(before.items())
             if conflict(known) is not None:
                 return before, ((),)
-            # A value fails if it contradicts others, given the values of fluents that they entail.
+            # A value fails if it contradicts others, given the fluent values that they entail.
             fails = {}
             for proposition, value in product({each for clause in left for each, _ in clause}, (True, False)):
                 meaning = self._meaning((proposition, value))
@@ -75,7 +75,7 @@ class ImpliedValues:
         return entailed((meaning for each in values if (meaning := self._meaning(each)) is not None), self._graph)
 
     def _meaning(self, value: Value) -> FluentValue | None:
-        """Return the fluent value that a value of a proposition represents, if any."""
+        """Return the fluent value that a value of a proposition represents, if there is one."""
         (term, role), truth = value
         if role == CARRIED or (term in self._unknown and not truth):
             return None

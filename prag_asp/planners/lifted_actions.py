@@ -1,4 +1,4 @@
-"""Lift ground actions that differ only in their arguments to an action with parameters."""
+"""Lift ground actions that differ only in their arguments to actions with parameters."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ FEW = 4
 """The maximum number of schemas for the actions with one name."""
 
 Literal = tuple[str, tuple[str, ...], bool]
-"""A predicate, its terms, and whether it is asserted; a term is the name of an object or a variable."""
+"""A predicate, its terms, and whether it is asserted; a term is a variable or the name of an object."""
 
 Clause = tuple[Literal, ...]
 
@@ -63,9 +63,9 @@ def variable(number: int) -> str:
 
 
 def group_alike(instances: Sequence[Instance]) -> list[list[Instance]]:
-    """Return groups of actions: one group if all have a common schema, otherwise groups with equal schemas.
+    """Return groups of actions: a single group if all have a common schema, otherwise groups with equal schemas.
 
-    If there are more than `FEW` groups, numbered schemas would not help readers, so each action is a group.
+    If there are more than `FEW` groups, numbered schemas would not help readers, so each action is a separate group.
     """
     if lift(instances) is not None:
         return [list(instances)]

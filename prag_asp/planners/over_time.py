@@ -1,4 +1,4 @@
-"""A domain with rules over time as ground actions: conditions and effects that depend on the state."""
+"""A domain with rules over time, as ground actions with conditions and effects that depend on the state."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ MOST_CASES = 1000
 """The maximum number of copies of an action, one for each case of its conditions."""
 
 REACHED = Proposition(clingo.Function("goal-reached"), CARRIED)
-"""The proposition that the goal holds, for goals that are not conjunctions."""
+"""The proposition that the goal holds, which is used for goals that are not conjunctions."""
 
 OPPOSITE = {True: "false", False: "true"}
 
@@ -79,7 +79,7 @@ def ground_over_time(
 
 
 class _Step:
-    """The actions of a step; `unknown` collects fluents assumed known that an action may leave unknown."""
+    """The actions of a step; `unknown` collects fluents assumed to be known that an action may leave unknown."""
 
     def __init__(self, domain: Domain, transition: Transition, unknown: frozenset[clingo.Symbol]) -> None:
         self._domain = domain
@@ -127,11 +127,11 @@ class _Step:
             raise DomainError(f"{self._place()}: {problem}; let its rules read fewer fluents at once") from None
 
     def _place(self) -> str:
-        """Return the line of the first rule over time, if any, because the responsible rule is unknown."""
+        """Return the line of the first rule over time, if any, because it is unknown which rule is responsible."""
         return next((f"{path}:{line}" for path, line in rules_over_time(self._domain.program)), self._domain.name)
 
     def _cases(self, letter: int, end: Node | None, *, whole: bool) -> Iterator[Case]:
-        """Yield the cases of an action; none if it never occurs."""
+        """Yield the cases of an action, or nothing if it never occurs."""
         tried = self._step.tried(letter)
         if tried is None:
             return
@@ -173,7 +173,7 @@ class _Step:
     def _changes(self, after: After, fixed: Mapping[int, bool]) -> Iterator[Change]:
         """Yield, for each proposition, the states in which it becomes true, and the states in which it becomes false.
 
-        The two are disjoint, because planners disagree on contradictory effects.
+        The two sets are disjoint, because planners disagree on contradictory effects.
         """
         functions = self._functions
         for number in self._step.changed(after):
@@ -233,7 +233,7 @@ class _Step:
         )
 
     def _clauses(self, refused: Iterable[Node]) -> Iterator[tuple[Value, ...]]:
-        """Yield clauses that make all `refused` functions false, without those that the invariants entail."""
+        """Yield clauses that make all `refused` functions false, except those that the invariants entail."""
         for function in refused:
             for cube in self._functions.cubes(function):
                 values = [*map(self._value, cube)]

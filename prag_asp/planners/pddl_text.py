@@ -15,7 +15,7 @@ KEYWORDS = frozenset([
     "problem", "assign", "increase", "decrease", "scale-up", "scale-down", "minimize", "maximize", "oneof",
     "preference", "always", "sometime", "within", "over", "at", "start", "end", "all", "total-cost", "total-time",
 ])  # fmt: skip
-"""Reserved words of PDDL; `at` is reserved in some dialects."""
+"""Reserved words in PDDL; `at` is reserved in some dialects."""
 
 
 class Spelling:
@@ -39,7 +39,7 @@ class Spelling:
 
 
 def mirror(literals: Iterable[Literal], opposites: Mapping[str, str]) -> list[Literal]:
-    """Return literals of the opposite predicates, for those literals whose predicate has an opposite."""
+    """Return the literals of the opposite predicates, for those literals whose predicates have an opposite."""
     return [(opposites[name], terms, not value) for name, terms, value in literals if name in opposites]
 
 

@@ -33,7 +33,7 @@ from prag_asp.wording import plural
 
 @dataclass(frozen=True)
 class PddlExport:
-    """The texts of a domain and a problem, and the steps of the task's plan, if any."""
+    """The texts of a domain and a problem and, if there is a task, the steps of its plan."""
 
     domain: str
     problem: str
@@ -51,7 +51,7 @@ class _Schema:
 
 
 def write(domain: Domain, task: Task | None = None, *, negative: bool = True, conditional: bool = True) -> PddlExport:
-    """Write a domain or a task as PDDL; the goal of a task is the known part of its final state.
+    """Write a domain or a task as PDDL; the goal for a task is the known part of its final state.
 
     Fluents that are unknown in the initial state of a task are false in PDDL. Without rules over time, an unknown
     effect has the value that the task needs, and is false in all other actions, so that the PDDL plans are the plans of
@@ -59,8 +59,8 @@ def write(domain: Domain, task: Task | None = None, *, negative: bool = True, co
 
     Rules over time become preconditions and conditional effects. Without `conditional`, there are no conditional
     effects and no disjunctions: an action has a copy for each combination of its conditions, so that plans keep their
-    length and their number (Nebel 2000). Without `negative`, preconditions and goals are positive: a separate predicate
-    stands for each negation.
+    lengths and their number (Nebel 2000). Without `negative`, preconditions and goals are positive: a separate
+    predicate stands for each negation.
 
     Raises:
         DomainError: the domain cannot be expressed in PDDL, its initial state breaks an invariant, its world is
@@ -136,7 +136,7 @@ class _PddlWriter:
         return PddlExport(self._domain(opposites), comment + "\n".join(lines) + "\n", plan)
 
     def _plan(self, actions: Iterable[clingo.Symbol]) -> Iterator[str]:
-        """Yield the steps of a plan, with the case whose precondition holds for each action."""
+        """Yield the steps of a plan, choosing for each action the case whose precondition holds."""
         state = set(self._ground.initial)
 
         def so(value: Value) -> bool:
@@ -175,7 +175,7 @@ class _PddlWriter:
         return tuple(sorted(map(self._literals, clauses)))
 
     def _schemas_of(self, key: tuple[str, int], actions: Sequence[GroundAction]) -> Iterator[_Schema]:
-        """Yield the schemas of the actions with a name; actions with a common schema share it."""
+        """Yield the schemas for the actions with a given name; actions with a common schema share it."""
         instances = []
         for action in actions:
             arguments = tuple(map(self._object, action.term.arguments))
@@ -206,7 +206,7 @@ class _PddlWriter:
             yield from (_Schema(name, variables, case, allowed) for name, case in zip(names, cases, strict=True))
 
     def _action_names(self, key: tuple[Hashable, ...], text: str, cases: Sequence[PddlCase]) -> list[str]:
-        """Return the names of the cases of an action, numbered if there are several."""
+        """Return the names for the cases of an action, numbered if there are several."""
         texts = [text] if len(cases) == 1 else [f"{text}-{number + 1}" for number in range(len(cases))]
         return [self._spelling.name(("action", *key, number), each) for number, each in enumerate(texts)]
 

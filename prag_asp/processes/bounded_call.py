@@ -1,6 +1,6 @@
 """Call one function in a separate process with limits on time and memory, for domains from untrusted sources.
 
-The command line has its supervisor for that; this module is for Python programs.
+The command line has a supervisor for this purpose; this module is for Python programs.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from prag_asp.processes.workers import WorkerEnded, WorkerGroup
 from prag_asp.stop_reason import LimitCheck, StopKind, StopReason
 
 POLL = 0.05
-"""Seconds between two checks of the memory of the process, and of `stop`."""
+"""Seconds between two checks of the memory of the process and of `stop`."""
 
 Returned = TypeVar("Returned")
 
@@ -31,7 +31,7 @@ def bounded(
     """Call a function in a separate process, which is killed at a limit or when this process ends; return its value.
 
     The function is pickled by its module and name, so it must be defined in a module, not in a script or a notebook;
-    the arguments and the value are pickled, too. `memory_bytes` limits the process and all its descendants together;
+    the arguments and the value are also pickled. `memory_bytes` limits the process and all its descendants together;
     None stands for 80 % of the machine's memory. `stop` may return another reason to end the call.
 
     Raises:
@@ -71,7 +71,7 @@ def bounded(
 
 
 def answers(messages: Iterator[bytes]) -> Iterator[Any]:
-    """Run in the worker: yield the value of each call."""
+    """Answer in the worker: yield the value of each call."""
     for message in messages:
         function, arguments = pickle.loads(message)
         yield function(*arguments)

@@ -1,7 +1,7 @@
 """A pipe that makes the kernel kill a process as soon as the process that holds the other end is gone.
 
 Native code may hold the interpreter lock for hours, so that no Python thread runs; it cannot delay a signal from the
-kernel. Systems other than Linux have no such signal: there, the process ends when it next reads from its parent.
+kernel. Other systems than Linux have no such signal; there, the process ends when it next reads from its parent.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ import sys
 from signal import SIGKILL
 
 OWN_SIGNAL = 10
-"""Linux's F_SETSIG, which Python defines since 3.11."""
+"""F_SETSIG on Linux, which Python defines only since version 3.11."""
 
 
 def held_line() -> tuple[int, int]:
@@ -36,7 +36,7 @@ def hang_on(descriptor: int) -> None:
 
 
 def above_the_standard_ones(descriptor: int) -> int:
-    """Move a descriptor above 2: if a standard stream is closed, a new descriptor would take the stream's number."""
+    """Move a descriptor above 2, because if a standard stream is closed, a new descriptor would take its number."""
     if descriptor > 2:
         return descriptor
     import fcntl  # noqa: PLC0415

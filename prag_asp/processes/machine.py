@@ -11,7 +11,7 @@ SHARE = 80
 """The percentage of the machine's memory that a command may use by default."""
 
 FALLBACK = 4 * 10**9
-"""Bytes of memory that a machine is assumed to have if the system does not report them."""
+"""The number of bytes of memory that a machine is assumed to have if the system does not report it."""
 
 
 def usual_memory() -> int:
@@ -25,7 +25,7 @@ def machine_memory() -> int:
         found = [os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")]
     except (ValueError, OSError):
         found = [FALLBACK]
-    # The control groups (version 1 and 2) of this process.
+    # the control groups (version 1 and 2) of this process
     for line in _lines("/proc/self/cgroup"):
         number, _, rest = line.partition(":")
         controllers, _, path = rest.partition(":")
@@ -35,7 +35,7 @@ def machine_memory() -> int:
             root, name = "/sys/fs/cgroup/memory", "memory.limit_in_bytes"
         else:
             continue
-        # In a container the path may be the host's; the root is then the container's own group.
+        # In a container, the path may be the host's; in that case, the root is the container's own group.
         parts = [part for part in path.split("/") if part]
         for depth in range(len(parts) + 1):
             place = "/".join([root, *parts[:depth], name])
@@ -67,10 +67,10 @@ def memory_in_use() -> int:
 
 
 def processor_time_of(process: int) -> float:
-    """Return the processor time in seconds of all threads of a process; infinity if it is gone or not reported."""
+    """Return the processor time of a process in seconds, over all threads; infinity if it is gone or not reported."""
     try:
         with open(f"/proc/{process}/stat", "rb") as file:  # noqa: PTH123  read twenty times a second
-            fields = file.read().rpartition(b")")[2].split()  # after the name, which may have blanks
+            fields = file.read().rpartition(b")")[2].split()  # after the name, which may contain blanks
         return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
     except (OSError, ValueError, IndexError):
         return inf

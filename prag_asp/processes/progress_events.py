@@ -1,4 +1,4 @@
-"""Progress events: which stage the program is in, for messages about limits and for progress bars."""
+"""Progress events: the stage in which the program is, for messages about limits and for progress bars."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ class Note(str):
 
 
 OFTEN = 0.5
-"""Seconds between two reports of a loop."""
+"""Seconds between two progress reports of a loop."""
 
 _listeners: list[Listener] = []
 _now = ""
 
 
 def stage(words: str) -> None:
-    """Report that a stage begins, in words that follow ``while``: "grounding tabletop"."""
+    """Report that a stage begins, in words that can follow ``while``: "grounding tabletop"."""
     global _now  # noqa: PLW0603  a process does one thing at a time
     _now = words
     _publish(words)
@@ -34,6 +34,12 @@ def stage(words: str) -> None:
 def so_far(words: str) -> None:
     """Report the progress of the current stage."""
     _publish(f"{_now} ({words})" if _now else words)
+
+
+def report_progress(words: str, done: float, total: float | None) -> None:
+    """Report what is done, and how much of it; functions that take a function `progress` call this one by default."""
+    count = "" if total is None else f", {done:,.0f} of {total:,.0f}"
+    so_far(f"{words}{count}")
 
 
 def counted(items: Sequence[Item], what: str) -> Iterator[Item]:
@@ -48,7 +54,7 @@ def counted(items: Sequence[Item], what: str) -> Iterator[Item]:
 
 
 def note(words: str) -> None:
-    """Report a message to the user; the stage stays the same."""
+    """Report a message to the user; the stage remains the same."""
     _publish(Note(words))
 
 

@@ -1,8 +1,8 @@
 """Apply a function to numbered items in several worker processes, and yield the results in the order of the items.
 
 `concurrent.futures.ProcessPoolExecutor` does not suffice, because it cannot replace a worker: a killed worker breaks
-the whole executor, which does not report the item at fault. Its processes also receive Ctrl-C, print tracebacks and
-warnings of the resource tracker when the parent is killed, and cannot be ended in the middle of a task. See `workers`.
+the whole executor, which does not report the item at fault. Moreover, its processes receive Ctrl-C, print tracebacks
+and resource tracker warnings when the parent is killed, and cannot be ended in the middle of a task. See `workers`.
 """
 
 from __future__ import annotations
@@ -19,23 +19,25 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.processes.workers import Worker, WorkerEnded, WorkerGroup, ready_workers
 
 CHUNK = 4
-"""Items that are sent in one message, so that messages cost little compared with the work on the items."""
+"""The number of items that are sent in one message, so that messages cost little compared with the work on the items.
+"""
 
 CHUNKS_AHEAD = 3
-"""Chunks that are read ahead for each worker: the items may be endless, or expensive to generate."""
+"""The number of chunks that are read ahead for each worker; the items may be endless or expensive to generate."""
 
 SENT_AHEAD = 2
-"""The maximum number of chunks of a worker: the current one and the next, so that the worker need not wait."""
+"""The maximum number of chunks that a worker has: the current one and the next, so that the worker need not wait."""
 
 REPLACEMENTS = 5
-"""The number of worker deaths on the same chunk after which the pool gives up: an item may need more memory than there
-is."""
+"""The number of workers that may die on the same chunk before the pool gives up, because an item may need more memory
+than there is."""
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 Opener = Callable[[], AbstractContextManager[Callable[[int, Item], Result]]]
-"""Opens the resources of a worker (such as a simulator), and yields the function of index and item that it runs."""
+"""Opens the resources of a worker (such as a simulator), and yields the function of an index and an item that it runs.
+"""
 
 
 def map_ordered(
@@ -43,9 +45,9 @@ def map_ordered(
 ) -> Generator[Result, None, None]:
     """Yield the result for each item with its index, in the order of the items, which may be endless.
 
-    A single worker runs in this process; several run in separate processes, for which the `opener` and the items are
-    pickled. A killed worker is replaced, and its items are processed again. Closing the iterator ends the workers at
-    once. `activity` describes the work in progress events.
+    A single worker runs in this process; several workers run in separate processes, for which the `opener` and the
+    items are pickled. If a worker is killed, it is replaced, and its items are processed again. Closing the iterator
+    ends the workers at once. `activity` describes the work in progress events.
 
     Raises:
         WorkerError: workers died more than `REPLACEMENTS` times on the same items, or cannot be started.
@@ -76,7 +78,7 @@ def map_ordered(
 
 
 def answers(messages: Iterator[Any]) -> Iterator[list[Any]]:
-    """Run in a worker: the first message is the opener, each further one a chunk; yield the results of each chunk."""
+    """Answer in a worker: the first message is the opener, each further one a chunk, whose results are yielded."""
     opener = next(messages)
     with opener() as function:
         for items in messages:
@@ -95,7 +97,7 @@ class _Chunk(Generic[Item, Result]):
 
 
 class _Pool(Generic[Item, Result]):
-    """Workers, started when they are needed, each with the chunks that it was sent, in order."""
+    """Workers, started when they are needed, each with the chunks that were sent to it, in order."""
 
     def __init__(self, group: WorkerGroup, workers: int, opener: Opener[Item, Result]):
         self._group, self._workers, self._opener = group, workers, opener
@@ -123,12 +125,12 @@ class _Pool(Generic[Item, Result]):
                 self._sent[worker].popleft()
             except WorkerEnded as ended:
                 self._replace(worker, ended)
-            except Exception as error:  # it ended the worker, and belongs to the worker's first chunk
+            except Exception as error:  # this error ended the worker, and belongs to its first chunk
                 self._sent[worker].popleft().error = error
                 self._release(worker)
 
     def _free_worker(self) -> Worker | None:
-        """Return an idle worker, else a new one, else the one with the fewest chunks; None if all have enough."""
+        """Return an idle worker, else a new one, else the one with the fewest chunks, or None if all have enough."""
         least = min(self._sent, key=lambda worker: len(self._sent[worker]), default=None)
         if least is not None and (not self._sent[least] or len(self._sent) == self._workers):
             return least if len(self._sent[least]) < SENT_AHEAD else None
@@ -137,7 +139,7 @@ class _Pool(Generic[Item, Result]):
         except WorkerEnded as ended:
             raise WorkerError(f"a worker ended {ended}; is there enough memory? Try fewer workers") from None
         self._sent[worker] = deque()
-        with suppress(WorkerEnded):  # sending the first chunk then fails, too
+        with suppress(WorkerEnded):  # sending the first chunk then fails as well
             worker.send(self._opener)
         return worker
 

@@ -1,8 +1,8 @@
-"""Worker processes that print nothing, and that end with the process that started them, however that ends.
+"""Worker processes that print nothing, and that end when the process that started them ends, for whatever reason.
 
 `multiprocessing` cannot guarantee that: if its parent is killed, a process that is being spawned prints a traceback
-about arguments that never arrived, and its resource tracker warns about semaphores. A worker of this module does not
-depend on its parent before it listens. It ignores Ctrl-C, which its parent handles. It ends when its connection is
+about arguments that never arrived, and its resource tracker warns about semaphores. A worker from this module does not
+depend on its parent until it listens. It ignores Ctrl-C, which its parent handles. It ends when its connection is
 closed, and the kernel kills it when its parent is gone, even while native code runs in it.
 
 A worker runs ``answers(messages)`` of a module: it takes an iterator over the messages sent to the worker, and returns
@@ -41,7 +41,7 @@ class RemoteTraceback(Exception):
 
 @dataclass(frozen=True, eq=False)
 class Worker:
-    """A process and the connection to it; messages wait in that process until the worker reads them."""
+    """A process and the connection to it; messages wait in this process until the worker reads them."""
 
     process: subprocess.Popen[bytes]
     connection: Connection
@@ -82,7 +82,7 @@ class Worker:
         return answer
 
     def _exit(self) -> str:
-        """Return how the worker ended, given that its connection is closed."""
+        """Return how the worker ended, once its connection is closed."""
         try:
             code = self.process.wait(timeout=10)
         except subprocess.TimeoutExpired:
@@ -91,10 +91,10 @@ class Worker:
 
 
 class WorkerGroup:
-    """Workers that run a module, as a context manager: they end with the block, however that ends."""
+    """Workers that run a module, as a context manager: they end with the block, however it ends."""
 
     def __init__(self, module: str, stderr: int | None = None):
-        """Start no worker yet; `stderr` is the file descriptor of their stderr, by default that of this process."""
+        """Start no worker yet; `stderr` is the file descriptor for their stderr, by default that of this process."""
         self._module, self._stderr = module, stderr
         self._workers: list[Worker] = []
 
@@ -142,7 +142,7 @@ class WorkerGroup:
         return worker
 
     def end(self, worker: Worker) -> None:
-        """Kill a worker, whatever it does, and wait until it is gone."""
+        """Kill a worker, whatever it is doing, and wait until it is gone."""
         with uninterrupted():
             worker.process.kill()
             worker.process.wait()
@@ -152,14 +152,14 @@ class WorkerGroup:
 
 
 def ready_workers(workers: Collection[Worker], seconds: float | None = None) -> list[Worker]:
-    """Return the workers that have answered or ended; wait at most `seconds` for the first (None: without limit)."""
+    """Return the workers that have answered or ended; wait up to `seconds` for the first one (None: without limit)."""
     ready = wait([worker.connection for worker in workers], seconds)
     return [worker for worker in workers if worker.connection in ready]
 
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """Defer the handlers of SIGINT, SIGTERM and SIGALRM to the end of the block.
+    """Defer the handlers of SIGINT, SIGTERM and SIGALRM until the end of the block.
 
     Blocking the signals is not enough: another thread, such as one of NumPy's, may receive them, and Python then runs
     the handlers in the main thread all the same.

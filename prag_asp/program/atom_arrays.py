@@ -26,7 +26,7 @@ GroundAtom = tuple[list[clingo.Symbol], int, bool]
 
 
 def ground_atoms(control: clingo.Control, name: str, arity: int) -> Iterator[GroundAtom]:
-    """Yield the ground atoms of a predicate, unsorted."""
+    """Yield the ground atoms of a predicate in no particular order."""
     symbolic_atoms = control.symbolic_atoms
     library, ffi = (getattr(internal, each, None) for each in ("_lib", "_ffi"))
     address = getattr(symbolic_atoms, "_rep", None)
@@ -38,7 +38,7 @@ def ground_atoms(control: clingo.Control, name: str, arity: int) -> Iterator[Gro
 
 
 def _read(library: Any, ffi: Any, atoms: Any, name: str, arity: int) -> Iterator[GroundAtom]:
-    """Yield the atoms from the C object `atoms`. The calls cannot fail here, so their results are not checked."""
+    """Yield the atoms in the C object `atoms`; the calls cannot fail here, so their results are not checked."""
     signature, place = ffi.new("clingo_signature_t*"), ffi.new("clingo_symbolic_atom_iterator_t*")
     symbol, literal, size = ffi.new("clingo_symbol_t*"), ffi.new("clingo_literal_t*"), ffi.new("size_t*")
     arguments, flag = ffi.new("clingo_symbol_t**"), ffi.new("bool*")

@@ -13,7 +13,7 @@ Actions = tuple[clingo.Symbol, ...]
 
 
 def composite_actions(facts: Facts) -> Mapping[clingo.Symbol, Actions]:
-    """Return the atomic actions of each composite in order; composites may not form a cycle.
+    """Return the atomic actions of each composite in order; composites must not form a cycle.
 
     A composite comes after the composites that it contains.
     """
@@ -25,7 +25,7 @@ def composite_actions(facts: Facts) -> Mapping[clingo.Symbol, Actions]:
 
 
 def composite_sizes(facts: Facts) -> Mapping[clingo.Symbol, int]:
-    """Return the number of atomic actions of each composite; composites may not form a cycle."""
+    """Return the number of atomic actions in each composite; composites must not form a cycle."""
     sizes: dict[clingo.Symbol, int] = {}
     for composite in _innermost_first(facts):
         sizes[composite] = sum(sizes.get(part, 1) for _, part in facts.stages[composite])
@@ -44,7 +44,7 @@ def _innermost_first(facts: Facts) -> Iterable[clingo.Symbol]:
 def find_cycle(successors: Mapping[clingo.Symbol, Iterable[clingo.Symbol]]) -> list[clingo.Symbol]:
     """Return a cycle as a list that begins and ends with its smallest term, or an empty list.
 
-    The choice among several cycles depends only on the terms.
+    If there are several cycles, the choice depends only on the terms.
     """
     sorter: TopologicalSorter[clingo.Symbol] = TopologicalSorter()
     for term, others in sorted(successors.items()):

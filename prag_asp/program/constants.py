@@ -20,14 +20,14 @@ from prag_asp.program.tokens import blanked
 from prag_asp.wording import did_you_mean
 
 Constant = int | str | clingo.Symbol
-"""A value: an integer, a term or the text of a term."""
+"""A value: an integer, a term, or the text of a term."""
 
 LONGEST = 1000
-"""The maximum number of characters of a value; clingo crashes on terms nested too deeply."""
+"""The maximum number of characters in a value; clingo crashes on terms that are nested too deeply."""
 
 
 def parse_constants(constants: Mapping[str, Constant]) -> dict[str, str]:
-    """Return the values of constants as text, in alphabetical order of their names.
+    """Return the values of constants as text, in the alphabetical order of their names.
 
     Raises:
         DomainError: a value is not a clingo term, or contains a number out of range.
@@ -59,7 +59,7 @@ def set_constants(sources: Sequence[Source], constants: Mapping[str, str], domai
     All readers of the program (the linter, engines, the cache) therefore see the same value.
 
     Raises:
-        DomainError: no file declares a constant, a constant may not be set, or a file cannot be parsed.
+        DomainError: no file declares a constant, a constant must not be set, or a file cannot be parsed.
     """
     statements, problems = parse_sources((source, True) for source in sources)
     raise_problems(problems)

@@ -23,15 +23,15 @@ def named(facts: Facts) -> Mapping[str, set[str]]:
 
 
 def shared_names(facts: Facts) -> list[str]:
-    """Return the ambiguous names: those shared by at least two of a class, an entity and an action."""
+    """Return the ambiguous names, which are shared by at least two of a class, an entity and an action."""
     others = {*facts.classes, *facts.entities}
-    texts = {str(action) for action in facts.declared_actions if action in others}  # other names share no spelling
+    texts = {str(action) for action in facts.declared_actions if action in others}  # other names are not shared
     kinds = (set(map(str, facts.classes)), set(facts.entity_names), texts | facts.action_names)
     return sorted({name for one, other in combinations(kinds, 2) for name in one & other})
 
 
 def ambiguity(name: str, facts: Facts) -> str | None:
-    """Return the message for an ambiguous name, or None."""
+    """Return the message about an ambiguous name, or None if the name is not ambiguous."""
     kinds = [f"the {kind}" for kind, names in named(facts).items() if name in names]
     if len(kinds) < 2:
         return None
@@ -39,7 +39,7 @@ def ambiguity(name: str, facts: Facts) -> str | None:
 
 
 def no_action(name: str, names: Iterable[str], facts: Facts) -> str:
-    """Return the message for a name that is not among the `names` of actions."""
+    """Return the message about a name that is not among the `names` of actions."""
     if name in named(facts)["action"]:
         return f"{name} can never occur, so it is pruned; prag-asp check says why"
     return unknown(name, names, "action")

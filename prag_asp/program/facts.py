@@ -21,7 +21,7 @@ copyreg.pickle(clingo.Symbol, lambda symbol: (symbol_of, (str(symbol),)))
 VALUES = ("true", "false", "unknown")
 
 LATER = "_later"
-"""The attribute with the function that grounds facts on first use."""
+"""The attribute that holds the function by which facts are grounded on first use."""
 
 Assignment = tuple[tuple[clingo.Symbol, str], ...]
 """Fluents with their values; only postconditions can have the value ``unknown``."""
@@ -35,8 +35,8 @@ class Facts:
     `entities` maps each entity to its declared class; `memberships` contains the derived ``is_a`` facts. `pruned`
     contains the declared actions and composites that every state rejects; all other facts about them are removed.
     `unreachable` contains the actions whose preconditions are relaxed-unreachable: no step tries them, but their
-    preconditions and effects remain. `static` maps fluents to the value that they have in every state, because no
-    tried action sets them. It may be incomplete.
+    preconditions and effects remain. `static` maps fluents to the values that they have in every state because no tried
+    action sets them; it may be incomplete.
     """
 
     parents: Mapping[clingo.Symbol, tuple[clingo.Symbol, ...]]
@@ -73,12 +73,12 @@ class Facts:
 
     @property
     def classes(self) -> set[clingo.Symbol]:
-        """All classes, declared or only named as superclasses."""
+        """All classes, whether they are declared or only named as superclasses."""
         return {name for _, name in self.memberships}.union(self.parents)
 
     @cached_property
     def tried(self) -> tuple[clingo.Symbol, ...]:
-        """The actions that a step tries."""
+        """The actions that steps try."""
         never = set(self.unreachable)
         return tuple(action for action in self.actions if action not in never)
 
@@ -105,12 +105,12 @@ class Facts:
 
     @cached_property
     def action_arguments(self) -> Mapping[tuple[str, int], list[set[str]]]:
-        """The arguments, as text, at each position of the actions with a name and an arity, including pruned ones."""
+        """The arguments, as text, at each position of the actions (even pruned ones) with a given name and arity."""
         return _arguments(self.declared_actions)
 
     @cached_property
     def fluent_arguments(self) -> Mapping[tuple[str, int], list[set[str]]]:
-        """The arguments, as text, at each position of the fluents with a name and an arity."""
+        """The arguments, as text, at each position of the fluents with a given name and arity."""
         return _arguments(self.fluents)
 
     @property
@@ -171,7 +171,7 @@ def read_facts(control: clingo.Control) -> Facts:
 def without(facts: Facts, pruned: Iterable[clingo.Symbol]) -> Facts:
     """Return facts without pruned actions and composites.
 
-    Composites stay in `composites`, because all actions are free in a domain without composites.
+    Composites remain in `composites`, because in a domain without composites, all actions are free.
     """
     gone = set(pruned)
     if not gone:
@@ -203,7 +203,7 @@ def rows(control: clingo.Control, predicate: str, arity: int) -> list[list[cling
 
 
 def unsorted_rows(control: clingo.Control, predicate: str, arity: int) -> Iterator[list[clingo.Symbol]]:
-    """Yield the arguments of every ground atom of a predicate, unsorted, because clingo's terms are slow to compare.
+    """Yield the arguments of each ground atom of a predicate, unsorted, because clingo's terms are slow to compare.
 
     Raises:
         DomainError: an atom depends on a choice.
@@ -221,7 +221,7 @@ def _by_action(
     """Return, for each action, the sorted fluents and values that a predicate assigns to it.
 
     `actions` and `fluents` are sorted, and each term is looked up once, because comparing thousands of clingo's terms
-    is slow. Further lookups use the identity of terms that are kept alive, because hashing terms is also slow.
+    is slow. Later lookups use the identity of terms, which are kept alive, because hashing terms is also slow.
     """
     ranks = {fluent: (rank, fluent) for rank, fluent in enumerate(fluents)}
     spelled = {clingo.Function(value): value for value in VALUES}

@@ -25,7 +25,7 @@ REMARKS = "--warn=atom-undefined"
 """The option that makes clingo report atoms that no rule derives."""
 
 MESSAGES = 1000
-"""The number of messages after which clingo suppresses further ones."""
+"""The number of messages after which clingo suppresses all others."""
 
 Part = tuple[str, Sequence[clingo.Symbol]]
 
@@ -35,7 +35,7 @@ class Grounder:
 
     `notes` are the messages about undefined operations, which are errors only if `strict`. `remarks` are the messages
     about atoms that no rule derives; clingo prints them with the option `REMARKS`. If `text` is given, it is an aspif
-    program, which is grounded instead of `program`, without further checks. An `observer` receives the ground program
+    program that is grounded instead of `program`, without further checks. An `observer` receives the ground program
     from clingo.
 
     Raises:
@@ -76,11 +76,11 @@ class Grounder:
         self._run(lambda: self.control.ground(list(parts), context=self._checks))
 
     def state(self, atoms: Iterable[clingo.Symbol]) -> None:
-        """Add facts for program parts that are grounded later."""
+        """Add facts for use by program parts that are grounded later."""
         self._add_facts(f"{atom}." for atom in atoms)
 
     def leave_open(self, atoms: Iterable[clingo.Symbol]) -> None:
-        """Add external atoms, which may be true or false, for program parts that are grounded later."""
+        """Add external atoms, which may be true or false, for use by program parts that are grounded later."""
         self._add_facts(f"#external {atom}." for atom in atoms)
 
     def add(self, part: str, rules: Iterable[str]) -> None:
@@ -91,8 +91,8 @@ class Grounder:
     def _add_facts(self, statements: Iterable[str]) -> None:
         """Ground statements as a separate part.
 
-        clingo's backend would be faster, but after it adds atoms, later grounding loses instances of constraints with
-        conditional literals that always apply (``:- r(X), not p(X,Y) : q(X,Y).``).
+        clingo's backend would be faster, but after it has added atoms, later grounding loses instances of constraints
+        with conditional literals that always apply (``:- r(X), not p(X,Y) : q(X,Y).``).
         """
         self._parts += 1
         name = f"told_{self._parts}"
@@ -138,7 +138,7 @@ def locate_message(program: Program, message: str) -> str:
 
 
 def _remark(program: Program, message: str) -> Problem:
-    """Turn clingo's message about an atom that no rule derives into a warning, without the checks in arguments."""
+    """Turn clingo's message about an atom that no rule derives into a warning, without the checks in its arguments."""
     place = re.search(POSITION, message)
     path, line = program.locate(int(place["line"])) if place else (ADDED, 0)
     words = " ".join(re.sub(POSITION, "", message).split())

@@ -13,7 +13,7 @@ FluentValue = tuple[clingo.Symbol, bool]
 """A fluent with its value."""
 
 Value = TypeVar("Value", bound=Hashable)
-"""A fluent with its value, or a representation of it."""
+"""A fluent with its value, or a representation of such a pair."""
 
 Graph = Mapping[FluentValue, tuple[FluentValue, ...]]
 Reasons = Mapping[FluentValue, FluentValue]
@@ -21,7 +21,7 @@ Reasons = Mapping[FluentValue, FluentValue]
 
 
 def invariant_graph(facts: Facts, *, impossible: bool = False) -> Graph:
-    """Map each value to those that a single invariant (with `impossible`, also an impossible pair) entails."""
+    """Map each value to the values that a single invariant (with `impossible`, also an impossible pair) entails."""
     graph: dict[FluentValue, list[FluentValue]] = {}
     for first, second in (*facts.exclusive, *(facts.impossible if impossible else ())):
         graph.setdefault((first, True), []).append((second, False))

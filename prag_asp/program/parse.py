@@ -18,17 +18,17 @@ MESSAGE = r"<string>:(?P<line>\d+):(?P<column>\d+)[-\d:]*: error: (?P<words>(?s:
 TOKEN = r"#?[\w']+|:-|\S"
 EXPECTED = r"expecting (.*)"
 DEEPEST = 300
-"""The maximum nesting of parentheses: deeper terms exhaust the stack of clingo or of functions on its terms."""
+"""The maximum nesting depth of parentheses; deeper terms exhaust the stack of clingo or of functions on its terms."""
 
 IN_CALLBACK = "error in callback"
-"""Clingo's message after a failure in a Python callback."""
+"""clingo's message after a failure in a Python callback."""
 
 STAND_IN = "$"
 """A character that clingo accepts only in strings and comments."""
 
 
 def parse_sources(sources: Iterable[tuple[Source, bool]]) -> tuple[list[Statement], list[Problem]]:
-    """Return the statements and syntax errors in sources; the flag of a source is true for files of the domain."""
+    """Return the statements and syntax errors in sources, given with a flag that is true for files of the domain."""
     statements: list[Statement] = []
     problems: list[Problem] = []
     for source, own in sources:
@@ -107,7 +107,7 @@ def number_problem(source: Source) -> Problem | None:
 
 
 def require_memory(error: RuntimeError) -> None:
-    """Raise a MemoryError if clingo failed in a Python callback: callbacks here have no other reason to fail.
+    """Raise a MemoryError if clingo failed in a Python callback, because callbacks here fail for no other reason.
 
     Raises:
         MemoryError: a callback failed.

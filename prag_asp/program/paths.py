@@ -9,7 +9,7 @@ from prag_asp.safe_reading import STANDARD_INPUT
 from prag_asp.wording import did_you_mean
 
 BY_LIBRARY = frozenset(["canonical_names", "joint_names", "closed_invariants", "same_start", "weights"])
-"""Rules that only the library adds, most of them with computed facts."""
+"""Rules that only the library adds, most of them together with computed facts."""
 
 PDDL = ".pddl"
 """The suffix of PDDL files."""
@@ -24,7 +24,7 @@ def data_folder(name: str) -> Path:
 
 
 def shipped_domains() -> dict[str, Path]:
-    """Return the folders of the shipped domains, keyed by name."""
+    """Return the folders of the shipped domains, by name."""
     return {path.parent.name: path.parent for path in sorted(data_folder("domains").glob("*/domain.lp"))}
 
 
@@ -60,7 +60,7 @@ def domain_folder(name_or_path: str | Path) -> Path:
 
 
 def shipped_suites() -> dict[str, Path]:
-    """Return the files of the shipped suites, keyed by name."""
+    """Return the files of the shipped suites, by name."""
     return {path.stem: path for path in sorted(data_folder("suites").glob("*.toml"))}
 
 

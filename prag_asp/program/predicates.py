@@ -1,7 +1,7 @@
 """The predicates of the encodings that Python reads or writes.
 
 Predicates of the contract have plain names (see ``encodings/contract.lp``). All others begin with the prefix
-`RESERVED`, which predicates of a domain may not have.
+`RESERVED`, which predicates of a domain must not have.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import NamedTuple
 import clingo
 
 RESERVED = "_"
-"""The prefix of the library's internal predicates: authors may use all other names except those of the contract."""
+"""The prefix of the library's internal predicates; authors may use all other names except those of the contract."""
 
 
 class EncodingPredicate(NamedTuple):
@@ -48,12 +48,12 @@ KNOWN, STEP_NAME = EncodingPredicate("_known", 3), EncodingPredicate("_step_name
 FINAL, STATE = EncodingPredicate("_final", 3), EncodingPredicate("_state", 3)
 RULED_OUT, BARRED = EncodingPredicate("_ruled_out", 2), EncodingPredicate("_barred", 2)
 PROPAGATES = EncodingPredicate("_propagates", 4)
-"""Predicates of known fluent values: at a step, in the final state, in hindsight, and by the invariants."""
+"""Predicates for known fluent values: at a step, in the final state, in hindsight, and by the invariants."""
 
 PRUNED = EncodingPredicate("_pruned", 1)
 MAY_OCCUR, MAY_HOLD = EncodingPredicate("_may_occur", 1), EncodingPredicate("_may_hold", 2)
 MAY_STAND, MAY_SET = EncodingPredicate("_may_stand", 2), EncodingPredicate("_may_set", 3)
-"""Predicates of pruning and relaxed reachability."""
+"""Predicates for pruning and relaxed reachability."""
 
 SUCCESSOR, INTRODUCED = EncodingPredicate("_successor", 2), EncodingPredicate("_introduced", 2)
 JOINT_UNIT, NEXT_UNIT = EncodingPredicate("_joint_unit", 2), EncodingPredicate("_next_unit", 2)
@@ -65,7 +65,7 @@ REQUEST, MEMORY, FINDING = (
     EncodingPredicate("_memory", 2),
     EncodingPredicate("_finding", 2),
 )
-"""Predicates of conditions and weights: their requests, their memory after a step, and their results at a step."""
+"""Predicates for conditions and weights: their requests, their memory after a step, and their results at a step."""
 
 
 def refers_to(text: str, predicate: EncodingPredicate) -> bool:

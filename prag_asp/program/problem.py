@@ -38,7 +38,7 @@ WARNINGS: Mapping[str, str] = {
 """The names of warnings: the domain is suspicious, but well-defined."""
 
 SHOWN = 5
-"""The maximum number of shown warnings with one name: more are rarely informative."""
+"""The maximum number of warnings with the same name that are shown, because more are rarely informative."""
 
 ALLOW = re.compile(r"\blint:\s*allow\b(?P<names>[^*#%\n]*)")
 """A comment that allows warnings, in a logic program (after %, or in %* *%) or in domain.toml (after #)."""
@@ -47,8 +47,8 @@ ALLOW = re.compile(r"\blint:\s*allow\b(?P<names>[^*#%\n]*)")
 class Problem(NamedTuple):
     """One line of the report; `text` reads ``what is wrong; what to do``.
 
-    Without a name, it is an error: the domain has no meaning, or a count could be wrong. With the `name` of one of the
-    `WARNINGS`, it is a warning, which the comment ``% lint: allow NAME`` on its line suppresses.
+    If it has no name, it is an error: the domain has no meaning, or a count could be wrong. With the `name` of one of
+    the `WARNINGS`, it is a warning, which the comment ``% lint: allow NAME`` on its line suppresses.
     """
 
     path: Path
@@ -82,7 +82,7 @@ def raise_problems(problems: Iterable[Problem]) -> None:
 
 
 def first_of_each(warnings: Iterable[Problem]) -> Iterator[Problem]:
-    """Yield the first `SHOWN` warnings with each name; the last of these states how many are omitted."""
+    """Yield the first `SHOWN` warnings with each name; the last of these states how many others are omitted."""
     warnings = list(warnings)
     total = Counter(each.name for each in warnings)
     texts: Counter[str] = Counter()
@@ -96,7 +96,7 @@ def first_of_each(warnings: Iterable[Problem]) -> Iterator[Problem]:
 
 
 def allowed_in_sources(sources: Iterable[Source]) -> dict[tuple[Path, int], tuple[str, ...]]:
-    """Return the warning names that comments in sources allow, keyed by file and line, including unknown names."""
+    """Return the names of warnings that comments in sources allow, by file and line, including unknown names."""
     allowed: dict[tuple[Path, int], tuple[str, ...]] = {}
     for source in sources:
         if "lint:" in source.text:
@@ -105,7 +105,7 @@ def allowed_in_sources(sources: Iterable[Source]) -> dict[tuple[Path, int], tupl
 
 
 def allowed_by_comments(spoken: Iterable[tuple[int, str]]) -> Iterator[tuple[int, tuple[str, ...]]]:
-    """Yield the line number of each comment that allows warnings, with the allowed names."""
+    """Yield the line number of each comment that allows warnings, together with the names that it allows."""
     for line, words in spoken:
         match = ALLOW.search(words)
         if match:

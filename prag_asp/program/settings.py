@@ -21,8 +21,8 @@ class Settings:
     """The tables of a domain.toml; `path` is its path even if the file does not exist, and `text` its contents.
 
     The keys of `weights` are names of actions (``grasp``), pairs of consecutive names (``grasp>move``), ground actions,
-    classes and entities. `language` maps names of actions and fluents to their first sentence. `grammar` is the whole
-    table ``[language]``, with the tables of languages. `scene` is the table that physics reads.
+    classes and entities. `language` maps names of actions and fluents to their first sentences. `grammar` is the whole
+    table ``[language]``, including the tables of languages. `scene` is the table that physics reads.
     """
 
     path: Path
@@ -35,7 +35,7 @@ class Settings:
     text: str = field(default="", repr=False, compare=False)
 
     def line_of(self, *keys: str | int) -> int:
-        """Return the line that sets the key at the path `keys`, or 1 if there is none."""
+        """Return the line that sets the key with the path `keys`, or 1 if there is none."""
         return key_line(self.text, keys)
 
 
@@ -49,7 +49,7 @@ def read_table(path: Path) -> dict[str, Any]:
 
 
 def settings_of(table: Mapping[str, Any], source: Source) -> Settings:
-    """Return the settings in a TOML table. Values of a wrong type are ignored; the linter reports them."""
+    """Return the settings in a TOML table; values of a wrong type are ignored, because the linter reports them."""
     weights = {key: weight_of(value) for key, value in _table(table, "weights").items()}
     grammar = _table(table, "language")
     language: dict[str, str] = {}
@@ -70,7 +70,7 @@ def settings_of(table: Mapping[str, Any], source: Source) -> Settings:
 
 
 def weight_of(value: object) -> Fraction | None:
-    """Return the exact value of a weight, or None unless it is a finite nonnegative number."""
+    """Return the exact value of a weight, or None if it is not a finite nonnegative number."""
     if isinstance(value, bool) or not isinstance(value, int | Decimal):
         return None
     if isinstance(value, Decimal) and (not value.is_finite() or abs(value.adjusted()) > MAX_EXPONENT):

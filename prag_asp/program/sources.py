@@ -32,7 +32,7 @@ EVER_AT_START, EVER_BY_ACTIONS = "ever(F) :- initially(F,true).", "ever(F) :- po
 """``rules/ever.lp`` without `not`, for closed worlds in which no action makes a value unknown."""
 
 ADDED = Path("<added by the library>")
-"""The pseudo-path of facts that the library adds to a program."""
+"""The path that stands for facts that the library adds to a program."""
 
 END = re.compile(r"(?<!\.)\.(?!\.)")
 """The period that ends a statement."""
@@ -40,12 +40,12 @@ END = re.compile(r"(?<!\.)\.(?!\.)")
 SETS = re.compile(r"\b(?:holds|_known)\b")
 INCLUDE = re.compile(r'#include\s*"(?P<file>[^"\\\n]*)"\s*\.')
 SCRIPT = re.compile(r"#include\s*<\s*incmode\s*>")
-"""The only file included in clingo: a script that grounds and solves step by step."""
+"""The only file included with clingo: a script that grounds and solves step by step."""
 
 
 @dataclass(frozen=True)
 class Source:
-    """A file of a logic program without its includes; `includes` has their line numbers and files."""
+    """A file of a logic program without its includes; `includes` holds their line numbers and files."""
 
     path: Path
     text: str
@@ -81,8 +81,8 @@ def read_sources(path: Path | Source, encodings: Path, *, own: Path | None = Non
     """Return a file and all files that it includes, each once, included files first.
 
     An include is looked up in the folder of the including source, then in the folder of encodings. `own` is the folder
-    that must contain the file. Without it, the user has named the file: it may be a link, and its folder must contain
-    its includes.
+    that must contain the file. Without it, the file was named by the user: it may be a link, and its folder must
+    contain its includes.
 
     Raises:
         DomainError: a file cannot be read, or an include is outside the folder `own` and the encodings.
@@ -125,7 +125,7 @@ def _read(source: Source, encodings: Path, own: Path, sources: dict[Path, Source
 
 
 def read_text(path: Path, within: Path | None = None) -> str:
-    """Return the text of a file, which must be in the folder `within`, if given.
+    """Return the text of a file, which must be in the folder `within` if that is given.
 
     Raises:
         DomainError: the file is missing, unreadable, too large, outside the folder or not UTF-8.
@@ -139,7 +139,7 @@ def read_text(path: Path, within: Path | None = None) -> str:
 
 
 def decoded(content: bytes, path: Path) -> str:
-    """Return the decoded content of a file, with all line ends replaced by line feeds.
+    """Return the decoded content of a file, with all line endings replaced by line feeds.
 
     Raises:
         DomainError: the content is not UTF-8.
@@ -205,7 +205,7 @@ def asked_sources(own: Sequence[Source], encodings: Path) -> tuple[Source, ...]:
     """Return the optional encodings that a domain needs: for composites, and for rules that set fluents."""
     hierarchy = read_sources(encodings / HIERARCHY, encodings) if any("composite" in each.text for each in own) else ()
     texts = (blanked(each.text) for each in own if SETS.search(each.text))
-    # An occurrence in the condition of a head also counts.
+    # an occurrence in the condition of a head also counts
     sets_fluents = any(SETS.search(rule.partition(":-")[0]) for text in texts for rule in END.split(text))
     one_value = read_sources(encodings / ONE_VALUE, encodings) if sets_fluents else ()
     return (*hierarchy, *one_value)

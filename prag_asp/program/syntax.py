@@ -24,7 +24,7 @@ PLAIN_ATOM = re.compile(r"(?P<sign>not not |not )?(?P<name>-?_*[a-z][\w']*)(?:\(
 
 @dataclass(frozen=True)
 class AtomNode:
-    """An atom of a rule: its predicate, prefixed with ``-`` if strongly negated, and its arguments as text."""
+    """An atom in a rule: its predicate, prefixed with ``-`` if it is strongly negated, and its arguments as text."""
 
     name: str
     arguments: tuple[str, ...]
@@ -43,7 +43,7 @@ class AtomNode:
 
     @property
     def terms(self) -> list[AST]:
-        """The arguments as nodes of the syntax tree; reading them from clingo is slow."""
+        """The arguments as nodes of the syntax tree, which are slow to read from clingo."""
         node = self.node.atom.symbol if self.node.ast_type == ASTType.Literal else self.node
         function: AST = node.argument if node.ast_type == ASTType.UnaryOperation else node
         return list(function.arguments)
@@ -56,7 +56,7 @@ class AtomNode:
 class Statement:
     """One statement of a source, in its program part; statements are compared by identity.
 
-    `own` is true for the files of the domain, false for the encodings. `parameters` are the parameters of the program
+    `own` is true for files of the domain, and false for the encodings. `parameters` are the parameters of the program
     part.
     """
 
@@ -70,7 +70,7 @@ class Statement:
 
     @property
     def timed(self) -> bool:
-        """Whether the statement belongs to a step, or to the check after the last step."""
+        """Whether the statement belongs to a step or to the check after the last step."""
         return self.part in TIMED_PARTS
 
     @property
@@ -85,7 +85,7 @@ class Statement:
 
     @cached_property
     def literals(self) -> tuple[tuple[AST, str], ...]:
-        """The literals of the body, each with its text."""
+        """The literals in the body, each with its text."""
         return tuple((node, str(node)) for node in getattr(self.node, "body", ()))
 
     @cached_property
@@ -95,12 +95,12 @@ class Statement:
 
     @cached_property
     def body(self) -> tuple[AtomNode, ...]:
-        """The atoms that the statement reads, including those of conditions."""
+        """The atoms that the statement reads, including those in conditions."""
         return (*self._head[1], *(atom for node, text in self.literals for atom in atoms(node, text)))
 
     @property
     def conditions(self) -> tuple[AtomNode, ...]:
-        """The atoms of the conditions in the head of a rule."""
+        """The atoms in the conditions in the head of a rule."""
         return tuple(self._head[1])
 
     @cached_property
@@ -120,7 +120,7 @@ class Statement:
 
 
 def head_atoms(head: AST) -> tuple[list[AtomNode], list[AtomNode]]:
-    """Return the atoms that the head of a rule derives, and the atoms of its conditions."""
+    """Return the atoms that the head of a rule derives, and the atoms in its conditions."""
     plain = plain_atom(head, str(head))
     if plain:
         return [plain], []
@@ -138,7 +138,7 @@ def head_atoms(head: AST) -> tuple[list[AtomNode], list[AtomNode]]:
 
 
 def atoms(node: AST, text: str) -> Iterator[AtomNode]:
-    """Yield the atoms of a literal, an aggregate or a condition; `text` is its text."""
+    """Yield the atoms in a literal, an aggregate or a condition; `text` is its text."""
     plain = plain_atom(node, text)
     if plain:
         yield plain
@@ -190,7 +190,7 @@ def _symbolic_atoms(symbol: AST, negated: bool, prefix: str = "") -> Iterator[At
 
 
 def children_of(node: AST) -> list[AST]:
-    """Return the child nodes of a node of a syntax tree."""
+    """Return the child nodes of a node in a syntax tree."""
     children: list[AST] = []
     for key in node.child_keys:
         child = getattr(node, key)
@@ -202,7 +202,7 @@ def children_of(node: AST) -> list[AST]:
 
 
 def below(node: AST) -> Iterator[AST]:
-    """Yield a node of a syntax tree and all its descendants."""
+    """Yield a node in a syntax tree and all its descendants."""
     stack = [node]
     while stack:
         node = stack.pop()
@@ -216,7 +216,7 @@ def runs_no_code(name: str) -> str:
 
 
 def spelled(signature: Signature) -> str:
-    """Return a signature in clingo's notation: ``holds/3``."""
+    """Return a signature in clingo's notation, such as ``holds/3``."""
     return f"{signature[0]}/{signature[1]}"
 
 

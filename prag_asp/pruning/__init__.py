@@ -67,7 +67,7 @@ def find_pruning(
     if reach:
         goal = tuple(each for each in remaining.goal if each not in reach.standing)
         never = tuple(action for action in remaining.actions if action not in reach.actions)
-        # If no action is reachable, one of them represents all.
+        # If no action is reachable, one action represents all.
         unreachable = Unreachable(never, goal)
         if not reach.actions:
             unreachable = Unreachable((), goal, next(iter(remaining.tried), None))

@@ -1,7 +1,7 @@
 """Relaxed reachability: actions never occur if their preconditions are unreachable in the relaxed problem.
 
-In the relaxed problem, a reached value stays reached (Bonet and Geffner 2001; planners use it for grounding, Helmert
-2009). ``encodings/reachable.lp`` defines it on the facts of the base part.
+In the relaxed problem, a value that has been reached remains reached (Bonet and Geffner 2001; for its use in grounding,
+see Helmert 2009). It is defined on the facts of the base part, in ``encodings/reachable.lp``.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ CONFLICTS = "10000"
 
 
 def relaxed_sources(encodings: Path) -> tuple[Source, ...]:
-    """Return the program of relaxed steps from a folder of encodings; it is empty if the folder has none."""
+    """Return the program of relaxed steps in a folder of encodings, which is empty if the folder has none."""
     path = encodings / REACHABLE
     return read_sources(path, encodings) if path.is_file() else ()
 
@@ -63,7 +63,7 @@ def find_relaxed_reach(
 
     `grounder` contains the base part and the relaxed steps. Reachability is unknown if rules outside of the `encodings`
     read which actions are pruned, derive occurring actions, derive states outside of a step, or may assign a value to a
-    term that is not a fluent; or if the initial state depends on choices.
+    term that is not a fluent, or if the initial state depends on choices.
     """
     others = [each for each in statements if each.own or each.path.parent != encodings]
     if any(map(_exceeds_steps, others)):

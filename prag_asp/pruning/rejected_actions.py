@@ -1,9 +1,9 @@
 """Find the actions that every state rejects, and the static fluents.
 
 An action that is rejected in the state where only the static values are known is rejected in every state, because a
-precondition on an unknown value is met. A fluent that only rejected actions would change is static as well, which may
-reject more actions. By induction over the steps, all these actions can be pruned together. The invariants yield
-candidates with reasons; the encodings confirm them.
+precondition on an unknown value is met. A fluent that only rejected actions would change is also static, and as a
+result, more actions may be rejected. By induction over the steps, all these actions can be pruned together. The
+invariants yield candidates with reasons; the encodings confirm them.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ from prag_asp.program.sources import Program
 from prag_asp.program.syntax import Signature, Statement
 
 STEP = 1_000_000_000
-"""The number of the ground step; no domain mentions it."""
+"""The number of the ground step, which no domain mentions."""
 
 STATE_PREDICATES: frozenset[Signature] = frozenset([HOLDS, KNOWN, CHANGED])
-"""The predicates of states."""
+"""The predicates that describe states."""
 
 
 class Rejection(NamedTuple):
@@ -34,7 +34,7 @@ class Rejection(NamedTuple):
 
     `predicate` and `stated` are the precondition or postcondition to blame. If `needs`, the preconditions are
     contradictory; otherwise, the state after the action is. If `static`, `first` is a static value. `makes` is true if
-    the action sets both values, `may_change` if an action that can never occur would change the static value.
+    the action sets both values, and `may_change` if an action that can never occur would change the static value.
     """
 
     predicate: str
@@ -59,7 +59,7 @@ def find_rejected_actions(
 ) -> RejectedActions:
     """Return the actions that every state rejects; `program` is the program of a step without user rules.
 
-    User rules of a step may change any fluent: with them, no initial value counts as static.
+    User rules of a step may change any fluent, so if there are any, no initial value counts as static.
     """
     stated = set(chain.from_iterable(map(state_predicates_of, statements)))
     start = [] if stated else initial_values(control)
@@ -170,7 +170,7 @@ class _RejectionSearch:
         waiting.append(action)
 
     def _conflict(self, codes: Mapping[int, int], others: Mapping[int, int]) -> tuple[FluentValue, FluentValue] | None:
-        """Return two values with contradictory consequences, the first from `others`; None if there are none."""
+        """Return two values with contradictory consequences, the first from `others`, or None if there are none."""
         code = next((code for code in codes if code ^ 1 in others), None) if others else None
         return None if code is None else (self._value(others[code ^ 1]), self._value(codes[code]))
 
@@ -178,7 +178,7 @@ class _RejectionSearch:
         return {self._code(fluent, False) // 2 for fluent, _ in self._facts.postconditions.get(action, ())}
 
     def _around(self, action: clingo.Symbol) -> tuple[Mapping[int, int], Mapping[int, int]]:
-        """Return the values before an action and the values after it, both with their consequences."""
+        """Return the values before an action and the values after it, both together with their consequences."""
         before = starmap(self._code, fluent_values(self._facts.preconditions.get(action, ())))
         effects = [*starmap(self._code, fluent_values(self._facts.postconditions.get(action, ())))]
         changed = self._changed(action)
@@ -222,7 +222,7 @@ def holding(values: Iterable[FluentValue], time: int) -> Iterator[clingo.Symbol]
 
 
 def fluent_values(values: Assignment | list[tuple[clingo.Symbol, str]]) -> list[FluentValue]:
-    """Return the values of fluents, without unknown ones."""
+    """Return the values of fluents, except unknown ones."""
     return [(fluent, value == "true") for fluent, value in values if value in ("true", "false")]
 
 

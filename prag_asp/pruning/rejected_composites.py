@@ -1,4 +1,4 @@
-"""Find the composites that every state rejects, and test whether any composite or free action can begin initially.
+"""Find the composites that every state rejects, and test whether a composite or a free action can come first.
 
 A sequence of actions that is rejected in the state where only the static values are known is rejected in every state.
 The invariants yield candidates with reasons; the encodings confirm them.
@@ -32,7 +32,7 @@ class StageFailure(NamedTuple):
 
 
 class RejectedComposites(NamedTuple):
-    """The composites that can never occur, and the reasons for those whose actions can all occur singly.
+    """The composites that can never occur, and the reasons for those whose actions can each occur on their own.
 
     `none_can_begin` is true if no composite and no free action can begin in the initial state.
     """

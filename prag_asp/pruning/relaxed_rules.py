@@ -1,4 +1,4 @@
-"""Relax the user rules of a step into rules of the part `reachable`, which derive all that user rules may derive.
+"""Relax the user rules of a step to rules of the part `reachable`, which derive everything that user rules may derive.
 
 Each rule loses its time and its negated literals. It reads reachable actions and reachable values of fluents (see
 ``encodings/reachable.lp``). By induction over the steps, a user rule sets no fluent to an unreachable value, because
@@ -36,7 +36,7 @@ from prag_asp.pruning.rejected_actions import STATE_PREDICATES
 BOOLEAN = ("true", "false")
 BOTH = "(true;false)"
 COMPUTED = re.compile(r'[-+*/\\&?^~|."]')
-"""The characters that mark terms that bind no variable."""
+"""The characters that mark terms which bind no variable."""
 
 RELAXED, STRAY = "_may_own_", "_may_stray"
 """The prefix of relaxed user predicates, and the atom that holds if a rule may assign a value to a non-fluent."""
@@ -55,7 +55,7 @@ class FluentSetter(NamedTuple):
 
 
 def fluent_setters(steps: Sequence[Statement]) -> list[FluentSetter]:
-    """Return the step rules that set fluents, without rules for `changed` whose fluent other rules always set.
+    """Return the step rules that set fluents, except rules for `changed` whose fluent is always set by other rules.
 
     Other rules set the fluent whenever a rule for `changed` fires if one rule makes the fluent false and has no further
     literals, except the negation of the only literal of another rule that makes it true.
@@ -146,7 +146,7 @@ class RelaxedRules:
         if self._infers:  # a fluent declared to change may take a value that the invariants infer
             yield "_may_hold(G,W) :- _may_hold(F,V), _propagates(F,V,G,W)."
         for number, (rule, head) in enumerate(setters):
-            # The declared fluents that the head may set, with their possible values.
+            # the declared fluents that the head may set, with their possible values
             term, value = head.arguments[0], BOTH if head.signature == CHANGED else head.arguments[1]
             body = self._body(rule)
             if COMPUTED.search(term) or not names([term]).isdisjoint(rule.parameters):
@@ -162,7 +162,7 @@ class RelaxedRules:
             yield from self._stray_rules(rule, head)
 
     def _read_by(self, rules: Iterable[Statement]) -> set[tuple[str, int]]:
-        """Return the relaxed user predicates that rules depend on."""
+        """Return the relaxed user predicates on which rules depend."""
         predicates: set[tuple[str, int]] = set()
         waiting = list(rules)
         while waiting:
@@ -227,7 +227,7 @@ class RelaxedRules:
             yield str(atom)
 
     def _is_fixed(self, atom: AtomNode) -> bool:
-        """Return whether facts of the base part alone define the predicate of an atom."""
+        """Return whether the predicate of an atom is defined by facts of the base part only."""
         signature = atom.signature
         if signature not in self._base - self._later or signature in self._timed or atom.name.startswith("-"):
             return False
@@ -266,7 +266,7 @@ def _read_atom(literal: AST, text: str) -> AtomNode | None:
 
 
 def _open_variables(comparison: AST, bound: Collection[str]) -> set[str]:
-    """Return the variables that must be bound before a comparison: ``X = Y+1`` binds X if Y is bound."""
+    """Return the variables that must be bound before a comparison; ``X = Y+1`` binds X if Y is bound."""
     first, guards = comparison.atom.term, comparison.atom.guards
     sides = [str(each) for each in (first, *(guard.term for guard in guards))]
     if not comparison.sign and len(guards) == 1 and guards[0].comparison == ComparisonOperator.Equal:

@@ -1,6 +1,6 @@
 """Small-model reduction: a domain with many interchangeable entities is grounded with only a few of them.
 
-Theorem: let the author's statements treat m entities alike and satisfy the restrictions of `applicability`. Then the
+Theorem: let the author's statements treat m entities alike and satisfy the restrictions in `applicability`. Then the
 tasks and skeletons of length n are the same, up to renaming, for every m of at least `EntityBound.needed(n)`. A task
 that names j of the entities stands for m (m - 1) ... (m - j + 1) plans, which gives the number of plans. The premises
 are checked on the statements and on a program with few entities. The proof is in

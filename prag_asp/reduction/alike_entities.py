@@ -14,7 +14,8 @@ from prag_asp.program.syntax import Statement, below, children_of, with_replaced
 from prag_asp.reduction.applicability import is_stated
 
 STATED = "_stated"
-"""The predicate that wraps facts, with the number of their statement, for grounding; authors cannot use the name."""
+"""The predicate that wraps facts, together with the number of their statement, for grounding; authors cannot use the
+name."""
 
 HOLE = "_"
 
@@ -54,7 +55,7 @@ def find_alike(program: Program, statements: Sequence[Statement]) -> AlikeEntiti
     facts = [fact for instances in stated.values() for fact in instances]
     entities = {fact.arguments[0] for fact in facts if (fact.name, len(fact.arguments)) == ("entity", 2)}
     distinguished = _distinguished(statements, entities)
-    # An entity with the opposite sign is another name.
+    # an entity with the opposite sign is a different name
     functions = [entity for entity in entities if entity.type == clingo.SymbolType.Function]
     negated = {clingo.Function(each.name, each.arguments, not each.positive): each for each in functions}
     distinguished |= {negated[term] for fact in facts for term in _named(fact, negated)}
@@ -91,7 +92,7 @@ def _ground(statements: Iterable[Statement]) -> dict[Statement, list[clingo.Symb
 def _distinguished(statements: Iterable[Statement], entities: Collection[clingo.Symbol]) -> set[clingo.Symbol]:
     """Return the entities that a rule or constant names, that a pattern in a rule may match, or that are nested.
 
-    Numbers and strings count as distinguished as well, because rules compute with numbers.
+    Numbers and strings also count as distinguished, because rules compute with numbers.
     """
     constants: set[str] = set()
     patterns: set[tuple[str, int]] = set()
@@ -121,7 +122,7 @@ def _arguments(term: clingo.Symbol) -> Sequence[clingo.Symbol]:
 
 
 def _terms(node: AST) -> Iterator[AST]:
-    """Yield the terms of a statement, without its predicates, which are also functions in the syntax tree."""
+    """Yield the terms in a statement, except its predicates, which are also functions in the syntax tree."""
     if node.ast_type == ASTType.SymbolicAtom:
         inner = _predicates(node.symbol)
         for each in (argument for predicate in inner for argument in predicate.arguments):
@@ -149,7 +150,7 @@ def _named(term: clingo.Symbol, entities: Collection[clingo.Symbol]) -> Iterator
 
 
 def _with_hole(term: clingo.Symbol, entity: clingo.Symbol) -> object:
-    """Return a comparable form of a term in which `HOLE` stands for an entity."""
+    """Return a form of a term, for comparison, in which `HOLE` stands for an entity."""
     if term == entity:
         return HOLE
     arguments = _arguments(term)

@@ -2,8 +2,9 @@
 
 The author's statements must treat alike all entities that they do not name, and no rule may depend on an entity that
 its atoms do not name. The allowed fragment is narrow, and the proof, in docs/explanations/small_model_reduction.md,
-uses each restriction: only rules of the base part, plain and stratified, no predicates of the encodings outside the
-contract, and no order among terms, except to state only one of two mirror images of an invariant.
+uses each restriction: rules occur only in the base part and are plain and stratified; they contain no predicates of the
+encodings outside the contract; and they do not compare terms by their order, except to state only one of two mirror
+images of an invariant.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ READ = frozenset([
 ])  # fmt: skip
 """The predicates of the contract that an author's rules may read.
 
-Invariants are excluded, because only one of two mirror images may be stated.
+Invariants are excluded, because only one of two mirror images may have been stated.
 """
 
 MIRRORED = frozenset([("exclusive", 2), ("impossible", 2)])
@@ -32,7 +33,7 @@ STATED = (READ - {("is_a", 2)}) | MIRRORED | {("implies", 2)}
 """The predicates of the contract that an author's rules may derive."""
 
 RULES = frozenset(["closed_world.lp", "at_most.lp", "ever.lp"])
-"""The optional rules that depend on no entity that an action does not name."""
+"""The optional rules that depend on no entity except those that an action names."""
 
 FOLDERS = ("rules", "conditions")
 """The folders of optional encodings."""
@@ -52,12 +53,13 @@ ORDERED = frozenset([
 COMPUTED = frozenset([ASTType.BinaryOperation, ASTType.Interval])
 """The kinds of terms whose value is a number or undefined."""
 Node = tuple[Signature, str]
-"""A predicate, with a value if it is ``initially/2``: its values are stratified separately."""
+"""A predicate, with a value if it is ``initially/2``, whose values are stratified separately."""
 
 VALUES = ("true", "false")
 
 MOST_VARIABLES = 8
-"""The largest number of variables for which mirror images of a rule are searched: the search is exponential in it."""
+"""The largest number of variables for which mirror images of a rule are searched for; the search is exponential in it.
+"""
 
 
 def objection(statements: Sequence[Statement]) -> str | None:
@@ -111,7 +113,7 @@ def _objection_to_form(statement: Statement) -> str | None:
             return "an aggregate or a condition may see every entity"
     if statement.scripts:
         return "a function of a script may see every entity"
-    # The minus of a strongly negated atom does not make another name.
+    # The minus of a strongly negated atom does not make a different name.
     computed = (
         node
         for literal in (head, *(literal for literal, _ in statement.literals))
@@ -125,12 +127,12 @@ def _objection_to_form(statement: Statement) -> str | None:
 
 
 def _turns_around(term: AST) -> bool:
-    """Return whether a unary minus may apply to a name."""
+    """Return whether a unary minus may be applied to a name."""
     return term.operator_type == UnaryOperator.Minus and not _is_number(term.argument)
 
 
 def _objection_to_atoms(statement: Statement, reserved: AbstractSet[Signature]) -> str | None:
-    """Return an objection if a rule has a forbidden predicate, or distinguishes entities by their order."""
+    """Return an objection if a rule contains a forbidden predicate, or distinguishes entities by their order."""
     for atom in statement.heads:
         if atom.name.startswith("-") or atom.signature in reserved:
             return f"{spelled(atom.signature)} is not stated by plain facts"
@@ -158,7 +160,7 @@ def _is_number(term: AST) -> bool:
 
 
 def _is_mirrored(statement: Statement, compared: AST) -> bool:
-    """Return whether a rule for an invariant is symmetric in the two compared variables, apart from the comparison."""
+    """Return whether a rule for an invariant is symmetric in the two variables compared, apart from the comparison."""
     guards = compared.atom.guards
     sides = [str(compared.atom.term), str(guards[0].term)]
     (head,) = statement.heads or (None,)
@@ -181,7 +183,7 @@ def _is_mirrored(statement: Statement, compared: AST) -> bool:
 
 
 def _involutions(names: Sequence[str], fixed: Mapping[str, str]) -> Iterator[dict[str, str]]:
-    """Yield all involutions of some names, each combined with the pairs of `fixed`."""
+    """Yield all involutions of some names, each combined with the pairs in `fixed`."""
     if not names:
         yield dict(fixed)
         return

@@ -24,16 +24,16 @@ from prag_asp.reduction.alike_entities import AlikeEntities, find_alike
 from prag_asp.reduction.applicability import deriving_rules, objection
 
 FEWEST = 16
-"""The minimum size of a group of alike entities for a reduction."""
+"""The minimum size of a group of alike entities for which there is a reduction."""
 
 MANY = 20_000
-"""The minimum number of fluents, actions, conditions, effects and invariants for a reduction.
+"""The minimum number of fluents, actions, conditions, effects and invariants for which there is a reduction.
 
 A smaller program is grounded completely, because the complete program answers every query.
 """
 
 FIRST = 3
-"""The number of entities of each group in the first program in which `EntityBound` is measured."""
+"""The number of entities in each group in the first program for which `EntityBound` is measured."""
 
 INVARIANTS = (("exclusive", 2), ("implies", 2), ("impossible", 2))
 
@@ -44,7 +44,7 @@ Representatives = Mapping[clingo.Symbol, clingo.Symbol]
 
 @dataclass(frozen=True)
 class EntityBound:
-    """The largest numbers of entities from one group that are named together.
+    """The largest numbers of entities from the same group that are named together.
 
     `action` is the largest number in one action, `invariant` in one invariant or fluent, `fluent` in one fluent, and
     `rule` in all facts that one rule reads.
@@ -70,8 +70,8 @@ class Reduction:
     """The small-model reduction of a program.
 
     The smallest program has only as many entities of each group as its facts and symmetries need. `groups` are the
-    groups with entities that it does not ground, each with its entry of `bounds`. `checked` is the checked smallest
-    program, `settings` the settings file.
+    groups with entities that it does not ground, each with its entry in `bounds`. `checked` is the smallest program
+    after it has been checked, and `settings` is the settings file.
     """
 
     program: Program
@@ -103,12 +103,12 @@ class Reduction:
         return ground_later(ground)
 
     def sizes(self, length: int) -> tuple[int, ...]:
-        """Return the numbers of entities of each group that plans of a given length need."""
+        """Return how many entities of each group plans of a given length need."""
         pairs = zip(self.groups, self.bounds, strict=True)
         return tuple(min(len(group), bound.needed(length)) for group, bound in pairs)
 
     def reduced(self, length: int) -> tuple[Program, Facts] | None:
-        """Return the reduced program for plans of a given length, and its facts; None if plans need all entities."""
+        """Return the reduced program for plans of a given length, and its facts, or None if plans need all entities."""
         representatives = self._representatives(self.sizes(length))
         if not representatives:
             return None
@@ -117,7 +117,7 @@ class Reduction:
 
     @property
     def size(self) -> int:
-        """The number of fluents, actions, conditions, effects and invariants of the whole program."""
+        """The number of fluents, actions, conditions, effects and invariants in the whole program."""
         facts = self.facts
         tables = (facts.preconditions, facts.postconditions)
         pairs = ((action, fluent) for table in tables for action, values in table.items() for fluent, _ in values)
@@ -160,7 +160,7 @@ def find_reduction(program: Program, settings: Source, *, fewest: int = FEWEST) 
     """
     statements, problems = parse_sources(owned(program))
     encodings = encodings_folder(program)
-    # The number of entities, if it is known without grounding: an interval may have any number.
+    # the number of entities, if it is known without grounding, because an interval may contain any number
     stated = 0
     for each in statements:
         if each.own and each.is_rule and any(atom.name == "entity" for atom in each.heads):
@@ -208,7 +208,7 @@ def named_in(term: clingo.Symbol, entities: Collection[clingo.Symbol]) -> set[cl
 
 
 def _representatives(groups: Iterable[Group], sizes: Iterable[int], settings: Source) -> Representatives:
-    """Return the entities to drop to reduce each group to a given size; entities that the settings name stay."""
+    """Return the entities to drop so that each group has a given size; entities that the settings name are kept."""
     words = set(re.findall(r"\w+", settings.text))
     representatives: dict[clingo.Symbol, clingo.Symbol] = {}
     for group, size in zip(groups, sizes, strict=True):
@@ -221,10 +221,10 @@ def _representatives(groups: Iterable[Group], sizes: Iterable[int], settings: So
 def _bounds(
     alike: AlikeEntities, groups: Iterable[Group], settings: Source, statements: Sequence[Statement]
 ) -> dict[Group, EntityBound]:
-    """Return the bounds of the groups that are larger than their bounds.
+    """Return the bounds for those groups that are larger than their bounds.
 
-    A measured bound is also the bound of the whole program if the measured program has `least` entities of each group:
-    up to renaming, it then has all facts of the whole program that a rule reads.
+    A measured bound is also the bound of the whole program if the measured program has `least` entities of each group,
+    because it then has, up to renaming, all facts of the whole program that a rule reads.
     """
     rules = [[atom.signature for atom in rule.body if not atom.negated] for rule in deriving_rules(statements)]
     predicates = {("fluent", 1), ("action", 1), *INVARIANTS, *chain(*rules)}

@@ -12,7 +12,7 @@ from prag_asp.report.task_tables import SAMPLE, complexity_table, difficulty_tab
 def report_tables(source: ReportSource, *, sample: int = SAMPLE, seed: int = 0) -> tuple[ReportTable, ...]:
     """Return the tables of a report, in the order of the page.
 
-    The pairs of at most `sample` tasks are compared; if there are more, a uniform sample is drawn with the seed.
+    The pairs of at most `sample` tasks are compared; if there are more tasks, a uniform sample is drawn with the seed.
 
     Raises:
         LimitReached: a limit ended the counting of the tasks of a length.

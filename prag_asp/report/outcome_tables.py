@@ -17,7 +17,7 @@ INTERVAL = "Intervals are Wilson's, at 95 %."
 
 
 def physics_tables(outcomes: Sequence[PhysicsOutcome]) -> Iterator[ReportTable]:
-    """Yield the pass rates by length, by effort, and the causes of failures; nothing without outcomes."""
+    """Yield the pass rates by length and by effort, and the causes of failures, or nothing if there are no outcomes."""
     if not outcomes:
         return
     checked = [each for each in outcomes if each.status != "trivial"]
@@ -128,6 +128,6 @@ def policy_names(evaluations: Sequence[Results]) -> list[str]:
 
 
 def _rate_cells(rate: Rate) -> tuple[float, float, float]:
-    """Return the share of a rate, and the ends of its interval."""
+    """Return the share given by a rate, and the ends of its interval."""
     low, high = rate.interval()
     return float(rate.share), low, high

@@ -1,4 +1,4 @@
-"""The figures of a report as vector PDF files, as wide as a column of a paper, with texts of 8 points."""
+"""The figures of a report as vector PDF files, as wide as a column of a paper, with text in 8 points."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLUMN = 3.35
-"""The width of a column in inches: ACM has 3.33, IEEE 3.5, Springer 4.8 (one column)."""
+"""The width of a column in inches; it is 3.33 for ACM, 3.5 for IEEE and 4.8 for Springer (one column)."""
 
 HEIGHT, ROW, MARGIN = 2.4, 0.16, 0.75
-"""The height of a figure in inches; of a row of categories; and of the axis and legend beside the rows."""
+"""The heights in inches of a figure, of a row of categories, and of the axis and the legend beside the rows."""
 
 POINTS = 8
-"""The size of all texts."""
+"""The size of all text, in points."""
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#a86f00", "#777777", "#000000", "#56b4e9")
 """Colours for colour-blind readers (Okabe and Ito 2008)."""

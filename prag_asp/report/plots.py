@@ -1,4 +1,4 @@
-"""The figures of a report as plain values, made from its tables; the page and the PDF files draw the same values."""
+"""The figures of a report as plain values, made from its tables; the page and the PDF files show the same values."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ Kind = Literal["lines", "columns", "bars", "intervals", "map"]
 Style = Literal["line", "dashed", "dots", "bars", "marks"]
 
 MOST_BARS = 24
-"""The number of values of a figure of frequencies; the table has all."""
+"""The number of values in a figure of frequencies; the table has all of them."""
 
 FEATURE_TITLES = {"names": "Names of actions", "classes": "Actions with classes", "actions": "Actions"}
 
 
 @dataclass(frozen=True)
 class PlotSeries:
-    """Points of a figure with one colour: their places, heights, and ends of intervals (none or one for each point).
+    """Points of one colour in a figure: their places, heights, and ends of intervals (none, or one for each point).
 
     A place is a number, or the index of a category.
     """
@@ -37,11 +37,11 @@ class PlotSeries:
 
 @dataclass(frozen=True)
 class ReportPlot:
-    """A figure: its name, the table behind it, its title, the labels of its axes and its series.
+    """A figure: its name, the table behind it, its title, the labels of its axes, and its series.
 
-    ``lines`` and ``columns`` have numbers on both axes, columns are `width` wide; ``bars`` and ``intervals`` have a row
-    for each of the `categories`; a ``map`` has no scales. If `logarithmic`, heights are decimal logarithms. If `share`,
-    heights are shares from 0 to 1. A `filtered` figure depends on the filters of the page.
+    ``lines`` and ``columns`` have numbers on both axes, and columns are `width` wide; ``bars`` and ``intervals`` have a
+    row for each of the `categories`; a ``map`` has no scales. If `logarithmic` is true, heights are decimal logarithms.
+    If `share` is true, heights are shares from 0 to 1. A `filtered` figure depends on the filters of the page.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Counts of shipped domains that papers publish, to be shown beside the exact ones."""
+"""Counts for shipped domains that have been published in papers, to be shown beside the exact ones."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class PublishedCount:
-    """A published number of skeletons of a length that begin with a name, and its source."""
+    """A published number of skeletons with a given length that begin with a name, and its source."""
 
     length: int
     prefix: str
@@ -21,4 +21,4 @@ PUBLISHED: Mapping[str, PublishedCount] = {
         15, "approach", 190_000_000, "PRAG (Škoviera, Vavrečka, Šejnová and Štěpánová): about 1.9 x 10^8 sequences"
     )
 }
-"""The published count of a domain by its name."""
+"""The published count for each domain, by the name of the domain."""

@@ -17,16 +17,17 @@ from prag_asp.versions import versions
 from prag_asp.wording import plural
 
 MOST_TASKS = 10_000
-"""The largest number of tasks in a page, about a megabyte for a thousand; a sample is taken of more."""
+"""The largest number of tasks on a page, with about a megabyte for a thousand tasks; if there are more, a sample is
+taken."""
 
 MOST_ROWS = 200
-"""The largest number of rows of a table in a page; its CSV file has all."""
+"""The largest number of rows of a table on a page; its CSV file has all of them."""
 
 EXACT = 2**53
-"""Whole numbers from here on are texts in JSON, because JavaScript's numbers do not hold them."""
+"""Whole numbers from here on are texts in JSON, because JavaScript's numbers cannot represent them."""
 
 LISTED = ("tasks", "episodes")
-"""Tables that the page lists by its script, according to the filters."""
+"""Tables that a script lists on the page, according to the filters."""
 
 
 def report_page(
@@ -38,7 +39,7 @@ def report_page(
 ) -> str:
     """Return the page of a report; its links and filters work without a server or network.
 
-    If there are more than 10,000 tasks, the page has a uniform sample of them, drawn with the seed.
+    If there are more than `MOST_TASKS` tasks, the page has a uniform sample of them, drawn with the seed.
     """
     tasks = chosen_tasks(source.tasks, MOST_TASKS, seed)
     parts: list[Markup] = []
@@ -140,8 +141,8 @@ def _json_value(value: Value) -> Value:
 def task_data(source: ReportSource, tasks: Sequence[ReportedTask]) -> dict[str, Any]:
     """Return tasks by columns, for the filters of a page.
 
-    `letters` are the texts of the actions, with the name and with the classes of each; `plans` are lists of indices of
-    letters, and `own` are lists of indices of `entities`. `canonical` are the plans in which interchangeable entities
+    `letters` are the texts of the actions, each with its name and its classes; `plans` are lists of indices into
+    letters, and `own` are lists of indices into `entities`. `canonical` are the plans in which interchangeable entities
     have their canonical names, if these differ.
     """
     from prag_asp.report.space_tables import canonical_plan  # noqa: PLC0415 - only with a space

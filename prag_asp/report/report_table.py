@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from io import StringIO
 
 Value = str | int | float | None
-"""A value of a cell; None is an empty cell. Counts are exact whole numbers of any size."""
+"""The value of a cell; None is an empty cell. Counts are exact whole numbers of any size."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class ReportTable:
 
 
 def csv_text(table: ReportTable) -> str:
-    """Return a table as CSV (RFC 4180): a line of column names, and a line for each row; floats have all digits."""
+    """Return a table as CSV (RFC 4180): a line of column names and one for each row; floats have all their digits."""
     buffer = StringIO()
     writer = csv.writer(buffer, lineterminator="\r\n")
     writer.writerow(table.columns)
@@ -45,7 +45,7 @@ def csv_text(table: ReportTable) -> str:
 
 
 def shown_value(value: Value) -> str:
-    """Return a value for readers: grouped digits, floats to four significant digits, long numbers by their digits."""
+    """Return a value for readers: with grouped digits, floats with four significant digits, long numbers shortened."""
     if value is None:
         return ""
     if isinstance(value, bool | str):
@@ -63,5 +63,5 @@ def with_columns(table: ReportTable, names: Sequence[str]) -> ReportTable:
 
 
 def natural_order(text: str) -> list[tuple[int, str]]:
-    """Return a sort key by which ``cube_2`` comes before ``cube_10``."""
+    """Return a sort key for which ``cube_2`` comes before ``cube_10``."""
     return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", text)]

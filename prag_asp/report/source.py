@@ -25,12 +25,12 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 EVALUATION = "evaluation.json"
-"""The file that makes a folder an evaluation, also where Gymnasium, which reading it needs, is not installed."""
+"""The file that makes a folder an evaluation, even if Gymnasium, which is needed to read it, is not installed."""
 
 
 @dataclass(frozen=True)
 class ReportedTask:
-    """A task of a report: its number in the source from 0, its part or "", its plan, its entities, its instruction.
+    """A task in a report: its number in the source (from 0), its part or "", its plan, its entities, its instruction.
 
     `classes` maps each entity to its class. `task` is None if only the plan is known, as for episodes.
     """
@@ -48,7 +48,8 @@ class ReportedTask:
 class PhysicsOutcome:
     """The outcome of physics for a sampled task; `restarts` is the number of initial states that were tried.
 
-    `status` is ``feasible``, ``not_found`` or ``infeasible``, or ``trivial`` for a task that was left out before.
+    `status` is ``feasible``, ``not_found`` or ``infeasible``, or ``trivial`` for a task that was left out before
+    physics.
     """
 
     part: str
@@ -62,7 +63,7 @@ class PhysicsOutcome:
 
 @dataclass(frozen=True)
 class ReportSource:
-    """The contents of a report: tasks, the space that they are from, outcomes of physics, evaluations of policies.
+    """The contents of a report: tasks, the space from which they come, outcomes of physics, evaluations of policies.
 
     `space` is None if the domain is not known. `sizes` maps each part with a known size to the number of its tasks in
     the space.
@@ -79,7 +80,7 @@ class ReportSource:
 
     @cached_property
     def lengths(self) -> tuple[int, ...]:
-        """The lengths of its tasks, or of the space if there are several."""
+        """The lengths of its tasks, or those of the space if it has several."""
         given = {len(each.plan) for each in self.tasks} | set(self.space.lengths if self.space is not None else ())
         return tuple(sorted(given))
 

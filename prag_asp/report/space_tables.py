@@ -1,4 +1,4 @@
-"""Tables of a whole space beside the tasks of a report: counts by length, coverage, frequencies."""
+"""Tables that compare a whole space with the tasks in a report: counts by length, coverage, and frequencies."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ FEATURES: tuple[Feature, ...] = ("names", "classes", "actions")
 """The features whose frequencies are compared."""
 
 CERTAIN = 1e-12
-"""P-values below are shown as this bound: floats do not hold them."""
+"""P-values below this bound are shown as the bound, because floats cannot represent them."""
 
 
 def space_tables(source: ReportSource) -> Iterator[ReportTable]:
-    """Yield the tables that need the exact space of the tasks; none if the space is not known.
+    """Yield the tables that need the exact space of the tasks; if it is not known, there are none.
 
     Raises:
         LimitReached: a limit ended the counting of the tasks of a length.
@@ -80,7 +80,7 @@ def _counted(space: TaskSpace, level: str) -> int | None:
 
 
 def coverage_table(space: TaskSpace, source: ReportSource, inside: Sequence[ReportedTask]) -> ReportTable:
-    """Return the share of the tasks and of the skeletons of each length that are among the given tasks, exactly."""
+    """Return the exact shares of the tasks and of the skeletons of each length that are among the given tasks."""
     rows: list[tuple[Value, ...]] = []
     spaces = {length: space.at(length) for length in {len(task.plan) for task in inside}}
     found = {task.number: canonical_plan(spaces[len(task.plan)], task.plan) for task in inside}
@@ -115,7 +115,7 @@ def _share_row(name: str, given: int, whole: int) -> tuple[Value, ...]:
 
 
 def canonical_plan(space: TaskSpace, plan: Sequence[str]) -> tuple[str, ...]:
-    """Return a plan of a space of one length with canonical names, which all plans of a task share.
+    """Return a plan from a space of one length with canonical names, which are the same for all plans of a task.
 
     Raises:
         QueryError: an action is not in the domain.
@@ -132,7 +132,7 @@ def canonical_plan(space: TaskSpace, plan: Sequence[str]) -> tuple[str, ...]:
 
 
 def frequency_tables(space: TaskSpace, inside: Sequence[ReportedTask]) -> Iterator[ReportTable]:
-    """Yield the frequencies of names, classes and actions beside the exact expected ones, and their tests."""
+    """Yield the frequencies of names, classes and actions beside the exact expected ones, with tests of them."""
     rows: list[tuple[Value, ...]] = []
     tests: list[tuple[Value, ...]] = []
     for length in sorted({len(task.plan) for task in inside}):
@@ -140,7 +140,7 @@ def frequency_tables(space: TaskSpace, inside: Sequence[ReportedTask]) -> Iterat
         for feature in FEATURES:
             try:
                 found = compare_frequencies(at, own, feature)
-            except (QueryError, EngineError):  # too many values, or a limit: this feature has no row
+            except (QueryError, EngineError):  # too many values, or a limit was reached: this feature has no row
                 continue
             rows += [
                 (feature, length, found.tasks, each.value, each.observed, float(each.expected), str(each.expected))

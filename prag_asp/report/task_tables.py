@@ -17,7 +17,7 @@ from prag_asp.report.report_table import ReportTable, Value
 from prag_asp.report.source import ReportedTask, ReportSource
 
 SAMPLE = 1_000
-"""The default number of tasks whose pairs are compared: half a million distances, a few seconds."""
+"""The default number of tasks whose pairs are compared: half a million distances take a few seconds."""
 
 MEASURED = 200
 """The number of tasks whose shortest plans are searched for."""
@@ -46,10 +46,10 @@ def complexity_table(source: ReportSource) -> ReportTable:
 
 
 def difficulty_tables(source: ReportSource, seed: int = 0) -> Iterator[ReportTable]:
-    """Yield the complexity of tasks by the logic of their space: choices, detours, changes that are undone.
+    """Yield the complexity of tasks according to the logic of their space: choices, detours, changes that are undone.
 
-    More than `MEASURED` tasks are sampled uniformly with the seed. Without a space there is no table; if its states are
-    too many to be listed, the table has only a note.
+    If there are more than `MEASURED` tasks, they are sampled uniformly with the seed. Without a space, there is no
+    table; if its states are too many to be listed, the table has only a note.
     """
     space = source.space
     known = [each for each in source.tasks if each.task is not None]
@@ -69,7 +69,7 @@ def difficulty_tables(source: ReportSource, seed: int = 0) -> Iterator[ReportTab
             rows.append(
                 (each.number, found.length, bits, found.shortest, found.detour, found.shortest_plans, found.undone)
             )
-    except PragError as error:  # the states are too many, a step is no function, or a dataset's encodings are older
+    except PragError as error:  # too many states, a step that is no function, or older encodings in a dataset
         yield ReportTable("difficulty", title, columns, (), str(error))
         return
     yield ReportTable(
@@ -80,23 +80,24 @@ def difficulty_tables(source: ReportSource, seed: int = 0) -> Iterator[ReportTab
 
 
 def sample_text(chosen: int, whole: int, seed: int) -> str:
-    """Return, in words, how many tasks were chosen from how many."""
+    """Return in words how many tasks were chosen, and from how many."""
     if chosen == whole:
         return f"all {whole:,} tasks"
     return f"{chosen:,} of {whole:,} tasks, sampled uniformly with seed {seed}"
 
 
 def chosen_tasks(tasks: Sequence[ReportedTask], count: int, seed: int) -> list[ReportedTask]:
-    """Return at most `count` tasks: all of them, or a uniform sample without replacement, in their order."""
+    """Return at most `count` tasks, in order: all of them, or a uniform sample without replacement."""
     if len(tasks) <= count:
         return list(tasks)
     return [tasks[place] for place in sorted(Random(seed).sample(range(len(tasks)), count))]
 
 
 def similarity_tables(source: ReportSource, sample: int = SAMPLE, seed: int = 0) -> Iterator[ReportTable]:
-    """Yield the histogram of the distances of all pairs of tasks, and a map of the tasks in two dimensions.
+    """Yield the histogram of the distances between all pairs of tasks, and a map of the tasks in two dimensions.
 
-    More than `sample` tasks are sampled uniformly with the seed. Without states of tasks there are no tables.
+    If there are more than `sample` tasks, they are sampled uniformly with the seed. If the tasks have no states, there
+    are no tables.
     """
     known = [each for each in source.tasks if each.task is not None]
     chosen = chosen_tasks(known, sample, seed)
@@ -123,7 +124,7 @@ def similarity_tables(source: ReportSource, sample: int = SAMPLE, seed: int = 0)
 
 
 def _histogram(matrix: SimilarityMatrix, of: str) -> ReportTable:
-    """Return the numbers of pairs with a distance in each of `BINS` intervals of equal width."""
+    """Return the number of pairs with a distance in each of `BINS` intervals of equal width."""
     first, second = np.triu_indices(matrix.count, 1)
     values = matrix.units[first, second].astype(np.float64) / float(matrix.denominator or 1)
     most = float(values.max())

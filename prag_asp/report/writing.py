@@ -36,9 +36,9 @@ def write_report(
     """Write a report on a dataset, a file of tasks or evaluations, and return the files that were written.
 
     `output` is the page; `tables` is a folder for a CSV file of each table, and `figures` one for a PDF file of each
-    figure. Existing files are replaced. The page has film strips of at most `strips` tasks with witnesses. The pairs of
-    at most `sample` tasks are compared; if there are more, a uniform sample is drawn with the seed. The same arguments
-    give the same bytes.
+    figure. Existing files are replaced. The page has film strips for at most `strips` tasks with witnesses. The pairs
+    of at most `sample` tasks are compared; if there are more tasks, a uniform sample is drawn with the seed. The same
+    arguments give the same bytes.
 
     Raises:
         QueryError: a source is not a dataset, file of tasks or evaluation, is damaged, or has no task.
@@ -67,7 +67,7 @@ def write_report(
 
 
 def _write(folder: str | Path, contents: Sequence[tuple[str, bytes]]) -> list[Path]:
-    """Write files into a folder, which is made if it is missing."""
+    """Write files into a folder, which is created if it is missing."""
     targets = [file_in(make_folder(folder), name) for name, _ in contents]
     for target, (_, content) in zip(targets, contents, strict=True):
         replace_file(target, content)

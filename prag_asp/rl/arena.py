@@ -23,7 +23,7 @@ from prag_asp.scene.scene import Scene
 
 
 class Arena:
-    """A simulated world, which is rebuilt only if the bodies or their sizes change; actions follow a `control`."""
+    """A simulated world, rebuilt only if the bodies or their sizes change, in which actions follow a `control`."""
 
     def __init__(self, scene: Scene, control: Control, resources: ExitStack):
         self._scene, self._control = scene, control
@@ -53,7 +53,7 @@ class Arena:
             self._world.begin(objects, moment, scene)
             self._begun = scene, objects
         self._world.restore(moment)
-        # The motors hold the current pose of each arm, and its fingers hold the grasped body.
+        # the motors hold the current pose of each arm, and its fingers hold the grasped body
         self._motors = {}
         for name, arm in moment.arms.items():
             command = ArmCommand(arm.joints, arm.width - (SQUEEZE if arm.held is not None else 0.0))
@@ -109,7 +109,7 @@ class Arena:
 
 
 def _after(last: Situation | None, now: Situation) -> Situation:
-    """Return a situation that keeps the measurements of bodies that have not moved since the `last` situation."""
+    """Return a situation that keeps the measurements of bodies that have not moved since `last`."""
     if last is None or last.scene is not now.scene or last.openings != now.openings:
         return now
     stood = last.poses

@@ -30,8 +30,8 @@ INSTEAD = 'use render_mode="rgb_array"'
 class Viewer:
     """Renders moments; its world is rebuilt only if the bodies or their sizes change.
 
-    `names` are the cameras whose images are in observations. Without names, the first camera of the scene serves only
-    `TaskEnv.render`.
+    `names` are the cameras whose images are part of observations. Without names, the first camera of the scene is used,
+    only for `TaskEnv.render`.
 
     Raises:
         QueryError: a camera does not exist or is named twice, or the size is invalid.
@@ -95,14 +95,14 @@ def cameras_of(scene: Scene, names: object, size: object) -> dict[str, Camera]:
 
 
 def has_display() -> bool:
-    """Return whether the machine may have a display: on Linux, whether one is named."""
+    """Return whether the machine may have a display: on Linux, whether an environment variable names one."""
     return sys.platform != "linux" or bool(os.environ.get("DISPLAY"))
 
 
 class Window:
-    """Shows images at `rate` images per second; it needs Tk, which is part of most Python installations.
+    """Shows images at `rate` images per second; it needs Tk, which most Python installations include.
 
-    If the user closes the window, further images are not shown.
+    Once the user has closed the window, further images are not shown.
 
     Raises:
         QueryError: Python has no Tk, or there is no display.
@@ -126,7 +126,7 @@ class Window:
         try:
             photo = tk.PhotoImage(master=self._root, data=content, format="PPM", width=width, height=height)
             self._label.configure(image=photo)
-            self._label.image = photo  # Tk holds no reference to it
+            self._label.image = photo  # Tk does not keep a reference to it
             self._root.update()
         except tk.TclError:  # the user has closed the window
             return

@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from prag_asp.physics.situation import Situation
 
 STEPS = 100
-"""The default step limit for a subgoal."""
+"""The default limit on the steps for a subgoal."""
 
 EPISODE = ("stage", "task", "witness", "_over", "_last", "_left", "_before", "_episode_info", "_curriculum", "_latest")
 """The attributes of an episode besides its start and its actions."""
@@ -59,40 +59,41 @@ class TaskEnv(GoalEnv):
 
     Instead of a space, give a `domain` and a `length`; instead of a dataset, its folder. With `split`, only the part
     with that name is used: a part of a dataset, or of a space divided by `shares` (80 % ``train`` and 20 % ``test`` by
-    default), by whole `skeletons`, or by a held-out name (`hold_out`), as `generate` divides it with the same seed. The
-    conditions `where` restrict a space or a dataset. Tasks of a space whose final state is the initial state are left
-    out unless `trivial` is true. Plain values thus define an environment.
+    default), by whole `skeletons`, or by a held-out name (`hold_out`), in the same way as by `generate` with the same
+    seed. The conditions `where` restrict a space or a dataset. Tasks of a space whose final state is the initial state
+    are left out unless `trivial` is true. Thus plain values suffice to define an environment.
 
     An observation is an array of the kind `observation` (`layout.names` names its numbers); with `goals` or `cameras`,
-    it is a dictionary with this array as `observation`. Following the convention of goal environments, `goals` adds
-    `achieved_goal` and `desired_goal`, each of shape (2 * `PLACES`,), with vectors for the current and the previous
-    step; `prag_asp.rl.rewards` explains the vectors. `control` is the name of a control convention; the attribute
-    `control` holds the names, units and scales of the numbers in an action. There are `rate` actions per second, a
-    divisor of 120. `action_scale` is a factor for the changes in actions, except those of the fingers, for skills that
-    need small motions.
+    it is a dictionary that holds this array under `observation`. Following the convention of goal environments, `goals`
+    adds `achieved_goal` and `desired_goal`, each of shape (2 * `PLACES`,), with vectors for the current and the
+    previous step; `prag_asp.rl.rewards` explains the vectors. `control` is the name of a control convention; the
+    attribute `control` holds the names, units and scales of the numbers in an action. There are `rate` actions per
+    second, a divisor of 120. `action_scale` is a factor for the changes in actions, except those of the fingers; it
+    serves skills that need small motions.
 
     `stage` is the initial subgoal, from 0 (-1 is the last, "any" is random); the episode begins in the state of the
-    witness at the start of this subgoal. It lasts `until` that "subgoal" or the whole "task" is reached, and at most
-    `steps` for each subgoal. Only the predicates decide whether a subgoal is reached. With `everything`, all bodies are
-    observed, not only those that the action names. The dense part of a "faded" reward is annealed over `fade` steps or,
-    if `fade` is "success", with the success rate; `discount` is the discount of its potentials. Witnesses of tasks from
-    a space are searched for within a `budget`.
+    witness at the start of this subgoal. It lasts `until` that "subgoal" or the whole "task" is reached, but at most
+    `steps` steps for each subgoal. Only the predicates decide whether a subgoal is reached. With `everything`, all
+    bodies are observed, not only those that the action names. The dense part of a "faded" reward is annealed over
+    `fade` steps or, if `fade` is "success", with the success rate; `discount` is the discount of its potentials. For
+    tasks from a space, witnesses are searched for within a `budget`.
 
     With a `part` of the space, only the tasks of the part are used. A `curriculum` chooses the tasks
     (`LengthCurriculum`, `NoveltyCurriculum`, `AdaptiveCurriculum` or `BanditCurriculum`) or the initial subgoals
     (`ReverseCurriculum`); there may be one of each kind. Curricula learn only from the episodes of this environment.
-    `info` has the same keys at a reset and at each step, among them the instruction at three levels in a `language`,
-    the sentence of the current subgoal, the exact `probability` of the task and of its stage (`stage_probability`), and
-    the number of samples that were `rejected` before it. Observations also contain the images of `cameras`, each under
-    `camera_` followed by its name: 8-bit colours, with width and height given by `size` in pixels. With the
-    `render_mode` "human", a window shows the first camera after each reset and step, at the simulated speed.
+    `info` has the same keys at a reset and at each step, among them the instruction in a `language` at three levels of
+    detail, the sentence for the current subgoal, the exact `probability` of the task and that of its stage
+    (`stage_probability`), and the number of samples that were `rejected` before it. Observations also contain the
+    images of `cameras`, each under `camera_` followed by the name of the camera: 8-bit colours, with the width and
+    height in pixels given by `size`. With the `render_mode` "human", a window shows the first camera after each reset
+    and step, at the simulated speed.
 
     A copy, by `pickle` or `copy.deepcopy`, has its own simulators and continues the episode identically, bit for bit:
     it replays the actions of the episode.
 
     Raises:
         QueryError: an argument is invalid, or the task has no witness.
-        SceneError: the domain has no scene, or the scene has no shape for an entity of a task.
+        SceneError: the domain has no scene, or the scene has no shape for an entity in a task.
         PhysicsMissingError: PyBullet or frankik is not installed.
     """
 
@@ -145,7 +146,7 @@ class TaskEnv(GoalEnv):
         self.domain = origin.domain(domain if length is None else None)
         self.scene = scene_of(self.domain)
         self._resources = ExitStack()
-        # Releases the simulators even if the environment is not closed.
+        # releases the simulators even if the environment is not closed
         weakref.finalize(self, self._resources.close)
         self._viewer = Viewer(self.scene, cameras, size, self._resources)
         self.control = Control.of(control, self.scene, rate, scale=action_scale)
@@ -177,9 +178,9 @@ class TaskEnv(GoalEnv):
         """Begin an episode.
 
         `options` may set the `task` (and its `witness`), the `rank` of a task (in a dataset, its number) or a
-        `scenario`, the initial `stage`, the `steps` of each subgoal, and the `texts` of the task (`TaskTexts`, such as
-        the `texts` of an entry of a dataset); all other values are sampled. With a `seed`,
-        all later samples depend only on the seed; without any seed, they are random.
+        `scenario`, the initial `stage`, the `steps` for each subgoal, and the `texts` of the task (`TaskTexts`, such as
+        the `texts` of an entry of a dataset); all other values are sampled. With a `seed`, all later samples depend
+        only on the seed; without any seed, they are random.
 
         Raises:
             QueryError: the options are invalid, or the task has no witness.
@@ -240,9 +241,9 @@ class TaskEnv(GoalEnv):
         return seen, float(reward), done, late and not done, self._latest[1]
 
     def render(self) -> Image | None:
-        """Return an image from the first of the `cameras` or the scene's first camera.
+        """Return an image from the first of the `cameras`, or from the scene's first camera.
 
-        Return None without a render mode, and in the mode "human", in which each reset and step shows the image.
+        Return None if there is no render mode, and in the mode "human", in which each reset and step shows the image.
 
         Raises:
             QueryError: no episode has begun.
@@ -291,7 +292,7 @@ class TaskEnv(GoalEnv):
         does. The current episode is not part of the checkpoint.
 
         Raises:
-            QueryError: no task was sampled yet.
+            QueryError: no task has been sampled yet.
         """
         if not self._sampler.seeded:
             raise QueryError("there is no state yet; reset the environment")
@@ -300,7 +301,7 @@ class TaskEnv(GoalEnv):
         return with_checksum(state, self._spec)
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Continue from a checkpoint of an environment with the same arguments; do not pass a seed to the next reset.
+        """Continue from a checkpoint of an environment with the same arguments; the next reset must not get a seed.
 
         Raises:
             QueryError: the checkpoint belongs to another environment, or is damaged.
@@ -327,18 +328,18 @@ class TaskEnv(GoalEnv):
 
     @property
     def commanded_openings(self) -> Mapping[str, float]:
-        """The commanded opening of each gripper in metres; outside episodes, this property raises QueryError."""
+        """The commanded opening of each gripper in metres; outside episodes, this property raises a QueryError."""
         return self._begun_arena.commanded_openings
 
     @property
     def last(self) -> int:
-        """The number of the subgoal with which the episode ends; outside episodes, this property raises QueryError."""
+        """The number of the last subgoal of the episode; outside episodes, this property raises a QueryError."""
         assert self._begun_arena
         return self._last
 
     @property
     def action(self) -> Atom:
-        """The action of the current subgoal; outside episodes, this property raises QueryError."""
+        """The action of the current subgoal; outside episodes, this property raises a QueryError."""
         assert self._begun_arena
         return self.task.actions[self.stage]
 
@@ -372,7 +373,7 @@ class TaskEnv(GoalEnv):
             self._resume(state["start"])
 
     def _resume(self, start: EpisodeStart) -> None:
-        """Replay an episode up to its last action; the subgoals of its start are recomputed."""
+        """Replay an episode up to its last action, after computing the subgoals of its start again."""
         self._start = replace(start, subgoals=subgoals_of(start.assignment.task, self.scene))
         self._perform()
 
@@ -385,20 +386,20 @@ class TaskEnv(GoalEnv):
             self.situation = self._arena.act(moves)
 
     def _goal(self, situation: Situation) -> tuple[list[float], NDArray[np.float32]]:
-        """Return the signed distances of a moment and its goal vector."""
+        """Return the signed distances at a moment, and its goal vector."""
         subgoal, last = self._start.subgoals[self.stage], self._measured
         measured = subgoal.measured(situation, last[1:] if last is not None and last[0] is subgoal else None)
         self._measured = subgoal, situation, measured
         return measured, np.array([self.stage, *subgoal.placed(measured)], dtype=np.float32)
 
     def _goals(self, here: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Return the achieved and the desired goal of a moment."""
+        """Return the achieved and the desired goal at a moment."""
         desired = np.zeros(2 * PLACES, dtype=np.float32)
         desired[::PLACES] = self._last
         return np.concatenate([here, self._before]), desired
 
     def _observation(self, situation: Situation, here: NDArray[np.float32]) -> Observation:
-        """Return the observation of a moment."""
+        """Return the observation at a moment."""
         assert self._arena is not None
         seen = observe(
             self.layout, situation, self.action, self._arena.speeds, self._arena.commanded_openings, here[1:]
@@ -409,7 +410,7 @@ class TaskEnv(GoalEnv):
         return {"observation": seen, **goals, **self._viewer.images(situation)}
 
     def _info(self, measured: list[float], *, success: bool) -> dict[str, Any]:
-        """Return the info of an observation."""
+        """Return the info for an observation."""
         info = self._episode_info | {
             "stage": self.stage,
             "action": str(self.action),

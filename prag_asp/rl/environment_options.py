@@ -1,4 +1,4 @@
-"""Check the arguments of an environment and its methods before anything begins."""
+"""Check the arguments of an environment and of its methods before anything begins."""
 
 from __future__ import annotations
 
@@ -23,10 +23,11 @@ UNTIL: tuple[Until, ...] = get_args(Until)
 OPTIONS = ("task", "witness", "rank", "scenario", "stage", "steps", "texts")
 
 ANY = "any"
-"""The stage that stands for a random one."""
+"""The stage that stands for a randomly chosen one."""
 
 REAL = "biuf"
-"""The kinds of NumPy types for real numbers: no complex numbers, and no texts, which NumPy would parse as numbers."""
+"""The kinds of NumPy types for real numbers, which excludes complex numbers, and texts, which NumPy would parse as
+numbers."""
 
 
 def check_arguments(given: Mapping[str, Any], render_modes: Sequence[str]) -> None:
@@ -58,7 +59,7 @@ def check_arguments(given: Mapping[str, Any], render_modes: Sequence[str]) -> No
 
 
 def conditions_of(where: Sequence[str], stage: object) -> Sequence[str]:
-    """Return the conditions on tasks, including that a task has the action that a `stage` names."""
+    """Return the conditions on tasks, including that a task has the action that `stage` names."""
     if isinstance(where, str) or not isinstance(stage, str) or stage == ANY:
         return where
     return (*where, f"has {stage}")
@@ -90,7 +91,7 @@ def options_of(options: object) -> Mapping[str, Any]:
 
 
 def moves_of(action: object, control: Control) -> NDArray[np.float64]:
-    """Return an action of a control, clipped to its bounds.
+    """Return an action for a control, clipped to its bounds.
 
     Raises:
         QueryError: the action has a wrong shape, or is not finite.
@@ -108,7 +109,7 @@ def moves_of(action: object, control: Control) -> NDArray[np.float64]:
 
 
 def steps_left_of(info: object) -> NDArray[np.float64]:
-    """Return the `steps_left` in the info of a step or a batch of steps, or infinity if it is missing.
+    """Return the `steps_left` in the info for a step or a batch of steps, or infinity if it is missing.
 
     Gymnasium's vector environments return one info with arrays; replay buffers return a sequence of infos.
     """

@@ -16,7 +16,8 @@ from prag_asp.rl.environment import TaskEnv
 from prag_asp.task import Task
 
 SETTLING = 1.0
-"""The time in seconds to hold the last targets if a subgoal is not reached by then, because bodies may still move."""
+"""The time in seconds for which the last targets are held if a subgoal has not been reached, because bodies may still
+move."""
 
 
 class Replay(NamedTuple):
@@ -34,7 +35,7 @@ class Replay(NamedTuple):
 
 
 def replay(dataset: Dataset | str | Path, control: ControlName = "joint_position") -> Iterator[Replay]:
-    """Replay each recording of a dataset as actions of a control, at the rate of the recordings, and yield the replays.
+    """Replay each recording in a dataset as actions of a control, at the rate of the recordings, and yield the replays.
 
     Raises:
         QueryError: the dataset has no recordings, or the control cannot express them.

@@ -1,4 +1,4 @@
-"""The goal interface of an environment: rewards and episode ends from goal vectors only, for steps or batches."""
+"""The goal interface of an environment: rewards and episode ends from goal vectors alone, for steps or batches."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from prag_asp.rl.goals import PLACES
 from prag_asp.rl.rewards import Flags, Floats, reached, step_rewards
 
 Observation = NDArray[np.float32] | dict[str, Any]
-"""An observation: one array, or arrays by their names."""
+"""An observation: a single array, or arrays by name."""
 
 
 def observation_space(size: int, images: Mapping[str, spaces.Box], *, goals: bool) -> spaces.Space[Any]:
-    """Return the space of observations of `size` numbers, with images by name and, if requested, goals."""
+    """Return the space of observations with `size` numbers, with images by name and, if requested, goals."""
     numbers = spaces.Box(-np.inf, np.inf, (size,), np.float32)
     if not goals and not images:
         return numbers
@@ -47,8 +47,8 @@ class GoalEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """An environment whose rewards and episode ends follow from goal vectors, as hindsight replay needs.
 
     A goal has the shape (2 * `PLACES`,): the vector of the moment, then the vector of the previous step. `discount` is
-    the discount of the potentials, `share` the weight of the dense reward. The methods ``compute_...`` exist only if
-    `has_goals` is true, that is, if observations have goals.
+    the discount of the potentials, and `share` is the weight of the dense reward. The methods ``compute_...`` exist
+    only if `has_goals` is true, that is, if observations have goals.
     """
 
     has_goals: bool
@@ -57,7 +57,7 @@ class GoalEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     @GoalMethod
     def compute_reward(self, achieved_goal: Floats, desired_goal: Floats, info: Any) -> Any:
-        """Return the rewards of steps that lead to `achieved_goal`, shape (..., 2 * `PLACES`); `info` is ignored."""
+        """Return the rewards for steps that lead to `achieved_goal`, shape (..., 2 * `PLACES`); `info` is ignored."""
         reward, _ = self.rewards(np.asarray(achieved_goal), np.asarray(desired_goal))
         return float(reward) if reward.ndim == 0 else reward
 
@@ -71,14 +71,14 @@ class GoalEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     def compute_truncated(self, achieved_goal: Floats, desired_goal: Floats, info: Any) -> Any:
         """Return whether steps end an episode without reaching their goals: `steps_left` in `info` is 0.
 
-        `info` is the info of a step, or holds an info for each step of a batch; a step without `steps_left` is not
+        `info` is the info for a step, or holds an info for each step of a batch; a step without `steps_left` is not
         truncated.
         """
         is_truncated = ~_reached(achieved_goal, desired_goal) & (steps_left_of(info) <= 0.0)
         return bool(is_truncated) if is_truncated.ndim == 0 else is_truncated
 
     def rewards(self, achieved: Floats, desired: Floats) -> tuple[Floats, Flags]:
-        """Return the rewards of steps, and whether they reach their goals."""
+        """Return the rewards for steps, and whether the steps reach their goals."""
         now, before, goal = achieved[..., :PLACES], achieved[..., PLACES:], desired[..., :PLACES]
         return step_rewards(before, now, goal, discount=self.discount, share=self.share)
 

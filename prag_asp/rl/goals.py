@@ -15,7 +15,8 @@ BROUGHT = 6
 """The number of achieved facts with a separate place in a goal vector; all other facts share the last place."""
 
 PLACES = 2 + BROUGHT
-"""The size of a goal vector: the number of the subgoal, the distances of achieved facts, the largest of all others."""
+"""The size of a goal vector: the number of the subgoal, the distances of achieved facts, and the largest of all others.
+"""
 
 
 @dataclass(frozen=True)
@@ -30,10 +31,10 @@ class Subgoal:
     names: tuple[str, ...]
 
     def measured(self, situation: Situation, before: tuple[Situation, list[float]] | None = None) -> list[float]:
-        """Return the signed distance of each fact of `names` in metres or radians, at most 0 if the fact holds.
+        """Return the signed distance, in metres or radians, of each fact in `names`: at most 0 if the fact holds.
 
-        With the distances in a situation `before`, only those of facts about the gripper, or about what has moved since
-        then, are computed again.
+        If the distances in an earlier situation, `before`, are given, a distance is computed again only if the fact is
+        about the gripper or about bodies that have moved since.
         """
         facts = (*self.achieved, *self.unchanged)
         last = None if before is None else before[0]
@@ -49,15 +50,15 @@ class Subgoal:
 
     @cached_property
     def _bodies(self) -> tuple[tuple[str, ...] | None, ...]:
-        """For each fact, the entities whose poses determine its distance; None if other bodies or arms matter, too."""
+        """For each fact, the entities whose poses determine its distance, or None if other bodies or arms matter."""
         kinds = [(fact.predicate, fact.arguments) for fact in (*self.achieved, *self.unchanged)]
         return tuple([None if kind.of_gripper or kind.looks_around else entities for kind, entities in kinds])
 
     def placed(self, measured: list[float]) -> list[float]:
         """Return signed distances as `PLACES` - 1 numbers, with 0 for unused places.
 
-        All numbers are at most 0 if and only if the subgoal is reached; the last is the largest distance of the facts
-        without a place.
+        All numbers are at most 0 if and only if the subgoal is reached; the last one is the largest distance of the
+        facts that have no place.
         """
         own = min(len(self.achieved), BROUGHT)
         return [*measured[:own], *[0.0] * (BROUGHT - own), max(measured[own:], default=0.0)]

@@ -25,7 +25,7 @@ from prag_asp.scene.scene import Scene
 
 ObservationKind = Literal["relative", "poses"]
 OBSERVATIONS: tuple[ObservationKind, ...] = get_args(ObservationKind)
-"""The kinds of observations: `relative` holds the features that a skill depends on, scaled to about 1; `poses` has all
+"""The kinds of observations: `relative` holds the features on which a skill depends, scaled to about 1; `poses` has all
 features, in metres and radians."""
 
 BODY = (
@@ -39,11 +39,11 @@ turn.
 """
 
 ARM = (*(f"joint {i}" for i in range(1, 8)), *"xyz", "vx", "vy", "vz", "cos yaw", "sin yaw", "width", "asked width")
-"""The features of an arm: joints in radians; position and velocity of its tool, and actual and commanded opening, in
-metres."""
+"""The features of an arm: its joints in radians; the position and velocity of its tool, and its actual and commanded
+opening, in metres."""
 
 FACTS = (*(f"fact {i + 1}" for i in range(BROUGHT)), "other facts")
-"""The signed distances of the facts of the current subgoal, in metres or radians: one for each fact that its action
+"""The signed distances of the facts in the current subgoal, in metres or radians: one for each fact that its action
 brings about, and the largest distance of all other facts. A fact holds if its distance is at most 0."""
 
 JOINT_SCALES = {f"joint {i}": 0.5 for i in range(1, 8)}
@@ -55,17 +55,17 @@ BODY_SCALES = {
     "is there": 1.0, "dx": 10.0, "dy": 10.0, "dz": 10.0, "cos turn": 1.0, "sin turn": 1.0, "up": 1.0, "half x": 20.0,
     "half y": 20.0, "half z": 20.0, "opening": 1.0,
 }  # fmt: skip
-"""The features of a relative observation with the factors that scale them to about 1, within the reach of an arm and
-the width of its gripper."""
+"""The features of a body in a relative observation, with the factors that scale them to about 1 within the reach of an
+arm and the width of its gripper."""
 
 FACT_SCALE, FACT_BOUNDS = 10.0, (-0.1, 0.5)
-"""The factor of the distance of a fact, and the bounds to which the distance is clipped before scaling, in metres or
-radians."""
+"""The factor for the distance of a fact, and the bounds in metres or radians to which the distance is clipped before
+scaling."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """The layout of an observation: robots, the action's arguments that are bodies, additional `bodies`, and skills."""
+    """The layout of an observation: robots, the action's arguments that are bodies, further `bodies`, and skills."""
 
     robots: tuple[str, ...]
     skills: Mapping[str, int]
@@ -86,8 +86,8 @@ class Layout:
     ) -> Layout:
         """Return the layout for the actions of a domain.
 
-        With `everything`, it includes all bodies of the scene; with `joints`, it includes the joints even if it is
-        `relative`.
+        With `everything`, it includes all bodies of the scene; with `joints`, it includes the joints even in a
+        `relative` observation.
 
         Raises:
             QueryError: there are no actions.
@@ -102,12 +102,12 @@ class Layout:
 
     @property
     def scales(self) -> Mapping[str, float]:
-        """The name of each number of an observation, and its factor: 1 for `poses`, in metres and radians."""
+        """The name of each number in an observation, and its factor, which is 1 for `poses`, in metres and radians."""
         return {name: scale for name, scale in self._all_scales if scale}
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The name of each number of an observation."""
+        """The name of each number in an observation."""
         return tuple(self.scales)
 
     def arranged(self, values: Sequence[float]) -> NDArray[np.float32]:
@@ -124,7 +124,7 @@ class Layout:
 
     @property
     def _all_scales(self) -> list[tuple[str, float]]:
-        """The names of all features and their factors, 0 for those that are not observed."""
+        """The names of all features and their factors, which are 0 for those that are not observed."""
         relative = self.kind == "relative"
         arm = {**(JOINT_SCALES if self.joints else {}), **ARM_SCALES}
         owners = [(robot, ARM, arm) for robot in self.robots]
@@ -166,7 +166,7 @@ def observe(
     """Return the observation of an agent that pursues an action, shape ``(len(layout.names),)``.
 
     `speeds` are the velocities of the tools in metres per second, `commanded` are the commanded openings of the
-    grippers in metres, and `missed` are the distances of the facts of the subgoal, in the order of `FACTS`.
+    grippers in metres, and `missed` are the distances of the facts in the subgoal, in the order of `FACTS`.
     """
     scene = situation.scene
     acting = next((name for name in action.arguments if name in scene.robots), layout.robots[0])

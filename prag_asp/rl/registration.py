@@ -1,4 +1,4 @@
-"""The names of environments, which importing `prag_asp.rl` registers."""
+"""The names of environments, which are registered when `prag_asp.rl` is imported."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from prag_asp.program.paths import shipped_domains
 TASK_ENV = "prag_asp.rl.environment:TaskEnv"
 
 LENGTH = "2..4"
-"""The default number of actions of tasks."""
+"""The default number of actions in tasks."""
 
 SKILLS: dict[str, dict[str, Any]] = {
     "PragApproach": {
@@ -37,14 +37,14 @@ SKILLS: dict[str, dict[str, Any]] = {
         "steps": 50,
     },
 }
-"""The arguments of environments for single skills: episodes that begin with a subgoal of the skill and end with it.
+"""The arguments of environments for single skills, whose episodes begin with a subgoal of the skill and end with it.
 
-The step limits are about twice the steps of the scripted agent.
+The step limits are about twice the number of steps that the scripted agent takes.
 """
 
 
 def register_environments() -> None:
-    """Register ``prag_asp/Task-v0``, ``prag_asp/Dataset-v0``, one for each shipped domain with a scene, and `SKILLS`.
+    """Register ``prag_asp/Task-v0``, ``prag_asp/Dataset-v0``, each shipped domain with a scene, and `SKILLS`.
 
     Raises:
         LearningMissingError: Gymnasium is not installed.

@@ -10,7 +10,8 @@ from prag_asp.errors import QueryError
 from prag_asp.rl.environment_options import is_whole
 
 WINDOW = 50
-"""The number of episodes in the success rate: enough for steps of 2 percent, and few enough to follow learning."""
+"""The number of episodes over which the success rate is taken: enough for steps of 2 percent, and few enough to follow
+learning."""
 
 
 class RewardAnnealing:

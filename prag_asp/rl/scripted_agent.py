@@ -1,6 +1,6 @@
 """A scripted agent, the oracle, which follows the waypoints of the witness and knows the exact poses of all bodies.
 
-It shows which subgoals an upright tool can reach, and is a baseline for learned agents.
+It shows which subgoals can be reached with an upright tool, and serves as a baseline for learned agents.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ CLOSE, CLOSE_TURN = 0.004, 0.03
 """The distance and the angle within which a waypoint counts as reached, in metres and radians."""
 
 HEIGHT, APART = 0.3, 0.06
-"""The travel height of the tool, and the horizontal distance above which the tool travels at it, in metres."""
+"""The travel height of the tool, and the horizontal distance above which the tool travels at this height, in metres."""
 
 GENTLE = 0.01
 """The largest motion of furniture in a step, in metres, so that its contents do not roll."""
@@ -41,7 +41,7 @@ Action = NDArray[np.float32]
 
 
 class OraclePolicy:
-    """The oracle as a policy for a subgoal: it gives up after the last waypoint, and restarts when it takes over.
+    """The oracle as a policy for a subgoal: it gives up after the last waypoint, and starts again when it takes over.
 
     Raises:
         QueryError: the environment does not take displacements of the tool.
@@ -64,7 +64,7 @@ class OraclePolicy:
 
 
 def oracle(env: TaskEnv) -> Iterator[Action]:
-    """Yield actions for the subgoals of a started episode, each computed from the current state.
+    """Yield actions for the subgoals of an episode that has begun, each computed from the current state.
 
     Raises:
         QueryError: the environment does not take displacements of the tool.
@@ -130,10 +130,10 @@ def _moved(env: TaskEnv, waypoint: Waypoint, before: Moment, target: str | None)
 
 
 def _off(situation: Situation, waypoint: Waypoint, before: Moment, target: str | None) -> tuple[Vector, float]:
-    """Return the displacement of the tool to a waypoint in metres, and the turn in radians.
+    """Return the displacement of the tool to a waypoint in metres, and its turn in radians.
 
-    A held body is moved to its pose in the witness, whatever its pose in the hand; a body to grasp is approached at its
-    current position.
+    A held body is moved to its pose in the witness, whatever its pose in the hand; a body to be grasped is approached
+    at its current position.
     """
     robot = waypoint.robot
     planned, now = tool_pose(situation.robot(robot), waypoint.joints), situation.tool(robot)
@@ -152,7 +152,7 @@ def _off(situation: Situation, waypoint: Waypoint, before: Moment, target: str |
 
 
 def _way_round(situation: Situation, robot: str, turn: float) -> float:
-    """Return a turn in radians, or the equivalent opposite turn if the last joint cannot turn so far.
+    """Return a turn in radians, or the equivalent opposite turn if the last joint cannot turn that far.
 
     The tool points down, so a positive turn of that joint is a negative turn about the vertical.
     """

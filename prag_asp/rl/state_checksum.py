@@ -1,4 +1,4 @@
-"""Add a checksum to the checkpoints of environments, and refuse damaged ones and those of other environments."""
+"""Add a checksum to the checkpoints of environments, and refuse damaged checkpoints and those of other environments."""
 
 from __future__ import annotations
 
@@ -33,5 +33,5 @@ def verify_checksum(state: object, spec: str) -> None:
 
 
 def _checksum(state: Mapping[str, Any]) -> str:
-    """Return the checksum of a state, which a round trip through JSON does not change."""
+    """Return the checksum of a state; it does not change when the state is converted to JSON and back."""
     return sha256(json.dumps(state, sort_keys=True).encode()).hexdigest()[:16]

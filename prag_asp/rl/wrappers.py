@@ -1,4 +1,4 @@
-"""A wrapper of environments for learning: actions relative to a scripted reach."""
+"""A wrapper of environments for learning: actions are relative to a scripted reach."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from prag_asp.scene.geometry import rotate
 HOLDING = PREDICATES["holding"]
 
 ABOVE, ASIDE = 0.06, 0.02
-"""The height in metres above a body at which the tool travels, and the horizontal distance at which it descends."""
+"""The height in metres above a body at which the tool travels, and the horizontal distance within which it descends."""
 
 
 class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np.float32]]):
     """Adds to each action the motion of a scripted reach to the first body that the current action names.
 
-    The reach moves the tool of the acting arm over the body, then down to its centre, at most by the largest
-    displacement of an action, turned so that the fingers can close on the narrow sides of a box. It does not move the
-    fingers, and lifts the body when the arm holds it. An agent thus learns a residual (Johannink and others, "Residual
-    reinforcement learning for robot control", 2019), scaled by `share`.
+    The reach moves the tool of the acting arm over the body and then down to its centre, turned so that the fingers can
+    close on the narrow sides of a box. Each motion is at most the largest displacement in an action. It does not move
+    the fingers, and lifts the body when the arm holds it. An agent thus learns a residual (Johannink and others,
+    "Residual reinforcement learning for robot control", 2019), scaled by `share`.
 
     Raises:
         QueryError: the environment is not a `TaskEnv`, does not take displacements of the tool, or the share is not
@@ -73,7 +73,7 @@ class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np
 
 
 def _turn(situation: Situation, robot: str, entity: str) -> float:
-    """Return the smallest turn in radians after which the fingers close on the narrow sides of a box; otherwise 0."""
+    """Return the smallest turn, in radians, after which the fingers close on a box's narrow sides; for others, 0."""
     shape = situation.shape(entity)
     if shape.kind != "box":
         return 0.0

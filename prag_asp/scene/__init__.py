@@ -1,1 +1,1 @@
-"""The scene table of a domain: the shapes, looks and places of its entities, and their geometry."""
+"""The scene table of a domain: the shapes, appearance and places of its entities, and their geometry."""

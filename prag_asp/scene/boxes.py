@@ -1,6 +1,6 @@
 """Axis-aligned boxes as plain tuples, which are faster than arrays at this size; all in metres.
 
-A `Box` has its centre and its half-extents, `Corners` its lowest and its highest corner.
+A `Box` is given by its centre and its half-extents, `Corners` by the lowest and the highest corner.
 """
 
 from __future__ import annotations

@@ -1,6 +1,7 @@
 """Cameras: their positions, their targets, and the projection of points to pixels.
 
-Lengths are metres. The axes of a camera are those of the pinhole model: x to the right of the image, y down, z ahead.
+Lengths are metres. The axes of a camera are those of the pinhole model: x points to the right in the image, y down, and
+z ahead.
 """
 
 from __future__ import annotations
@@ -27,19 +28,19 @@ BORDER = 0.97
 
 FITTINGS = 40
 HAND_ROOM = 0.12
-"""The height over the table that the default camera shows, so that hands are visible, in metres."""
+"""The height above the table, in metres, that the default camera shows, so that hands are visible."""
 
 WRIST, WRIST_AT, WRIST_LOOK_AT, WRIST_FIELD = "wrist", (0.08, 0.0, -0.06), (0.015, 0.0, 0.04), 75.0
 """The name of the default camera at a wrist, its position and its target in the frame of the tool in metres, and its
-field of view in degrees: a cube of 50 mm covers at least 300 of 128 x 128 pixels if the fingers are less than 0.2 m
-above it."""
+field of view in degrees: if the fingers are less than 0.2 m above a cube of 50 mm, the cube covers at least 300 of 128
+x 128 pixels."""
 
 STRAIGHT = 0.999
 """The cosine of the smallest angle between the view and the axis that points upwards in the image."""
 
 
 class Camera(NamedTuple):
-    """A camera at a place in metres that looks at a point; `field_of_view` is vertical, in degrees.
+    """A camera at a place, in metres, that looks at a point; `field_of_view` is vertical, in degrees.
 
     With a `mount`, the name of a robot, both points are in the frame of its tool: the fingers point along its z axis
     and open along its y axis, and its x axis points upwards in the image. Without a mount, the z axis of the scene
@@ -105,7 +106,7 @@ def usual_cameras(
 def fitted(
     seen: Sequence[Vector], aspect: float, towards: Vector = TOWARDS_EYE, field_of_view: float = FIELD_OF_VIEW
 ) -> tuple[Vector, Vector]:
-    """Return the eye and target for which the points just fit into an image with an aspect ratio (width by height).
+    """Return the eye and the target for which the points just fit into an image with a given width-to-height ratio.
 
     `towards` is the direction from the points to the eye.
     """

@@ -1,6 +1,7 @@
 """Perceptual colours in CIELAB, where equal distances look equally large.
 
-The distance is Delta E of 1976: from about 10, colours differ at a glance; from 20, most have different names.
+The distance is the Delta E of 1976: from about 10 on, colours differ at a glance; from 20 on, most have different
+names.
 """
 
 from __future__ import annotations
@@ -14,19 +15,19 @@ from numpy.typing import NDArray
 TO_XYZ = np.array(
     [[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.119192, 0.9503041]]
 )
-"""From linear sRGB (IEC 61966-2-1), for daylight D65."""
+"""The matrix from linear sRGB (IEC 61966-2-1) to XYZ, for daylight D65."""
 
 DAYLIGHT = TO_XYZ.sum(axis=1)
 EDGE = 6 / 29
 WHITE = "#ffffff"
-"""The colour of a body that looks as in its file: its visual parts are multiplied by its colour."""
+"""The colour of a body that looks as it does in its file, because its visual parts are multiplied by its colour."""
 
 LEVELS = (0x10, 0x38, 0x60, 0x88, 0xB0, 0xD8, 0xF8)
 """The levels of red, green and blue that `more_colours` combines."""
 
 LIGHTNESS, CHROMA = (28.0, 88.0), (28.0, 90.0)
-"""The ranges of lightness and chroma of objects' colours: robots and trays are grey, and no object has the strongest
-blue of a screen."""
+"""The ranges of lightness and chroma for the colours of objects: robots and trays are grey, and no object has the
+strongest blue of a screen."""
 
 
 def rgb(color: str) -> tuple[int, int, int]:
@@ -60,7 +61,7 @@ def apart(one: str, two: str) -> float:
 def more_colours(taken: Sequence[str], count: int) -> tuple[str, ...]:
     """Return `count` colours, each as different as possible from the colours already taken and the previous ones.
 
-    Gonzalez, "Clustering to minimize the maximum intercluster distance", 1985: the farthest point first.
+    The method is farthest-point-first (Gonzalez, "Clustering to minimize the maximum intercluster distance", 1985).
     """
     colors = np.array([(red, green, blue) for red in LEVELS for green in LEVELS for blue in LEVELS])
     lab = _lab(colors)

@@ -9,10 +9,10 @@ from prag_asp.scene.forms import Outline, Point, rectangle
 from prag_asp.scene.scene import Shape
 
 Place = tuple[float, float, float]
-"""x and y in metres, yaw in radians."""
+"""x and y in metres, and the yaw in radians."""
 
 TOUCHING = 0.0015
-"""The depth in metres by which fixed bodies may overlap, the same as for any bodies."""
+"""The depth in metres by which fixed bodies may overlap, which is the same as for all bodies."""
 
 
 class Footprint(NamedTuple):
@@ -23,7 +23,7 @@ class Footprint(NamedTuple):
 
 
 def corners(footprint: Footprint) -> Outline:
-    """Return the corners of a footprint, counter-clockwise; for a round body, the corners of its bounding square."""
+    """Return the corners of a footprint, counter-clockwise; for a round body, those of its bounding square."""
     (x, y, yaw), (half_x, half_y, _) = footprint.place, footprint.shape.half
     return rectangle(x, y, half_x, half_y, 0.0 if footprint.shape.traits.round else yaw)
 
@@ -38,7 +38,7 @@ def apart(one: Footprint, two: Footprint, touching: float) -> bool:
 
 
 def _axes(footprint: Footprint, other: Footprint) -> list[Point]:
-    """Return unit normals of a body's sides; for a round body, the direction from the nearest point of another body."""
+    """Return the unit normals of a body's sides; for a round body, the direction from another body's nearest point."""
     x, y, yaw = footprint.place
     if not footprint.shape.traits.round:
         cosine, sine = math.cos(yaw), math.sin(yaw)

@@ -26,25 +26,26 @@ POST, STEM = 0.011, 0.005
 
 POST_HEIGHT = 0.055
 GRIP_DEPTH = 0.02
-"""The distance from the top of the post down to the grasp."""
+"""The distance from the top of the post down to where the gripper grasps it."""
 
 STAND_OFF = 0.025
-"""The distance of the post from the panel of a drawer, or from the edge of a door: the fingers fit in between."""
+"""The distance of the post from the panel of a drawer or the edge of a door; the fingers fit in between."""
 
 RIM = 2 / 3
-"""The height of a tray's walls as a share of the cabinet's inner height: they keep contents in and let the hand in."""
+"""The height of a tray's walls as a share of the cabinet's inner height: they keep contents in but admit the hand."""
 
 QUARTER = math.pi / 2
 SWEPT = 9
-"""The number of openings at which the swept volume of a part is sampled: one every eighth of its range."""
+"""The number of openings at which the swept volume of a part is sampled: one for each eighth of its range."""
 
 
 class Mechanism(NamedTuple):
     """Furniture: the boxes of the body, in a frame at its centre, and the boxes of the part, in the joint's frame.
 
-    The part moves along `axis` if it `slides`, otherwise it turns about the axis, from 0 to `limit` (metres or
-    radians). `handle` is the grasp point, in the joint's frame. `cavity` has the inner sides and the depth, `middle` is
-    the centre of its floor, in the joint's frame if the part `slides`, because the cavity moves with it.
+    If the part `slides`, it moves along `axis`, and otherwise it turns about `axis`, from 0 to `limit` (metres or
+    radians). `handle` is the grasp point, in the joint's frame. `cavity` holds the inner dimensions and the depth of
+    the cavity; `middle` is the centre of its floor, in the joint's frame if the part `slides`, because the cavity then
+    moves with it.
     """
 
     body: tuple[Box, ...]
@@ -66,7 +67,7 @@ def mechanism(shape: Shape) -> Mechanism:
 
 @lru_cache(maxsize=1 << 8)
 def cavity(shape: Shape) -> Vector:
-    """Return the inner sides and the depth of the cavity of a hollow body in metres; zeros for other shapes."""
+    """Return the inner dimensions and the depth, in metres, of a hollow body's cavity, or zeros for other shapes."""
     if shape.traits.furniture:
         return mechanism(shape).cavity
     if shape.model is not None and shape.model.cavity is not None:
@@ -110,7 +111,7 @@ def swept(shape: Shape, pose: Pose) -> tuple[Corners, Corners]:
 
 
 def _drawer(shape: Shape) -> Mechanism:
-    """Return the cabinet and the tray of a drawer; the front is at -x."""
+    """Return the cabinet and the tray of a drawer, whose front is at -x."""
     (x, y, z), wall = shape.half, shape.wall
     front, back, side = wall - x, x - wall - GAP, y - wall - GAP
     floor = GAP + wall - z
@@ -146,7 +147,7 @@ def _drawer(shape: Shape) -> Mechanism:
 
 
 def _cupboard(shape: Shape) -> Mechanism:
-    """Return the box and the door of a cupboard; the pin is at the corner of +x and +y."""
+    """Return the box and the door of a cupboard, whose pin is at the corner of +x and +y."""
     (x, y, z), wall = shape.half, shape.wall
     rim = z - wall - GAP
     box = (
@@ -173,7 +174,7 @@ def _cupboard(shape: Shape) -> Mechanism:
 
 
 MAKERS: Mapping[str, Callable[[Shape], Mechanism]] = {"drawer": _drawer, "cupboard": _cupboard}
-"""The mechanism of each kind of furniture."""
+"""The function that makes the mechanism of each kind of furniture."""
 
 
 def _post(x: float, y: float, bottom: float) -> Box:
@@ -182,7 +183,7 @@ def _post(x: float, y: float, bottom: float) -> Box:
 
 
 def _around_in(boxes: tuple[Box, ...], pose: Pose) -> Corners:
-    """Return the bounding box, in a frame, of several boxes."""
+    """Return the bounding box, in a given frame, of several boxes."""
     corners = []
     for (x, y, z), (dx, dy, dz) in boxes:
         for i in range(8):

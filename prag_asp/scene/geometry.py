@@ -1,4 +1,4 @@
-"""Poses, bounding boxes and convex outlines as plain tuples: faster than arrays at this size.
+"""Poses, bounding boxes and convex outlines as plain tuples, which are faster than arrays at this size.
 
 Lengths are metres; quaternions are x, y, z, w as in PyBullet; z points up.
 """
@@ -46,7 +46,7 @@ def wrap(angle: float) -> float:
 
 
 def multiply(first: Quaternion, second: Quaternion) -> Quaternion:
-    """Return the rotation that applies `second`, then `first`."""
+    """Return the rotation that applies `second` and then `first`."""
     ax, ay, az, aw = first
     bx, by, bz, bw = second
     return (
@@ -122,7 +122,7 @@ def finite(pose: Pose) -> bool:
 def extents(shape: Shape, quaternion: Quaternion) -> Vector:
     """Return the half-extents of the axis-aligned bounding box of a rotated shape, in metres.
 
-    A shape with a model counts as the box of its file; `prag_asp.physics.extent` measures its solids.
+    A shape with a model counts as its bounding box in the file; `prag_asp.physics.extent` measures its solids.
     """
     half, reach = shape.half, shape.traits.form.reach
     x, y, z, w = quaternion
@@ -166,7 +166,7 @@ def base(shape: Shape, pose: Pose) -> Outline:
 
 @lru_cache(maxsize=1 << 11)
 def crown(shape: Shape, pose: Pose) -> Outline:
-    """Return the outline, seen from above, of the top of an upright body, on which others can stand."""
+    """Return the outline, seen from above, of the top of an upright body, on which other bodies can stand."""
     return outline(shape, pose) if shape.model is None or not shape.model.crown else _placed(shape.model.crown, pose)
 
 
@@ -182,7 +182,7 @@ def centre_of_mass(shape: Shape, pose: Pose) -> Vector:
 
 
 def inside_by(polygon: Outline, point: Point) -> float:
-    """Return the distance in metres of a point from the border of a convex counter-clockwise polygon; < 0 outside."""
+    """Return how far inside a convex counter-clockwise polygon a point is, in metres; negative outside."""
     depth = math.inf
     for (ax, ay), (bx, by) in zip(polygon, polygon[1:] + polygon[:1], strict=True):
         length = math.hypot(bx - ax, by - ay)
@@ -195,7 +195,7 @@ def inside_by(polygon: Outline, point: Point) -> float:
 
 @lru_cache(maxsize=1 << 11)
 def intersection(subject: Outline, clip: Outline) -> Outline:
-    """Return the intersection of two convex counter-clockwise polygons, by Sutherland and Hodgman's clipping."""
+    """Return the intersection of two convex counter-clockwise polygons (Sutherland and Hodgman's clipping)."""
     if len(subject) == 1:
         return subject if inside_by(clip, subject[0]) >= 0.0 else ()
     for (ax, ay), (bx, by) in zip(clip, clip[1:] + clip[:1], strict=True):

@@ -18,7 +18,7 @@ from prag_asp.scene.scene import Size, Solid
 Floats = NDArray[np.float64]
 
 PLAUSIBLE = 1e-6
-"""The relative tolerance of the conditions on an inertia, because decimals in files are rounded."""
+"""The relative tolerance for the conditions on an inertia, because decimals in files are rounded."""
 
 
 class MassProperties(NamedTuple):
@@ -37,11 +37,11 @@ class MassProperties(NamedTuple):
         return MassProperties(self.mass, rows @ self.centre + at, rows @ self.inertia @ rows.T)
 
     def fits(self, low: Floats, high: Floats) -> bool:
-        """Return whether some distribution of the mass in a box, given by two corners, has this inertia."""
+        """Return whether mass distributed in some way in a box, given by two corners, can have this inertia."""
         if not np.all(np.isfinite(self.inertia)):
             return False
-        # The second moments about the centre of mass: for any distribution they are positive in each direction, and at
-        # most the mass times the square of the longest distance along an axis.
+        # For any distribution, the second moments about the centre of mass are positive in each direction, and at most
+        # the mass times the square of the longest distance along an axis.
         moments = np.trace(self.inertia) / 2 * np.eye(3) - self.inertia
         room = self.mass * np.maximum(high - self.centre, self.centre - low) ** 2
         slack = PLAUSIBLE * float(np.trace(self.inertia))
@@ -67,7 +67,7 @@ def combined(bodies: Iterable[MassProperties]) -> MassProperties:
 
 
 def primitive_mass(solid: Solid) -> MassProperties:
-    """Return the properties of a box, cylinder or ball with density 1, along its axes."""
+    """Return the properties of a box, cylinder or ball with density 1 that is aligned with its axes."""
     x, y, z = (side / 2 for side in solid.size)
     volume = FORMS[solid.kind].volume((x, y, z))
     if solid.kind == "box":
@@ -94,7 +94,7 @@ def polyhedron_mass(triangles: Floats) -> MassProperties:
 
 
 def principal(inertia: Floats) -> tuple[Size, Floats]:
-    """Return the principal moments of an inertia in kg m², and the rotation (3, 3) with their axes as columns.
+    """Return the principal moments of an inertia in kg m², and the rotation (3, 3) that has their axes as columns.
 
     If the inertia is diagonal, the axes are those of the frame.
     """

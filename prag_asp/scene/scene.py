@@ -1,7 +1,7 @@
 """The scene of a domain: its bodies, their places, and the meaning of its fluents.
 
-Lengths are metres, angles radians. The origin is on the table top; a single robot has its base there by default. The x
-axis points away from this robot, y to its left, z up.
+Lengths are metres, and angles are radians. The origin is on the table top; by default, a single robot has its base
+there. The x axis points away from this robot, the y axis to its left, and the z axis up.
 """
 
 from __future__ import annotations
@@ -21,21 +21,21 @@ GREY = "#808080"
 """The colour of an entity to which the scene assigns no colour."""
 
 IGNORED = "none"
-"""The value in ``scene.predicates`` of a fluent that physics ignores."""
+"""The value in ``scene.predicates`` for a fluent that physics ignores."""
 
 Size = tuple[float, float, float]
-"""The sides of a bounding box in metres."""
+"""The dimensions of a bounding box in metres."""
 
 SAME_SIZE = 1e-6
-"""The tolerance for equal sides, in metres, because decimals in files are rounded."""
+"""The tolerance within which sizes are equal, in metres, because decimals in files are rounded."""
 
 
 class Solid(NamedTuple):
-    """A solid of a body: box, cylinder, sphere or mesh.
+    """A solid of a body: a box, cylinder, sphere or mesh.
 
-    `size` has the sides of the bounding box in metres, or the scale of a mesh along each axis. `at` is the position of
-    its centre in the frame of the body, whose origin is the centre of its bounding box. `turn` is roll, pitch and yaw
-    in radians; `mesh` is the path of a file.
+    `size` holds the dimensions of the bounding box in metres or, for a mesh, its scale along each axis. `at` is the
+    position of its centre in the frame of the body, whose origin is the centre of the body's bounding box. `turn` holds
+    roll, pitch and yaw in radians; `mesh` is the path of a file.
     """
 
     kind: str
@@ -48,9 +48,9 @@ class Solid(NamedTuple):
 class Look(NamedTuple):
     """A visual part of a body: a solid in the frame of the body that does not collide.
 
-    A mesh has the colours and textures of its file; files that it names must be inside a `folder`. Surfaces that lack
-    both have the `texture`, a path, or the `color`. Other solids have the `color`; an empty `color` means the colour of
-    the entity.
+    A mesh has the colours and textures of its file; files to which it refers must be inside a `folder`. Surfaces that
+    lack both have the `texture`, which is a path, or the `color`. Other solids have the `color`; an empty `color` means
+    the colour of the entity.
     """
 
     solid: Solid
@@ -62,7 +62,7 @@ class Look(NamedTuple):
 class Cavity(NamedTuple):
     """The cavity of a body: the centre of its floor in the frame of the body, and its sides and depth, in metres.
 
-    A box with these sides encloses it; it may be round.
+    A box with these sides encloses the cavity, which may be round.
     """
 
     middle: Size
@@ -72,12 +72,12 @@ class Cavity(NamedTuple):
 class BodyModel(NamedTuple):
     """The model of a body from a file, in the frame of the body, whose origin is the centre of its bounding box.
 
-    It has the collision solids, the `mass` in kilograms, the `centre` of mass in metres, and the principal `moments` of
-    inertia in kg m² about `axes`, a unit quaternion (x, y, z, w).
+    It consists of the collision solids, the `mass` in kilograms, the `centre` of mass in metres, and the principal
+    `moments` of inertia in kg m² about `axes`, a unit quaternion (x, y, z, w).
 
     `base` and `crown` are the convex outlines, seen from above and counter-clockwise, of its lowest points, on which it
-    stands, and of its highest points, on which others stand; empty outlines mean those of its box. `settled` is the
-    angle in radians by which it was tilted from its orientation in the file, because it is not stable in that
+    stands, and of its highest points, on which other bodies stand; empty outlines mean those of its box. `settled` is
+    the angle in radians by which it was tilted from its orientation in the file, because it is not stable in that
     orientation. `looks` are its visual parts; without them, its collision solids are shown.
     """
 
@@ -93,7 +93,7 @@ class BodyModel(NamedTuple):
     looks: tuple[Look, ...] = ()
 
     def __hash__(self) -> int:
-        # Caches look up models often, and some models have hundreds of numbers; these few distinguish them.
+        # Caches look up models often, and some models have hundreds of numbers; these few suffice to distinguish them.
         return hash((self.mass, self.centre, self.moments, len(self.solids)))
 
     def with_mass(self, mass: float) -> BodyModel:
@@ -103,7 +103,7 @@ class BodyModel(NamedTuple):
 
 
 class Shape(NamedTuple):
-    """The shape of a body: its kind (of `KINDS`), the sides of its bounding box, and the thickness of walls in metres.
+    """The shape of a body: its kind (one of `KINDS`), the size of its bounding box, and its wall thickness, in metres.
 
     A shape from a file has a `model`.
     """
@@ -120,12 +120,12 @@ class Shape(NamedTuple):
 
     @property
     def hollow(self) -> bool:
-        """Whether the body can contain others: because of its kind, or because its model has a cavity."""
+        """Whether the body can contain others, because of its kind or because its model has a cavity."""
         return self.traits.hollow or (self.model is not None and self.model.cavity is not None)
 
     @property
     def half(self) -> tuple[float, float, float]:
-        """Half of each side of the bounding box, in metres."""
+        """Half of each dimension of the bounding box, in metres."""
         return (self.size[0] / 2, self.size[1] / 2, self.size[2] / 2)
 
     def breadth(self, widest: bool) -> float:
@@ -140,7 +140,8 @@ class Material(NamedTuple):
     """The material of a body; the defaults fit light wood and full cardboard boxes.
 
     `density` is in kilograms per cubic metre. The friction coefficient of a contact is the product of the `friction` of
-    both bodies. `rolling` is the coefficient of rolling friction of a ball in metres: fruit is not quite round.
+    the two bodies. `rolling` is the coefficient of rolling friction of a ball in metres, because fruit is not quite
+    round.
     """
 
     density: float = 400.0
@@ -152,7 +153,7 @@ STANDARD = Material()
 
 
 class BoxBounds(NamedTuple):
-    """A box, given by its lowest and its highest corner in metres; coordinates may be infinite."""
+    """A box, given by its lowest and its highest corner in metres, whose coordinates may be infinite."""
 
     low: tuple[float, float, float]
     high: tuple[float, float, float]
@@ -163,7 +164,7 @@ class Own(NamedTuple):
 
     It is defined either by `boxes`, or by the Python file at the path `file`. The boxes are relative to the second
     argument, or to the entity `around`; the predicate holds if one of the boxes contains the centre of the first
-    argument, or with `whole` the entire body. `sentence` is a template of the predicate in plain words.
+    argument or, with `whole`, the entire body. `sentence` is a template of the predicate in plain words.
     """
 
     name: str
@@ -176,7 +177,7 @@ class Own(NamedTuple):
 
 
 class Mount(NamedTuple):
-    """The kind of a robot, and the pose of its base: x and y in metres, yaw in radians."""
+    """The kind of a robot, and the pose of its base: x and y in metres, and the yaw in radians."""
 
     kind: str
     x: float = 0.0
@@ -187,9 +188,9 @@ class Mount(NamedTuple):
 class Ranges(NamedTuple):
     """The ranges of domain randomization.
 
-    `friction` and `mass` are the smallest and the largest factor. The other fields are the largest changes: `light`
-    changes the light direction, in degrees; `camera` changes the positions of a camera and its target, as a share of
-    their distance; `colour` changes a colour, as Delta E in CIELAB.
+    `friction` and `mass` hold the smallest and the largest factor. The other fields are the largest changes: `light` is
+    that of the light direction, in degrees; `camera` is that of the positions of a camera and its target, as a share of
+    their distance; `colour` is that of a colour, as Delta E in CIELAB.
     """
 
     friction: tuple[float, float] = (0.8, 1.2)
@@ -203,14 +204,14 @@ USUAL_RANGES = Ranges()
 
 
 def only_robot(shapes: Mapping[str, Shape], kind: str = "panda") -> dict[str, Mount]:
-    """Return the mount of a single robot at the origin, keyed by the name of its entity or else by its kind."""
+    """Return the mount of a single robot at the origin, under the name of its entity or else of its kind."""
     name = next((entity for entity, shape in shapes.items() if shape.kind == "robot"), kind)
     return {name: Mount(kind)}
 
 
 @dataclass(frozen=True)
 class TableTop:
-    """The table: its sides along x and y in metres, the centre of its top (at z = 0), and its colour."""
+    """The table: its dimensions along x and y in metres, the centre of its top (at z = 0), and its colour."""
 
     size: tuple[float, float] = (1.3, 1.6)
     centre: tuple[float, float] = (0.4, 0.0)
@@ -218,27 +219,27 @@ class TableTop:
 
 
 BALANCE = 0.01
-"""The default of `Scene.balance`: robots put objects down with an accuracy of a few millimetres."""
+"""The default of `Scene.balance`, because robots put objects down with an accuracy of a few millimetres."""
 
 
 @dataclass(frozen=True)
 class Scene:
     """The scene of a domain.
 
-    Most fields map names of entities: to `shapes`, `colors` (``#rrggbb``) and `materials`; `robots` maps robots to
-    their mounts, and `fixed` maps bodies that never move to their places: x, y in metres and yaw in radians. If the
-    size of an entity is sampled for each task, `ranges` holds all its possible shapes, the smallest first, and `shapes`
-    the largest of them. By default there is one Panda, at the origin.
+    Most fields map names of entities to values: `shapes`, `colors` (``#rrggbb``) and `materials`; `robots` maps robots
+    to their mounts, and `fixed` maps bodies that never move to their places (x and y in metres, and the yaw in
+    radians). If the size of an entity is sampled for each task, `ranges` holds all its possible shapes, the smallest
+    first, and `shapes` holds the largest of them. By default, there is one Panda, at the origin.
 
-    `workspace` is the part of the table top where the search places objects: low x, high x, low y, high y in metres.
-    Objects can also be elsewhere. `predicates` maps fluent names to spatial predicates, `rotations` names to yaws in
-    radians. `frame` is "robot", where left is +y and in front is -x, or "viewer", the view of a person who faces the
-    robot.
+    `workspace` is the part of the table top on which the search places objects: low x, high x, low y and high y in
+    metres. Objects can also be elsewhere. `predicates` maps the names of fluents to spatial predicates, and `rotations`
+    maps names to yaws in radians. `frame` is "robot", where left is +y and in front is -x, or "viewer", the view of a
+    person who faces the robot.
 
     `own` maps names to the spatial predicates that the domain adds; their Python files are run only if `trusted` is
-    set. `cameras` maps names to cameras; by default there is one in front, `front`, and one at each wrist. `vary` holds
-    the ranges of domain randomization. `balance` is the margin in metres by which the centre of mass of a placed object
-    stays within its support, if the support is large enough.
+    set. `cameras` maps names to cameras; by default, there is one in front, named `front`, and one at each wrist.
+    `vary` holds the ranges of domain randomization. `balance` is the margin in metres by which the centre of mass of a
+    placed object stays within its support, if the support is large enough.
     """
 
     shapes: Mapping[str, Shape]
@@ -275,7 +276,7 @@ class Scene:
 
     @property
     def shared(self) -> bool:
-        """Whether several robots share the table: they avoid each other, and sentences name them."""
+        """Whether several robots share the table; they then avoid each other, and sentences name them."""
         return len(self.robots) > 1
 
     def meaning(self, fluent: Atom) -> str | None:
@@ -284,7 +285,7 @@ class Scene:
         return name if name in PREDICATE_ROLES or name in self.own else None
 
     def roles(self, predicate: str) -> tuple[str, ...]:
-        """Return the role of each argument of a spatial predicate of this scene."""
+        """Return the role of each argument of one of this scene's spatial predicates."""
         own = self.own.get(predicate)
         return PREDICATE_ROLES[predicate] if own is None else own.roles
 

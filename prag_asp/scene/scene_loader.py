@@ -27,8 +27,8 @@ def parse_scene(
 ) -> Scene:
     """Return the scene that a ``[scene]`` table defines, in which every entity has the shape of its class.
 
-    `classes` maps each class to its parents, `entities` each entity to its class. Paths are relative to `folder`, the
-    folder of the domain. Physics runs the Python files of the domain only with `trust`.
+    `classes` maps each class to its parents, and `entities` maps each entity to its class. Paths are relative to
+    `folder`, the folder of the domain. Physics runs the Python files of the domain only with `trust`.
 
     Raises:
         SceneError: the table has problems; the message has one line for each, with its key.
@@ -55,7 +55,7 @@ def scene_problems(
     names = {fluent.name for fluent in fluents}
     meant = sorted(name for name in names if scene.meaning(Atom(name, ())) is None and name not in scene.predicates)
     for name in sorted(scene.predicates.keys() - names):
-        # A fluent without ground atoms is not in `fluents`, so a name unlike all others may be correct.
+        # A fluent without ground atoms is not in `fluents`, so a name that resembles no other may still be correct.
         if is_misspelt(name, meant):
             report.add(("scene", "predicates", name), f"there is no fluent {name}; {did_you_mean(name, meant)}")
     for fluent in fluents:

@@ -1,4 +1,4 @@
-"""The kinds of bodies and their properties, for the scene, the search and the proofs.
+"""The kinds of bodies, and their properties, which the scene, the search and the proofs use.
 
 A new kind needs a row here. A kind with a new form also needs a row in `prag_asp.scene.forms`, and one in
 `prag_asp.physics.world.primitives` with PyBullet's name for the form. Furniture also needs a row in
@@ -16,12 +16,12 @@ from prag_asp.scene.forms import BALL, BOX, CYLINDER, Primitive
 class Kind(NamedTuple):
     """The properties of all bodies of a kind.
 
-    `keys` are the keys of its table in ``scene.shapes`` besides the kind; `form` is its geometry. A `round` body looks
-    the same at any rotation about the vertical. A `flat` body has a plane bottom, on which it stands, and a plane top,
-    on which others stand; a body that is not flat rolls. An `even` body has the same width everywhere, so that it can
-    also be held at its end. A `hollow` body can contain others. `furniture` stands still and has a part on a joint. A
-    `body` is an object; a robot, the table and a zone (a flat part of the table's top) are not. A `surface` is the
-    table's top or a part of it.
+    `keys` are the keys that its table in ``scene.shapes`` has besides the kind; `form` is its geometry. A `round` body
+    looks the same at any rotation about the vertical. A `flat` body has a plane bottom, on which it stands, and a plane
+    top, on which others stand; a body that is not flat rolls. An `even` body has the same width everywhere, so that it
+    can also be held at its end. A `hollow` body can contain others. `furniture` stands still and has a part on a joint.
+    A `body` is an object; a robot, the table and a zone (a flat part of the table top) are not. A `surface` is the
+    table top or a part of it.
     """
 
     keys: tuple[str, ...] = ()
@@ -48,4 +48,4 @@ KINDS: Mapping[str, Kind] = {
     "robot": Kind(body=False),
     "zone": Kind(("size",), body=False, surface=True),
 }
-"""The kinds of shapes that ``scene.shapes`` knows."""
+"""The kinds of shapes that can be used in ``scene.shapes``."""

@@ -11,7 +11,7 @@ from prag_asp.scene.scene import Scene, Shape, Solid
 
 
 def boxes(places: Iterable[tuple[Vector, Vector]]) -> tuple[Solid, ...]:
-    """Return boxes, each given by its centre and half-extents in metres."""
+    """Return the boxes of a body, each given by its centre and its half-extents in metres."""
     return tuple(Solid("box", (2 * x, 2 * y, 2 * z), at) for at, (x, y, z) in places)
 
 
@@ -30,7 +30,7 @@ def solids(shape: Shape) -> tuple[Solid, ...]:
 
 
 def weight(scene: Scene, entity: str) -> float:
-    """Return the mass of a body in kilograms: the mass of its model, or volume times density."""
+    """Return the mass of a body in kilograms: that of its model, or its volume times its density."""
     shape = scene.shapes[entity]
     return scene.material(entity).density * volume(solids(shape)) if shape.model is None else shape.model.mass
 

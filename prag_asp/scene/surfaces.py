@@ -1,4 +1,4 @@
-"""The surface of a body as triangles in its own frame, for grasps, proofs and cavities."""
+"""The surface of a body as triangles in its own frame, as used for grasps, proofs and cavities."""
 
 from __future__ import annotations
 
@@ -25,14 +25,15 @@ EDGE = 1e-9
 """The length in metres below which an edge has no direction."""
 
 SIDES = 32
-"""The number of sides of a tessellated cylinder or ball: the error is at most half a percent of the radius."""
+"""The number of sides of a tessellated cylinder or ball; the error is at most half a percent of the radius."""
 
 
 NEAR = 1e-4
-"""The error of a smallest width or projection, as a fraction of the diameter or the surface."""
+"""The error of a smallest width, as a fraction of the diameter, or of a smallest projection, as a fraction of the
+surface."""
 
 MOST_DIRECTIONS = 20_000
-"""The maximum number of directions that are compared at once; for round bodies, the bounds stay coarse."""
+"""The maximum number of directions that are compared at once; for round bodies, the bounds remain coarse."""
 
 
 def part_surfaces(shape: Shape) -> tuple[Floats, ...]:
@@ -48,7 +49,7 @@ def part_surfaces(shape: Shape) -> tuple[Floats, ...]:
 
 @lru_cache(maxsize=64)
 def _part_surfaces(shape: Shape, files: tuple[tuple[int, int], ...]) -> tuple[Floats, ...]:
-    """Return the triangles of each part; the states of the files are part of the cache key."""
+    """Return the triangles of each part; the cache key includes the states of the files."""
     return tuple(part for solid in solids(shape) for part in solid_parts(solid))
 
 
@@ -82,7 +83,7 @@ def least_extent(shape: Shape) -> LeastExtent:
 
 @lru_cache(maxsize=256)
 def _least_extent(shape: Shape, files: tuple[tuple[int, int], ...]) -> LeastExtent:
-    """Return the least extent of a body; the states of its files are part of the cache key."""
+    """Return the least extent of a body; the cache key includes the states of its files."""
     triangles = convex_hull(surface(shape).reshape(-1, 3))
     corners = np.unique(triangles.reshape(-1, 3), axis=0)
     areas = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]) / 2
@@ -103,7 +104,8 @@ def _least(value: Callable[[Floats], Floats], slope: float) -> float:
         )
         values = value(along / np.linalg.norm(along, axis=1)[:, None])
         best = min(best, float(values.min()))
-        # The faces of the cube are outside the unit sphere, so an angle is at most the distance of points on a face.
+        # The faces of the cube are outside the unit sphere, so an angle is at most the distance between points on a
+        # face.
         bounds = values - slope * math.sqrt(2.0) * side
         open_cells = cells[bounds < best - tolerance]
         if not len(open_cells):
@@ -118,7 +120,7 @@ def _least(value: Callable[[Floats], Floats], slope: float) -> float:
 def cached_by_geometry(maxsize: int) -> Callable[[Function], Function]:
     """Return a decorator that caches results by a shape, the states of its mesh files and further arguments.
 
-    The function takes the shape first, and all arguments by position.
+    The function takes all arguments by position, the shape first.
     """
 
     def decorate(function: Function) -> Function:
@@ -159,7 +161,7 @@ def solid_parts(solid: Solid) -> list[Floats]:
     """
     rows = np.array(rotation(solid.turn))
     if solid.mesh:
-        # A part collides as its convex hull, as simulators do.
+        # as in simulators, a part collides as its convex hull
         parts = [convex_hull(np.array(part).reshape(-1, 3)) for part in mesh_parts(solid.mesh, solid.size)]
     else:
         parts = [_primitive(solid.kind, solid.size)]
@@ -218,7 +220,7 @@ def part_boxes(shape: Shape, quaternion: Quaternion) -> Floats:
 
 
 class PartOutline(NamedTuple):
-    """A convex outline seen from above: its corners (n, 2) in metres, and the unit normals of its edges (2, n)."""
+    """A convex outline, seen from above: its corners (n, 2) in metres, and the unit normals of its edges (2, n)."""
 
     corners: Floats
     normals: Floats
@@ -231,7 +233,7 @@ class PartOutline(NamedTuple):
         return cls(corners, np.stack([edges[:, 1], -edges[:, 0]]) / lengths)
 
     def meets(self, other: PartOutline, offset: Floats, spacing: float) -> bool:
-        """Return whether this outline, moved by an offset (2,), may be nearer to another than a spacing in metres.
+        """Return whether this outline, moved by an offset (2,), may be closer to another than a spacing in metres.
 
         The outlines are farther apart if an edge separates them by at least this spacing (separating axis theorem).
         """

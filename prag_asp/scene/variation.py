@@ -30,10 +30,10 @@ USUAL_LIGHT: Vector = (-0.3, 0.8, 1.8)
 
 @dataclass(frozen=True)
 class Variation:
-    """The variation of an episode; missing properties are as in the scene.
+    """The variation in an episode; missing properties are as in the scene.
 
     `friction` holds the coefficients of entities, `mass` their masses in kilograms, `light` the direction to the light,
-    `cameras` the positions of cameras and their targets in metres, and `colours` the colours of entities as
+    `cameras` the positions of cameras and of their targets in metres, and `colours` the colours of entities as
     ``#rrggbb``.
     """
 
@@ -120,8 +120,8 @@ def variation_of(text: str) -> Variation:
 def draw_variation(scene: Scene, kinds: Iterable[str], objects: Sequence[str], seed: Sequence[int]) -> Variation:
     """Return a random variation of some `KINDS` for the objects of a task, within the ranges of the scene.
 
-    Friction and colour also vary for the table, mass only for movable objects. Cameras and their targets are moved
-    within balls, and colours within balls in CIELAB. Entities are sampled in the order of their names.
+    Friction and colour also vary for the table, whereas mass varies only for movable objects. Cameras and their targets
+    are moved within balls, and colours within balls in CIELAB. Entities are sampled in the order of their names.
     """
     rngs = {kind: np.random.default_rng([*seed, KINDS.index(kind)]) for kind in kinds}
     ranges, table = scene.vary, table_of(scene)
@@ -148,7 +148,7 @@ def draw_variation(scene: Scene, kinds: Iterable[str], objects: Sequence[str], s
 
 
 def table_of(scene: Scene) -> str:
-    """Return the entity of the table, or ``table`` if there is none."""
+    """Return the entity that is the table, or ``table`` if there is none."""
     return next((entity for entity, shape in scene.shapes.items() if shape.kind == "table"), "table")
 
 
@@ -165,7 +165,7 @@ def _light(rng: np.random.Generator, degrees: float) -> Vector:
 
 
 def _moved(rng: np.random.Generator, point: Vector, most: float) -> Vector:
-    """Return a point moved uniformly within a ball of radius `most`."""
+    """Return a point moved to a uniformly random point within a ball of radius `most`."""
     way = rng.normal(size=3)
     way *= most * float(rng.uniform()) ** (1 / 3) / np.linalg.norm(way)
     x, y, z = (np.array(point) + way).tolist()

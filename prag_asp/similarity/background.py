@@ -1,4 +1,4 @@
-"""The data that a comparison of tasks may use besides the tasks: classes, interchangeable entities, preconditions."""
+"""The data that comparisons may use besides the tasks: classes, interchangeable entities and preconditions."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Trace(Protocol):
 
 @dataclass(frozen=True)
 class Background:
-    """The known data of a domain: `classes` of entities, `parents` of classes, interchangeable entities.
+    """The known data of a domain: `classes` of entities, `parents` of classes, and interchangeable entities.
 
     `preconditions` maps each action to the facts that it requires; None means that they are unknown.
     """
@@ -62,9 +62,9 @@ class Background:
 
     @classmethod
     def of_tasks(cls, tasks: Iterable[Trace], up_to: UpTo = "names") -> Background:
-        """Return the background that follows from the given tasks and nothing else: no class is above another.
+        """Return the background that follows from the given tasks and nothing else, in which no class is above another.
 
-        No two entities are interchangeable, or, with ``classes``, all entities of a class are.
+        No two entities are interchangeable or, with ``classes``, all entities of a class are.
 
         Raises:
             QueryError: two tasks have an entity with the same name in different classes, or `up_to` is invalid.

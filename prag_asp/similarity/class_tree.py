@@ -13,7 +13,7 @@ ROOT = ""
 """The class above all classes that have no declared parent."""
 
 LEAST_DIAMETER = 4
-"""Edges between entities of two classes right below the root: entity, class, root, class, entity."""
+"""The number of edges between entities of two classes right below the root: entity, class, root, class, entity."""
 
 
 @dataclass(frozen=True)
@@ -21,9 +21,9 @@ class ClassTree:
     """Entities with their classes, and classes with their direct parents.
 
     The distance between two entities is the number of edges on the shortest path between them, divided by the number of
-    edges on the longest such path between entities of any two classes (Rada et al. 1989): 0 for the same entity, 1 for
-    the farthest classes. Without `parents`, the distance is 1/2 within a class and 1 otherwise. The lengths of shortest
-    paths in a graph are a metric.
+    edges on the longest such path between entities of any two classes (Rada et al. 1989). It is 0 for the same entity,
+    and 1 for the farthest classes. Without `parents`, the distance is 1/2 within a class and 1 otherwise. The lengths
+    of shortest paths in a graph are a metric.
     """
 
     classes: Mapping[str, str]
@@ -61,12 +61,12 @@ class ClassTree:
         return Fraction(2 + self._paths[self.classes[one]][self.classes[other]], self.diameter)
 
     def common_class(self, one: str, other: str) -> str:
-        """Return the lowest class that contains both entities, or "" if only the root does; both must have classes."""
+        """Return the lowest class that contains both entities, or "" if only the root does; both must have a class."""
         above, others = self._above(self.classes[one]), self._above(self.classes[other])
         return min({*above} & {*others}, key=lambda name: (above[name] + others[name], name))
 
     def _above(self, name: str) -> dict[str, int]:
-        """Return a class and all classes above it, with the numbers of edges to them."""
+        """Return a class and all classes above it, with the numbers of edges that lead to them."""
         above = {name: 0}
         for place in (queue := [name]):
             for parent in self.parents.get(place, ()) or (() if place == ROOT else (ROOT,)):

@@ -1,4 +1,4 @@
-"""Costs of edits that an author writes into a TOML file, as a metric."""
+"""Costs of edits that an author gives in a TOML file, as a metric."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from prag_asp.tables.toml_text import key_line, parse_toml
 from prag_asp.wording import unknown
 
 NUMBERS, PAIRS = ("insert", "replace"), ("actions", "arguments")
-"""The keys of a file: costs, and tables of costs for pairs."""
+"""The keys in a file: costs, and tables of costs for pairs."""
 
 Pairs = Mapping[tuple[str, str], Fraction]
 
@@ -28,9 +28,9 @@ Pairs = Mapping[tuple[str, str], Fraction]
 class AuthorCosts:
     """Costs of edits of actions.
 
-    Inserting or deleting an action costs `insert`. The cost of replacing it is the cost of the pair of names plus the
-    costs of the pairs of different arguments, but at most `replace`, which is also the cost of unlisted pairs. Pairs of
-    arguments are looked up by the arguments themselves, then by their classes.
+    Inserting or deleting an action costs `insert`. The cost of replacing one is the cost of the pair of names plus the
+    costs of the pairs of different arguments, but at most `replace`, which is also the cost of pairs that are not
+    listed. Pairs of arguments are looked up by the arguments themselves and then by their classes.
     """
 
     insert: Fraction
@@ -102,7 +102,7 @@ class _CostReader:
     text: str
 
     def refuse(self, keys: list[str], why: str) -> None:
-        """Raise an error for the value at some keys."""
+        """Raise an error about the value at some keys."""
         raise QueryError(f"{self.path}:{key_line(self.text, keys)}: {why}")
 
     def number(self, value: Any, keys: list[str]) -> Fraction:
@@ -116,7 +116,7 @@ class _CostReader:
         return cost
 
     def pairs(self, table: Any, key: str, known: Collection[str]) -> dict[tuple[str, str], Fraction]:
-        """Return the costs of pairs, a table for the first name with the second ones as keys."""
+        """Return the costs of pairs, as a table for each first name with the second names as keys."""
         example = f"write it like [{key}.NAME] with OTHER = 0.5"
         if not isinstance(table, dict):
             self.refuse([key], f"{key}: is not a table; {example}")

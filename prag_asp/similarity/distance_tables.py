@@ -25,10 +25,10 @@ Values = NDArray[Any]
 
 
 CACHED = (128, 256)
-"""The shape of blocks whose arrays of two bytes for each pair stay in the cache of a core."""
+"""The shape of blocks whose arrays, with two bytes for each pair, remain in the cache of a core."""
 
 MULTIPLIED = (1024, 2048)
-"""The shape of blocks that are products of matrices: large ones convert their rows and columns seldom."""
+"""The shape of blocks that are products of matrices; large blocks convert their rows and columns less often."""
 
 
 class DistanceTable(Protocol):
@@ -46,7 +46,7 @@ class DistanceTable(Protocol):
 
     @property
     def shape(self) -> tuple[int, int]:
-        """The number of rows and columns of a block that is computed fast."""
+        """The number of rows and columns of a block that can be computed fast."""
         ...
 
     def block(self, rows: Numbers, columns: Numbers) -> Values:
@@ -60,7 +60,7 @@ class DistanceTable(Protocol):
 
 @dataclass(frozen=True)
 class CodedSequences:
-    """Sequences as numbers of their symbols, shape (sequences, longest); only the first `lengths` of a row count."""
+    """Sequences as numbers of their symbols, shape (sequences, longest); only the first `lengths` in a row count."""
 
     codes: Numbers
     lengths: NDArray[np.int64]
@@ -68,7 +68,7 @@ class CodedSequences:
     def pairs(
         self, rows: Numbers, columns: Numbers, function: Callable[[Numbers, Numbers], Values], kind: type
     ) -> Values:
-        """Apply a function that expects two arrays, each with sequences of one length, to sequences of all lengths."""
+        """Apply a function of two arrays, each with sequences of one length, to sequences of all lengths."""
         result: Values = np.empty((len(rows), len(columns)), kind)
         for length in np.unique(self.lengths[rows]):
             here = np.flatnonzero(self.lengths[rows] == length)
@@ -81,7 +81,7 @@ class CodedSequences:
         return result
 
     def sums(self, values: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the sum of the values of the symbols of each sequence."""
+        """Return the sum of the values of the symbols in each sequence."""
         counted = np.arange(self.codes.shape[1]) < self.lengths[:, None]
         total: NDArray[np.int64] = np.where(counted, values[self.codes], 0).sum(axis=1)
         return total
@@ -116,7 +116,7 @@ class EditTable:
 
     @classmethod
     def of(cls, features: Sequence[Feature], cost: Cost) -> EditTable:
-        """Return the table for some features."""
+        """Return the table for the given features."""
         symbols, codes = coded(features)
         costs = CostTable.of(symbols, cost)
         return cls(costs, codes, codes.sums(costs.costs[-1]))
@@ -146,7 +146,7 @@ class EditTable:
 
 @dataclass(frozen=True)
 class PlaceTable:
-    """Place-by-place distances between sequences of one length, shape (features, length)."""
+    """Place-by-place distances between sequences of the same length, shape (features, length)."""
 
     costs: CostTable
     codes: Numbers
@@ -154,7 +154,7 @@ class PlaceTable:
 
     @classmethod
     def of(cls, features: Sequence[Feature], cost: Cost) -> PlaceTable:
-        """Return the table for some features.
+        """Return the table for the given features.
 
         Raises:
             QueryError: their lengths differ.
@@ -178,7 +178,7 @@ class PlaceTable:
         return aligned_distances(self.codes[rows], self.codes[columns], self.costs.costs)
 
     def normalised(self, block: Values, rows: Numbers, columns: Numbers) -> NDArray[np.float32]:
-        """Return the mean cost of a place."""
+        """Return the mean cost per place."""
         values: NDArray[np.float32] = block.astype(np.float32) / np.float32(
             max(self.codes.shape[1], 1) * self.denominator
         )
@@ -187,7 +187,7 @@ class PlaceTable:
 
 @dataclass(frozen=True)
 class StateTable:
-    """Edit distances between sequences of states, whose costs are computed only for the states of each block.
+    """Edit distances between sequences of states, whose costs are computed only for the states in each block.
 
     `members` is true for the facts of each state, shape (states, facts).
     """
@@ -199,13 +199,13 @@ class StateTable:
 
     @classmethod
     def of(cls, features: Sequence[Feature]) -> StateTable:
-        """Return the table for some features."""
+        """Return the table for the given features."""
         states, codes = coded(features)
         return cls(SetTable.of([tuple(state) for state in states]).members, codes)
 
     @cached_property
     def sizes(self) -> NDArray[np.int64]:
-        """The costs of deleting each feature."""
+        """The cost of deleting each feature."""
         return self.codes.sums(1 + self.members.sum(axis=1, dtype=np.int64))
 
     @property
@@ -243,13 +243,13 @@ class SetTable:
 
     @cached_property
     def sizes(self) -> NDArray[np.int64]:
-        """The numbers of elements of the sets."""
+        """The number of elements in each set."""
         sizes: NDArray[np.int64] = self.members.sum(axis=1, dtype=np.int64)
         return sizes
 
     @classmethod
     def of(cls, features: Sequence[Feature]) -> SetTable:
-        """Return the table for some features."""
+        """Return the table for the given features."""
         elements, codes = coded(features)
         members = np.zeros((len(features), len(elements)), dtype=np.bool_)
         for row, each, length in zip(members, codes.codes, codes.lengths, strict=True):
@@ -288,12 +288,12 @@ class StringTable:
 
     @classmethod
     def of(cls, features: Sequence[Feature], function: StringDistance, *, bounded: bool) -> StringTable:
-        """Return the table for some features."""
+        """Return the table for the given features."""
         return cls(spelled(*features), function, bounded)
 
     @property
     def denominator(self) -> int:
-        """0 for floats, otherwise 1."""
+        """0 for floats, and 1 otherwise."""
         return 0 if self.bounded else 1
 
     @property

@@ -1,6 +1,6 @@
-"""Edit distances between all pairs of two lists of coded sequences, in numpy.
+"""Edit distances between all pairs of two lists of coded sequences, in NumPy.
 
-Sequences of one length are the rows of an array of codes. All functions return an array of shape (rows, columns).
+Sequences of the same length are the rows of an array of codes. All functions return an array of shape (rows, columns).
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ Codes = NDArray[np.intp]
 Distances = NDArray[np.unsignedinteger]
 
 WORDS = (np.uint8, np.uint16, np.uint32, np.uint64)
-"""Types of integers, smallest first: small ones make numpy fast."""
+"""Types of integers, the smallest first, because small ones make NumPy fast."""
 
 
 def small_type(largest: int) -> type[np.unsignedinteger]:
-    """Return the smallest type of integers from 0 to `largest`."""
+    """Return the smallest type that holds the integers from 0 to `largest`."""
     return next(word for word in WORDS if largest <= np.iinfo(word).max)
 
 
@@ -53,8 +53,8 @@ def unit_edit_distances(rows: Codes, columns: Codes, symbols: int) -> Distances:
     """Return Levenshtein distances with unit costs, using bit vectors (Myers 1999, as in Hyyrö 2003).
 
     A bit of `up` or `down` is set if the table grows or shrinks by 1 from one row to the next; the distance is the
-    width plus the difference of the numbers of bits in the last column. Sequences longer than the number of bits of a
-    word are compared by the slower method.
+    width plus the difference of the numbers of bits in the last column. Sequences with more symbols than a word has
+    bits are compared by the slower method.
     """
     length, width = rows.shape[1], columns.shape[1]
     if not 0 < length <= 64:
@@ -91,7 +91,7 @@ def unit_edit_distances(rows: Codes, columns: Codes, symbols: int) -> Distances:
 
 
 def _bit_counts(words: NDArray[np.unsignedinteger]) -> NDArray[np.uint8]:
-    """Return the number of bits of each word."""
+    """Return the number of bits set in each word."""
     if hasattr(np, "bitwise_count"):
         counts: NDArray[np.uint8] = np.bitwise_count(words)
         return counts
@@ -101,7 +101,7 @@ def _bit_counts(words: NDArray[np.unsignedinteger]) -> NDArray[np.uint8]:
 
 
 def aligned_distances(rows: Codes, columns: Codes, costs: NDArray[np.int64]) -> Distances:
-    """Return the sum of the costs place by place; all sequences have one length."""
+    """Return the sum of the costs place by place; all sequences must have the same length."""
     kind = small_type(int(max(rows.shape[1], 1) * max(int(costs.max()), 1)))
     total, spare = (np.zeros((len(rows), len(columns)), kind) for _ in range(2))
     for place in range(rows.shape[1]):

@@ -16,10 +16,10 @@ from prag_asp.similarity.background import Background
 from prag_asp.similarity.symbols import Symbol
 
 Cost = Callable[[Symbol, Symbol], Fraction]
-"""The cost of replacing one symbol by another; None in place of a symbol stands for an insertion or a deletion."""
+"""The cost of replacing one symbol with another; None in place of a symbol stands for an insertion or a deletion."""
 
 LARGEST = 2**62
-"""Bound on costs in integer units, so that sums of two distances fit in 64 bits."""
+"""A bound on costs in integer units, so that the sum of two distances fits into 64 bits."""
 
 
 def unit_cost(background: Background) -> Cost:
@@ -30,7 +30,7 @@ def unit_cost(background: Background) -> Cost:
 def class_cost(background: Background) -> Cost:
     """Return the cost of replacing an action: the mean distance between the arguments in the tree of classes.
 
-    Inserting, deleting, and replacing by an action with another name cost 1.
+    Inserting an action, deleting it, or replacing it with one that has a different name costs 1.
     """
 
     def cost(one: Symbol, other: Symbol) -> Fraction:
@@ -44,7 +44,7 @@ def class_cost(background: Background) -> Cost:
 def effect_cost(background: Background) -> Cost:
     """Return the cost of replacing an action, given its effects: (1 + the Jaccard distance of the effects) / 2.
 
-    The 1 distinguishes different actions with the same effects. Symbols are actions with their effects.
+    Adding 1 distinguishes different actions that have the same effects. Symbols are actions with their effects.
     """
 
     def cost(one: Symbol, other: Symbol) -> Fraction:
@@ -59,7 +59,8 @@ def effect_cost(background: Background) -> Cost:
 def state_cost(one: Symbol, other: Symbol) -> Fraction:
     """Return the number of facts in which two states differ; an insertion or deletion costs 1 plus the number of facts.
 
-    This is a metric: a state is a set with one more element than its facts, and nothing is the empty set.
+    This is a metric, because a state can be regarded as the set of its facts and one more element, and a missing state
+    as the empty set.
     """
     if one is None or other is None:
         return Fraction(0 if one is other else 1 + len(other if one is None else one))
@@ -82,7 +83,7 @@ class CostTable:
         """Return the costs between some symbols.
 
         Raises:
-            QueryError: the costs have no common denominator that fits in 64 bits.
+            QueryError: the costs have no common denominator that fits into 64 bits.
         """
         everything = (*symbols, None)
         rows = [[cost(one, other) for other in everything] for one in everything]

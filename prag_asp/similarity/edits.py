@@ -15,7 +15,7 @@ Row = list[Fraction]
 
 @dataclass(frozen=True)
 class Edit:
-    """One edit at a place of the first sequence, from 0: `old` is None for an insertion, `new` for a deletion."""
+    """An edit at a place in the first sequence, from 0: `old` is None for an insertion, and `new` for a deletion."""
 
     place: int
     old: Symbol
@@ -48,7 +48,7 @@ def edit_distance(one: Sequence[Symbol], other: Sequence[Symbol], cost: Cost) ->
 
 
 def least_edits(one: Sequence[Symbol], other: Sequence[Symbol], cost: Cost) -> tuple[Edit, ...]:
-    """Return edits of smallest total cost, in order; among several, those with the latest replacements."""
+    """Return edits of smallest total cost, in order; of several solutions, that with the latest replacements."""
     return tuple(reversed([*_edits_from_the_end(one, other, cost)]))
 
 
@@ -70,13 +70,13 @@ def _edits_from_the_end(one: Sequence[Symbol], other: Sequence[Symbol], cost: Co
 
 
 def replacements(one: Sequence[Symbol], other: Sequence[Symbol], cost: Cost) -> tuple[Edit, ...]:
-    """Return the edits that turn one sequence into another of the same length, place by place."""
+    """Return the edits that turn a sequence into another of the same length, place by place."""
     pairs = enumerate(zip(one, other, strict=True))
     return tuple(Edit(place, old, new, cost(old, new)) for place, (old, new) in pairs if old != new)
 
 
 def check_lengths(lengths: set[int]) -> None:
-    """Check that tasks have one length.
+    """Check that tasks have the same length.
 
     Raises:
         QueryError: the tasks have different lengths.

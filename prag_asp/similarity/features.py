@@ -24,14 +24,14 @@ def effects(task: Trace, background: Background) -> Feature:
 def changes(task: Trace, background: Background) -> Feature:
     """Return the facts whose value differs between the initial and the final state, with the final value.
 
-    Unknown is also a value: None stands for a fact that is known initially and unknown at the end.
+    Unknown also counts as a value: None stands for a fact that is known initially and unknown at the end.
     """
     final = task.states[-1] if task.states else task.initial
     return changed(task.initial, final)
 
 
 def changed(initial: FactValues, final: FactValues) -> Feature:
-    """Return the facts whose value differs between two states, with the value in the second, sorted."""
+    """Return the facts whose values differ between two states, each with its value in the second, sorted."""
     facts = {fact: value for fact, value in final.items() if initial.get(fact) != value}
     gone = {fact: None for fact in initial if fact not in final}
     return tuple(sorted({**facts, **gone}.items(), key=str))
@@ -43,7 +43,7 @@ def states(task: Trace, background: Background) -> Feature:
 
 
 def links(task: Trace, background: Background) -> Feature:
-    """Return the causal links: producer, fact, value, consumer, and the number of equal links before.
+    """Return the causal links: producer, fact, value, consumer, and the number of equal links before it.
 
     A link states that an action (the consumer) needs a fact, and names the last action that established it, or None for
     the initial state (McAllester and Rosenblitt 1991). If the preconditions of an action are unknown, it is assumed to

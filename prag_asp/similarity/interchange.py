@@ -1,10 +1,10 @@
 """Interchangeable entities as plain values, and the renamings that matter when two tasks are compared.
 
 Swaps of two entities of a group, and swaps of two aligned units of a joint group, generate all renamings, as in
-`prag_asp.logic.symmetry.symmetries`. The distance between two tasks is the smallest over the renamings of one of them,
-but two renamings give the same distance if a renaming that fixes all entities of the other task leads from one to the
-other. One representative of each such class (a double coset) is enough: for k and l entities of a group of any size,
-these are the partial matchings of k with l.
+`prag_asp.logic.symmetry.symmetries`. The distance between two tasks is the smallest over the renamings of one of them.
+Two renamings give the same distance if a renaming that fixes all entities of the other task turns one of them into the
+other, so one representative of each such class (a double coset) is enough. For k and l entities from a group of any
+size, these are the partial matchings between the k and the l entities.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Interchange(Generic[Entity]):
         return places
 
     def orbit(self, entity: Entity) -> Mapping[Entity, Mapping[Entity, Entity]]:
-        """Return the images of an entity, itself first, each with a renaming that moves the entity there."""
+        """Return the images of an entity, beginning with itself, each with a renaming that moves the entity there."""
         renamings: dict[Entity, dict[Entity, Entity]] = {entity: {}}
         reached: set[tuple[int, int]] = set()  # positions in units whose entities are all in the orbit
         for image in (queue := [entity]):
@@ -68,8 +68,8 @@ class Interchange(Generic[Entity]):
     def renamings(self, mentioned: Iterable[Entity], fixed: Iterable[Entity] = ()) -> Iterator[Mapping[Entity, Entity]]:
         """Yield the new names of the entities of a plan, one renaming for each class that matters.
 
-        `mentioned` are the entities of the plan that is renamed, `fixed` those of the other plan. The first renaming
-        changes nothing; entities that keep their names are not in the mappings.
+        `mentioned` are the entities in the plan that is renamed, and `fixed` are those in the other plan. The first
+        renaming changes nothing; entities that keep their names are not in the mappings.
         """
         movable = tuple(dict.fromkeys(entity for entity in mentioned if entity in self.entities))
         for renaming in self._images(movable, self.fixing(fixed), {}):

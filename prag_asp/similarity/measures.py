@@ -2,7 +2,7 @@
 
 Every measure also has a normalised value between 0 and 1. For a metric d, it is the Steinhaus transform with respect to
 the empty feature, 2 d(x, y) / (d(x, 0) + d(y, 0) + d(x, y)), which is also a metric (Deza and Deza 2009). For sets, it
-is the Jaccard distance; for Levenshtein, the normalised metric of Yujian and Bo (2007).
+is the Jaccard distance; for the Levenshtein distance, it is the normalised metric of Yujian and Bo (2007).
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ class EditMeasure:
 
 @dataclass(frozen=True)
 class StateMeasure(EditMeasure):
-    """The smallest cost of edits of sequences of states; there are too many states for a table of all costs."""
+    """The smallest cost of edits between sequences of states, which are too many for a table of all costs."""
 
     cost: Cost = state_cost
 
@@ -103,7 +103,7 @@ class PlaceMeasure:
         return sum((edit.cost for edit in self.edits(one, other)), Fraction(0))
 
     def normalised(self, one: Feature, other: Feature) -> Distance:
-        """Return the mean cost of a place; no replacement costs more than 1."""
+        """Return the mean cost per place; no replacement costs more than 1."""
         return self.distance(one, other) / max(len(one), 1)
 
     def edits(self, one: Feature, other: Feature) -> tuple[Edit, ...]:
@@ -132,7 +132,7 @@ class SetMeasure:
         return self.distance(one, other) / union if union else Fraction(0)
 
     def edits(self, one: Feature, other: Feature) -> tuple[Edit, ...]:
-        """Return the elements that are in one set only, those of the first set first."""
+        """Return the elements that are in only one of the sets, beginning with those of the first."""
         lost, gained = ({*one} - {*other}, {*other} - {*one})
         return (
             *(Edit(0, each, None, Fraction(1)) for each in sorted(lost, key=str)),
@@ -148,7 +148,7 @@ class SetMeasure:
 
 @dataclass(frozen=True)
 class StringMeasure:
-    """A distance between texts: between 0 and 1 if `bounded`, otherwise a number of edits."""
+    """A distance between texts: between 0 and 1 if `bounded`, and otherwise a number of edits."""
 
     function: StringDistance
     bounded: bool

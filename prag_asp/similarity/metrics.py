@@ -1,4 +1,4 @@
-"""The metrics between tasks: a new metric is one row of `METRICS`."""
+"""The metrics between tasks; to add a metric, add a row to `METRICS`."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Metric:
     """A way to compare two tasks: `features` extracts the features of a task, and `measure` returns their measure.
 
     `axioms` is true if the measure is a metric: zero only for equal features, symmetric, and subject to the triangle
-    inequality. Otherwise it is a dissimilarity. `source` is the publication that defines it.
+    inequality. Otherwise, it is a dissimilarity. `source` is the publication that defines it.
     """
 
     name: str
@@ -149,7 +149,7 @@ METRICS = {
         ),
     )
 }  # fmt: skip
-"""All metrics, keyed by name."""
+"""All metrics, by name."""
 
 
 def metric_of(name: str) -> Metric:

@@ -1,4 +1,4 @@
-"""Edit distances with costs that a user gives, checked against the axioms of a metric."""
+"""Edit distances with costs given by the user, which are checked against the axioms of a metric."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from prag_asp.similarity.metrics import Metric
 from prag_asp.similarity.symbols import renamer
 
 ActionCost = Callable[[Atom | None, Atom | None], Fraction | int]
-"""The cost of replacing an action by another one; None in place of an action means to insert or to delete one."""
+"""The cost of replacing one action with another; None in place of an action stands for an insertion or a deletion."""
 
 
 def metric_with_costs(cost: ActionCost, actions: Iterable[Atom], background: Background | None = None) -> Metric:
@@ -27,7 +27,7 @@ def metric_with_costs(cost: ActionCost, actions: Iterable[Atom], background: Bac
     `background` has the interchangeable entities, which the costs must not distinguish.
 
     Raises:
-        QueryError: the costs distinguish interchangeable entities, or have no small common denominator.
+        QueryError: the costs distinguish interchangeable entities, or their common denominator is too large.
     """
     known = Background() if background is None else background
     symbols = list(dict.fromkeys(actions))
@@ -48,7 +48,7 @@ def metric_with_costs(cost: ActionCost, actions: Iterable[Atom], background: Bac
                 )
     reason = table.violation()
     return Metric(
-        "own costs",
+        "custom costs",
         f"Dissimilarity, because {reason}" if reason else "Edit distance with given costs",
         "Wagner and Fischer 1974",
         features.actions,

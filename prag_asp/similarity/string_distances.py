@@ -1,4 +1,4 @@
-"""String metrics of the paper's code and similar ones, on sequences of symbols; rapidfuzz computes all except one.
+"""String metrics from the paper's code, and similar ones, on sequences of symbols; rapidfuzz computes all but one.
 
 The code of the paper compares sequences by the distances of Levenshtein, Hamming and Jaro-Winkler, by the longest
 common subsequence and by the longest common substring.
@@ -20,7 +20,7 @@ FIRST_CODE = 0x20000
 """The first character that stands for a symbol; this and all following characters are valid."""
 
 PREFIX_WEIGHT = 0.1
-"""Weight of each of up to four equal symbols at the beginning (Winkler 1990)."""
+"""The weight of each of up to four equal symbols at the beginning (Winkler 1990)."""
 
 
 def rapidfuzz_distance() -> ModuleType:
@@ -38,7 +38,7 @@ def rapidfuzz_distance() -> ModuleType:
 
 
 def spelled(*sequences: Sequence[Symbol]) -> list[str]:
-    """Return sequences as texts with one character per symbol, the same for equal symbols."""
+    """Return sequences as texts with one character per symbol, which is the same for equal symbols."""
     characters: dict[Any, str] = {}
     return [
         "".join(characters.setdefault(symbol, chr(FIRST_CODE + len(characters))) for symbol in sequence)
@@ -47,9 +47,9 @@ def spelled(*sequences: Sequence[Symbol]) -> list[str]:
 
 
 def substring_distance(one: str, other: str) -> int:
-    """Return the number of characters to remove from the ends of one text and to add to obtain the other.
+    """Return how many characters have to be removed from, and added to, the ends of one text to obtain the other.
 
-    This is the sum of the lengths minus twice the length of the longest common substring. It is a metric: two
+    This is the sum of the lengths minus twice the length of the longest common substring. It is a metric, because two
     substrings of a text overlap in at least the sum of their lengths minus the length of the text.
     """
     longest, ending = 0, [0] * (len(other) + 1)

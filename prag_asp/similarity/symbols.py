@@ -1,4 +1,4 @@
-"""Symbols that metrics compare (actions, facts, states, links): rename the entities in them, and collect them."""
+"""Symbols that metrics compare (actions, facts, states and links): rename the entities in them, and collect them."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def renamer(names: Mapping[str, str]) -> Callable[[Symbol], Symbol]:
 
 
 def renamed_term(term: str, names: Mapping[str, str]) -> str:
-    """Return the text of a term with its entities renamed, also within other terms."""
+    """Return the text of a term with its entities renamed, including those within other terms."""
     if term in names:
         return names[term]
     name, parenthesis, rest = term.partition("(")

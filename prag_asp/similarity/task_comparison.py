@@ -1,4 +1,4 @@
-"""The distance between two tasks, minimal over renamings, and its explanation."""
+"""The distance between two tasks, minimised over renamings, and its explanation."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class TaskComparison:
     """Two tasks compared by a metric, with the entities of the second renamed so that the distance is minimal.
 
     `renaming` maps the entities of the second task that change their names to the new ones. `distance` is in the
-    metric's own unit, `normalised` lies between 0 and 1.
+    metric's own unit; `normalised` lies between 0 and 1.
     """
 
     metric: Metric
@@ -42,7 +42,7 @@ class TaskComparison:
 
     @property
     def parts(self) -> Mapping[str, TaskComparison]:
-        """The parts of a mixture, keyed by name, under the same renaming; empty for any other metric."""
+        """The parts of a mixture, by name, under the same renaming; empty for any other metric."""
         if not isinstance(self.measure, MixedMeasure):
             return {}
         parts = zip(COMBINED, self.measure.parts, self.one, self.other, strict=True)

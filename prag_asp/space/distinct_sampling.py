@@ -26,16 +26,17 @@ from prag_asp.space.sampling.rank_order import RankOrder, ShareOrder
 from prag_asp.space.sampling.remaining_words import RemainingWords, walks_of
 from prag_asp.space.sampling.samplers import GoalSampler, SkeletonSampler
 from prag_asp.space.task_sampling import TaskSampling
-from prag_asp.space.word_set import WordSet
+from prag_asp.space.word_set import RankedWords, WordSet
 
 BATCH = 512
 """Maximum number of tasks whose states are computed together."""
 
 MISSES = 50_000
-"""Consecutive draws without a new task after which rejection sampling ends."""
+"""Number of consecutive draws without a new task after which rejection sampling ends."""
 
 MOST_GROUPS = 20_000
-"""Maximum number of skeletons or goals whose remaining tasks are sampled; the sums of each take up to about 50 kB."""
+"""Maximum number of skeletons or goals whose remaining tasks are sampled; each needs running totals of up to about 50
+kB."""
 
 
 class RankedDraw(NamedTuple):
@@ -63,11 +64,12 @@ class TaskOrder(Protocol):
 class UniformOrder:
     """Tasks in uniformly random order with random access.
 
-    `order` numbers the words of `sets`, one set for each length; ranks are the ranks of these words in `whole`.
+    `order` contains ranks of words in `sets`, which has one set for each length; the ranks that are returned are those
+    of these words in `whole`.
     """
 
     whole: Sequence[WordSet]
-    sets: Sequence[WordSet]
+    sets: Sequence[RankedWords]
     order: RankOrder
     probabilities: Sequence[Fraction]
 
@@ -126,7 +128,7 @@ class WeightedOrder:
         self.sampling.batches(seed=self.seed)
 
     def pick(self, numbers: Iterable[int]) -> Iterator[RankedDraw]:
-        """Yield the tasks with the given ascending numbers; all tasks before the last one are sampled on the way."""
+        """Yield the tasks with the given ascending numbers; all tasks before the last of them are sampled as well."""
         requested = iter(numbers)
         following = next(requested, None)
         if following is None:
@@ -162,9 +164,9 @@ class WeightedOrder:
                 return
 
     def _remaining(self, seen: set[Letters]) -> Iterator[tuple[int, Draw]]:
-        """Yield the tasks that have not been seen.
+        """Yield the tasks that have not been sampled yet.
 
-        Words that were seen or are not accepted are removed when they are sampled, at most once.
+        A word that was seen before or is not accepted is removed when it is sampled, so it is sampled at most once.
         """
         sources = self._grouped_sources() if self.sampling.over else self._sources()
         total = sum((each.unit * each.words.weight for each in sources), start=Fraction(0))
@@ -239,7 +241,7 @@ def nonempty_sets(sampling: TaskSampling) -> tuple[WordSet, ...]:
         QueryError: all lengths are empty.
     """
     engines, by = sampling.engines, sampling.by
-    for length in sorted(sampling.lengths, reverse=True):  # the exploration for the longest length covers all lengths
+    for length in sorted(sampling.lengths, reverse=True):  # the exploration for the greatest length covers all lengths
         engines.count(by, length)
     sets = tuple(WordSet(engines, by, length) for length in sampling.lengths if engines.count(by, length))
     if not sets:

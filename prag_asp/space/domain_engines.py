@@ -1,4 +1,4 @@
-"""The engines of a domain, created lazily, and the counts, samplers and task builder that its task spaces share."""
+"""The engines of a domain, created lazily, and the counts, samplers and task builder shared by its task spaces."""
 
 from __future__ import annotations
 
@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from prag_asp.space.reduced_count import ReducedCounter
 
 ONE_STEP, CLINGO, SHORTEST = (AUTO, "automaton", "symbolic"), "clingo", "shortest"
-"""The engines that ground one step for all steps, the one that grounds each step, and the one for ``shortest``."""
+"""The engines that use one ground step for all steps, the engine that grounds each step, and the engine for
+``shortest``."""
 
 Value = TypeVar("Value")
 
@@ -34,8 +35,8 @@ Value = TypeVar("Value")
 class DomainEngines:
     """The engines of a domain under some conditions, one for each level and length.
 
-    No plan has fewer than `fewest_actions` actions; shorter lengths need no engine. With `shortest`, the
-    words are only those plans of the program whose goal no shorter plan reaches.
+    No plan has fewer than `fewest_actions` actions; shorter lengths need no engine. With `shortest`, only those plans
+    of the program whose goal cannot be reached by a shorter plan are words.
     """
 
     model: DomainLogic
@@ -49,12 +50,12 @@ class DomainEngines:
     _latest: dict[str, tuple[Any, Any]] = field(default_factory=dict)
 
     def engine(self, by: Level, length: int) -> Engine:
-        """Return the engine of a level, for a length."""
+        """Return the engine for a level and a length."""
         if length < self.fewest_actions:
             return NoWords(self.model, by)
         model, name = self.model, self.name
         if length == 0 and name in ONE_STEP and not model.obstacles and model.ground.after_steps_alone:
-            name = CLINGO  # other engines would check rules after a step on the plan without actions
+            name = CLINGO  # other engines would apply the rules that hold after a step to the plan without actions
         if self.shortest and length:
             from prag_asp.space.shortest_tasks import ShortestEngine
 
@@ -72,7 +73,7 @@ class DomainEngines:
         return self._engines[by, name]
 
     def count(self, by: Level, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words, and cache it."""
+        """Return the number of words; it is cached."""
         key = (by, length, prefix)
         if key not in self._counts:
             reduced = self._reduced.count(by, length, prefix) if self._reduced else None
@@ -80,10 +81,10 @@ class DomainEngines:
         return self._counts[key]
 
     def require_program(self, what: str) -> None:
-        """Check that the answer sets of the program are the plans.
+        """Check that the answer sets of the program are exactly the plans.
 
         Raises:
-            QueryError: a condition is not part of the program; `what` names the request.
+            QueryError: a condition is not part of the program; `what` names the request in the message.
         """
         if self.shortest:
             raise QueryError(
@@ -105,7 +106,7 @@ class DomainEngines:
         return estimate_words(self.model, by, length, prefix, tolerance, seed, self.limits)
 
     def under(self, condition: Condition, whole: DomainLogic | None) -> DomainEngines:
-        """Return engines of the same domain under another condition; `whole` holds the renamings that define tasks."""
+        """Return engines for the same domain under another condition; `whole` has the renamings that define tasks."""
         from prag_asp.space.conditions.clause_kinds import SHORTEST as NO_DETOUR
         from prag_asp.space.conditions.conditioned_domain import conditioned
 
@@ -117,7 +118,7 @@ class DomainEngines:
 
     @cached_property
     def _reduced(self) -> ReducedCounter | None:
-        """The counter of the small-model reduction; None for a domain without such a reduction."""
+        """The counter for the small-model reduction, or None if the domain has no such reduction."""
         domain = self.model.domain
         if domain.reduction is None:
             return None
@@ -126,7 +127,7 @@ class DomainEngines:
         return ReducedCounter(domain, domain.reduction, self.name, self.progress, self.limits)
 
     def latest(self, kind: str, key: Any, make: Callable[[], Value]) -> Value:
-        """Return the value of a key; only the latest value of each kind is cached because samplers are large."""
+        """Return the value for a key; only the latest value of each kind is cached because samplers are large."""
         if kind not in self._latest or self._latest[kind][0] != key:
             self._latest[kind] = (key, make())
         value: Value = self._latest[kind][1]
@@ -134,7 +135,7 @@ class DomainEngines:
 
     @cached_property
     def actions(self) -> dict[str, clingo.Symbol]:
-        """The actions of the domain; the keys are their texts."""
+        """The actions of the domain by their texts."""
         return {str(action): action for action in self.model.domain.facts.actions}
 
     @cached_property

@@ -29,19 +29,19 @@ if TYPE_CHECKING:
 
 
 LONGEST = tuple(2**power for power in range(2, 11))
-"""Lengths up to which the automaton is explored in turn for the shortest task; each takes about as long as all before.
-"""
+"""Greatest length up to which lengths are tried in turn for the shortest task; each takes about as long as all before
+it."""
 
 MOST_STATES = 50_000
-"""Number of states after which the search for the shortest task ends; exploring them takes a second or two."""
+"""Number of states after which the search for the shortest task ends; exploring that many takes a second or two."""
 
 
 @dataclass(frozen=True)
 class Reasons:
     """A minimal set of conditions of a space and lines of its domain that together leave no task.
 
-    Removing any one of them, with only the others as restrictions, leaves a task. Without lines, the declarations of
-    the domain alone allow no task.
+    If any one of them is removed, and only the others apply, there is a task. If there are no lines, the declarations
+    of the domain by themselves allow no task.
     """
 
     conditions: tuple[Clause, ...]
@@ -53,9 +53,9 @@ def why_empty(
 ) -> Reasons | None:
     """Return why a space has no task, or None if it has one.
 
-    With `action`, an action or an action name, only tasks that contain it count; with `step`, from 1, only tasks that
-    have it at that step. A postcondition that is not among the reasons may change its fluent to any value. With
-    `smallest`, the number of lines is minimal.
+    With `action`, which is an action or an action name, only tasks that contain it count; with `step`, which counts
+    from 1, only tasks that contain it at that step. A postcondition that is not among the reasons may change its fluent
+    to any value. With `smallest`, the number of lines is minimal.
 
     Raises:
         QueryError: there is no such action or step.
@@ -77,11 +77,11 @@ def why_empty(
 def fewest_changes(
     space: TaskSpace, *, action: str | Atom | None = None, step: int | None = None
 ) -> tuple[tuple[RestrictingLine, ...], ...]:
-    """Return the single lines of the domain whose removal makes an empty space nonempty; all its conditions stay.
+    """Return the single lines of the domain each of whose removal makes an empty space nonempty; all conditions stay.
 
-    If no single line suffices, the result is one smallest set of lines; if all lines together do not suffice, the
-    result is empty. For a nonempty space, the only element of the result is the empty set of lines. For `action` and
-    `step`, see `why_empty`.
+    If no single line suffices, the result is one set of lines of minimal size; if all lines together do not suffice,
+    the result is empty. For a nonempty space, the only element of the result is the empty set of lines. For `action`
+    and `step`, see `why_empty`.
 
     Raises:
         QueryError: there is no such action or step.
@@ -95,9 +95,10 @@ def fewest_changes(
 
 
 def shortest_length(space: TaskSpace) -> int | None:
-    """Return the smallest number of actions, from 1, of a task that satisfies a space's conditions, or None.
+    """Return the length, at least 1, of a shortest task under a space's conditions, or None if there is no task.
 
-    The length of the space does not matter. Found by breadth-first search in the automaton of all lengths.
+    The length of the space does not matter. The result is found by breadth-first search in the automaton for all
+    lengths.
 
     Raises:
         LimitReached: the automaton has more than `MOST_STATES` states, or a limit of the space is reached.
@@ -119,7 +120,7 @@ def shortest_length(space: TaskSpace) -> int | None:
 
 
 def _steps_to_acceptance(automaton: Automaton) -> int | None:
-    """Return the number of letters, from 1, of a shortest word; None if the automaton has no such word."""
+    """Return the length, at least 1, of a shortest word, or None if the automaton has no such word."""
     reached, steps = np.zeros(automaton.states, dtype=np.bool_), 0
     edges = np.flatnonzero(automaton.sources == 0)
     while len(edges):
@@ -140,7 +141,7 @@ def _program(space: TaskSpace, clauses: Sequence[Clause]) -> Program:
 
 
 def _occurring(space: TaskSpace, action: str | Atom | None, step: int | None) -> Occurring | None:
-    """Return the requested actions with their possible steps; None if no action is requested.
+    """Return the requested actions with their possible steps, or None if no action is requested.
 
     Raises:
         QueryError: there is no such action or step.

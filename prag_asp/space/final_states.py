@@ -1,7 +1,7 @@
 """Count the words of one length that begin with a given prefix and end in a state with certain facts.
 
-The weights of the paths from the state after the prefix are summed up edge by edge; those of the last edges are then
-added up by the known values of the final state. Numbers are exact.
+The weights of the paths from the state after the prefix are computed step by step; for the last step, they are summed
+separately for each set of known values in the final state. Numbers are exact.
 """
 
 from __future__ import annotations
@@ -30,14 +30,15 @@ Numbers = NDArray[Any]
 
 
 FEW_EDGES, MANY_EDGES = 200_000, 2_000_000
-"""Maximum numbers of edges of an automaton that remembers all fluents, and of one that remembers only what plans do."""
+"""Maximum number of edges of an automaton that remembers all fluents, and of one that remembers only the fluents that
+plans need."""
 
 
 @dataclass(frozen=True)
 class Ending:
-    """The number of words after which one of the given facts is known to hold, and the number after which one may.
+    """The number of words after which one of the given facts is known to hold, and the number after which one may hold.
 
-    In an open world, values may be unknown. The condition that a word ends with one of the facts leaves the `possible`
+    In an open world, values may be unknown. The condition that one of the facts holds in the end leaves the `possible`
     words.
     """
 
@@ -49,8 +50,8 @@ class Ending:
 class FinalStates:
     """The known values of `fluents`, given by their numbers, in the final states of the words of one length.
 
-    The words are the paths of `automaton` with `length` edges; `goals` numbers the known values after each edge, shape
-    (edges,), and `values` holds them, shape (fluents, goals). `letters` are the texts of the letters.
+    The words are the paths of `automaton` with `length` edges; `goals` holds the number of the known values after each
+    edge, shape (edges,), and `values` holds them, shape (fluents, goals). `letters` are the texts of the letters.
     """
 
     length: int
@@ -131,7 +132,7 @@ class FinalStates:
 def final_states(model: DomainLogic, engine: Engine, level: Level, length: int, clock: LimitClock) -> FinalStates:
     """Return the final states of the plans or tasks of a given length.
 
-    If remembering all fluents takes too many states, only the fluents that every plan has to remember are counted.
+    If remembering all fluents would take too many states, only the fluents that every plan needs are counted.
 
     Raises:
         LimitReached: a limit ended the exploration of the states.
@@ -144,7 +145,7 @@ def final_states(model: DomainLogic, engine: Engine, level: Level, length: int, 
         step = model.step
         explorer = Explorer(model, level, merge=False)
         memory = frozenset(explorer.transition().variables)
-    except EngineError:  # a step is not a function of state and action
+    except EngineError:  # a step is not a function of the state and the action
         return _listed(engine, length, len(fluents))
     remembered = [place for place, each in enumerate(fluents) if memory.issuperset(Hindsight(step, (each,)).last_read)]
     for chosen, edges in ((list(range(len(fluents))), FEW_EDGES), (remembered, MANY_EDGES)):
@@ -160,7 +161,7 @@ def final_states(model: DomainLogic, engine: Engine, level: Level, length: int, 
 
 
 def _listed(engine: Engine, length: int, fluents: int) -> FinalStates:
-    """Return the final states of words whose states or words the engine lists."""
+    """Return the final states of words if the engine lists their states or the words themselves."""
     weighed = engine.weighed(length, Weights(), goals=True)
     assert weighed.goals is not None and weighed.goal_values is not None, "goals are requested"
     values, places = weighed.goal_values, tuple(range(fluents))

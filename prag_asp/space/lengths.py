@@ -9,14 +9,14 @@ from itertools import chain, pairwise
 from prag_asp.errors import QueryError
 
 RANGE = re.compile(r"-[0-9]+|(?P<first>[0-9]{1,999})(\s*\.\.\s*(?P<last>[0-9]{1,999}))?")
-"""A number, or a range; Python does not convert numbers of arbitrarily many digits."""
+"""The pattern of a number or a range; Python does not convert numbers with arbitrarily many digits."""
 
 LONGEST = 1_000_000
-"""The largest length: the number of its plans may have a million digits, and time grows faster than the length."""
+"""The largest length: its number of plans may have a million digits, and time grows faster than the length."""
 
 
 def parse_lengths(length: int | str | Iterable[int]) -> tuple[int, ...]:
-    """Return the lengths that a value specifies, in its order.
+    """Return the lengths that a value specifies, in the given order.
 
     Raises:
         QueryError: there is no length, a length is not a whole number from 0 to `LONGEST`, or a length is repeated.

@@ -18,7 +18,8 @@ BINARY = {"ki": 2**10, "mi": 2**20, "gi": 2**30, "ti": 2**40}
 DURATIONS = {"": 1, "s": 1, "m": 60, "min": 60, "h": 3600}
 QUANTITY = r"(?P<number>\d+(\.\d+)?)\s*(?P<unit>[a-z]*)"
 LEAST_CLOSING, MOST_CLOSING = 0.1, 5.0
-"""Bounds in seconds on the extra time for counting partial results after a limit; in between, 5 % of the limit."""
+"""Bounds in seconds on the extra time for counting partial results after a limit; between them, it is 5 % of the limit.
+"""
 
 Item = TypeVar("Item")
 
@@ -28,8 +29,8 @@ class Limits:
     """The limits of a query: memory of the whole process in bytes, and seconds; None means unlimited.
 
     They are checked between steps in Python; clingo's grounder, for example, does not check them. With `cached`,
-    expensive results are cached for the next run. `since` is the common start of all queries on the monotonic clock; if
-    it is None, each query has its own start. `stop` may return another reason to end a query.
+    expensive results are cached for the next run. `since` is the common starting time of all queries on the monotonic
+    clock; if it is None, each query has its own. `stop` may return another reason to end a query.
     """
 
     memory_bytes: int | None = None
@@ -48,14 +49,14 @@ UNLIMITED = Limits()
 
 @dataclass(frozen=True)
 class LimitClock:
-    """The limits of a query, and its start on the monotonic clock; `closing` is extra time for its end, in seconds."""
+    """The limits of a query and its start on the monotonic clock; `closing` is extra time at the end, in seconds."""
 
     limits: Limits
     begun: float
     closing: float = 0.0
 
     def reached_limit(self, more_bytes: int = 0) -> StopReason | None:
-        """Return which limit is reached, or None; `more_bytes` are about to be allocated."""
+        """Return the limit that is reached, or None; `more_bytes` are about to be allocated."""
         seconds, memory = self.limits.seconds, self.limits.memory_bytes
         if seconds is not None and monotonic() - self.begun > seconds + self.closing:
             return StopReason(StopKind.TIME, seconds)
@@ -64,12 +65,12 @@ class LimitClock:
         return self.limits.stop() if self.limits.stop else None
 
     def left(self) -> float | None:
-        """Return the remaining seconds, or None without a time limit."""
+        """Return the remaining seconds, or None if there is no time limit."""
         seconds = self.limits.seconds
         return None if seconds is None else max(self.begun + seconds - monotonic(), 0.0)
 
     def to_close(self) -> LimitClock:
-        """Return the clock for counting partial results at a limit: it has the remaining time, and a little more.
+        """Return the clock for counting partial results at a limit: it allows the remaining time, and a little more.
 
         It has no memory limit because counting needs little memory.
         """
@@ -117,7 +118,7 @@ def limit_error(reason: StopReason, found: int, level: str, length: int, states:
 
 
 def parse_memory(text: str) -> int:
-    """Return a number of bytes given as 500MB, 4GB, 2GiB or a plain number.
+    """Return a number of bytes given as a text such as 500MB, 4GB, 2GiB or a plain number.
 
     Raises:
         QueryError: the text is not such a quantity.
@@ -130,7 +131,7 @@ def parse_memory(text: str) -> int:
 
 
 def parse_time(text: str) -> float:
-    """Return a number of seconds given as 60, 60s, 1.5m or 2h.
+    """Return a number of seconds given as a text such as 60, 60s, 1.5m or 2h.
 
     Raises:
         QueryError: the text is not such a quantity.

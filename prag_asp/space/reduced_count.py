@@ -75,7 +75,7 @@ class ReducedCounter:
 
 @dataclass
 class ReducedModel:
-    """The logic of the reduced program, and the `groups` of entities of the whole program.
+    """The logic of the reduced program, and the `groups` of entities in the whole program.
 
     `name` is the name of the engine.
     """
@@ -103,7 +103,7 @@ class ReducedModel:
 
     @cached_property
     def alike(self) -> tuple[Group, ...]:
-        """The groups of interchangeable entities that are ground."""
+        """The groups of interchangeable entities in the ground program."""
         return self.model.groups(0)
 
     @cached_property
@@ -125,7 +125,7 @@ class ReducedModel:
     def _keep_units(self, sizes: Sequence[int]) -> bool:
         """Return whether the same units are interchangeable in the whole program, given the sizes of its groups.
 
-        Groups must have equal sizes in the whole program exactly if they have equal sizes in the reduced one.
+        Groups must have equal sizes in the whole program if and only if they have equal sizes in the reduced one.
         """
         size_of = {entity: size for group, size in zip(self.alike, sizes, strict=True) for entity in group}
         ground_sizes: dict[object, set[int]] = {}
@@ -164,7 +164,7 @@ class ReducedModel:
         return _renamed(weight, [*zip(pairs, places, strict=False)])
 
     def listed_plans(self, length: int, prefix: Letters) -> int:
-        """Return the number of plans of a given length: enumerate the tasks and count the renamings of each."""
+        """Return the number of plans of a given length by enumerating the tasks and counting the renamings of each."""
         actions = {str(action): action for action in self.model.domain.facts.actions}
         members, plans = self.model.symmetries(0).entities, 0
         try:
@@ -185,7 +185,8 @@ class ReducedModel:
 def _renamed(weight: int, groups: Sequence[tuple[tuple[int, int], int]]) -> int:
     """Return the number of plans of the whole program, given the weighted count of the reduced one.
 
-    Each group is given by its size in the whole and in the reduced program, and its number of bits per digit.
+    Each group is given by its size in the whole program, its size in the reduced program, and its number of bits per
+    digit.
     """
     if not groups:
         return weight

@@ -1,8 +1,8 @@
-"""The engine of the condition ``shortest``: the words of tasks to whose goal no shorter plan leads.
+"""The engine for the condition ``shortest``: its words are the tasks whose goal no shorter plan reaches.
 
-Whether there is a shorter plan depends on the whole plan, but only through what it makes known about its initial state
-and its final state. The states of the automaton are refined by both (``encodings/conditions/shortest.lp``); then a
-state decides, for plans of one length that end in it, whether it accepts.
+Whether there is a shorter plan depends on the whole plan, but only through what the plan makes known about its initial
+state and its final state. The states of the automaton are refined by both (``encodings/conditions/shortest.lp``), so
+that a state by itself determines whether the plans of one length that end in it are accepted.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ MOST_STARTS = 5000
 
 @dataclass(frozen=True)
 class ShortestExplorer(Explorer):
-    """An explorer whose states accept plans of `length` actions only if no shorter plan has the same start and goal."""
+    """An explorer whose states accept plans of `length` actions if no shorter plan has the same start and goal."""
 
     length: int = 0
 
     @property
     def _atoms(self) -> tuple[clingo.Symbol, ...]:
-        """The atoms of the known values at the start, and then of those at the end."""
+        """The atoms for the known values at the start, followed by those for the known values at the end."""
         fluents = self.model.domain.facts.fluents
         values = [(fluent, clingo.Function(text)) for fluent in fluents for text in TRUTH.values()]
         return tuple(FINDING.timeless(clingo.Function(kind, [*each])) for kind in ("began", "ended") for each in values)
@@ -103,7 +103,7 @@ class ShortestExplorer(Explorer):
 
 
 def _reached(automaton: Automaton, length: int) -> NDArray[np.bool_]:
-    """Return which states are reached by a word of a given length."""
+    """Return which states some word of a given length reaches."""
     reached = np.zeros(automaton.states, dtype=np.bool_)
     reached[:1] = True
     for _ in range(length):
@@ -114,7 +114,7 @@ def _reached(automaton: Automaton, length: int) -> NDArray[np.bool_]:
 
 
 class ShortestEngine:
-    """The engine of one level for tasks without detours, with one automaton for each length.
+    """The engine for one level of tasks without detours, with one automaton for each length.
 
     Raises:
         EngineError: another engine is requested, or the step is not a function of the state and the action.

@@ -36,7 +36,7 @@ class TaskSampling:
     over: Over | None = None
 
     def batches(self, *, seed: int) -> Iterator[list[Draw]]:
-        """Return draws as texts, each with its exact probability, in growing batches, endlessly.
+        """Return draws as texts, each with its exact probability, endlessly, in batches that grow.
 
         Raises:
             QueryError: there is nothing to sample, or goals are to be sampled first over several lengths.
@@ -63,7 +63,7 @@ class TaskSampling:
     def array(self, count: int, *, seed: int, first: int = 0) -> NDArray[np.int32]:
         """Return draws of one length from number `first` on, as an array of shape (count, length).
 
-        Its values index `action_texts` of the space. Ranges of draws may be computed separately.
+        Its values are indices into the `action_texts` of the space. Ranges of draws may be computed separately.
 
         Raises:
             QueryError: there is nothing to sample, or `count` is negative.
@@ -73,7 +73,7 @@ class TaskSampling:
         return self.sampler().sample(SeededBits(seed), first, count, with_probabilities=False).letters
 
     def sampler(self, length: int | None = None) -> Sampler:
-        """Return the sampler of a given length, by default the only one; the latest sampler is cached.
+        """Return the sampler for a given length, by default the only one; the latest sampler is cached.
 
         Raises:
             QueryError: there is nothing to sample.
@@ -87,11 +87,11 @@ class TaskSampling:
         return self.engines.latest("sampler", (self.by, chosen, self.weights, self.over), make)
 
     def total_weight(self) -> Fraction:
-        """Return the exact sum of the weights of all words; without weights, their number."""
+        """Return the exact sum of the weights of all words, which is their number if there are no weights."""
         return sum(map(self._weight, self.lengths), start=Fraction(0))
 
     def weight_without(self, what: Collection[str]) -> Fraction:
-        """Return the exact weight of all words of one length without some names and pairs of names (``grasp>move``).
+        """Return the exact weight of all words of one length without certain names and pairs of names (``grasp>move``).
 
         Raises:
             QueryError: an item is neither an action's name nor a pair of names.
@@ -123,7 +123,7 @@ class TaskSampling:
     def _portions(self) -> list[Portion]:
         """Return the samplers of all lengths with a weight above 0, shortest first."""
         portions = []
-        for length in sorted(self.lengths, reverse=True):  # the exploration for the longest length covers all lengths
+        for length in sorted(self.lengths, reverse=True):  # the exploration for the greatest length covers all lengths
             weight = self._weight(length)
             if weight:
                 sampler = self.sampler(length)

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from prag_asp.space.weights.temperature import Temperature
 
 SHOWN_LENGTHS, LONG_COUNT = 50, 10**60
-"""Maximum number of lengths, and the first number that is too long, in a table of a notebook."""
+"""In a table of a notebook, the maximum number of lengths, and the smallest number that is too long to be shown."""
 
 GivenWeights = Mapping[str, Number] | Weights | None
 """Weights keyed by action names, pairs (``grasp>move``), entities and classes; None means the weights of the domain."""
@@ -79,7 +79,7 @@ class TaskSpace:
         self.condition = Condition()
         self._part_of: TaskSpace | None = None
         self._longest: int | None = None
-        """The largest length of the engines, or None if they answer for all lengths."""
+        """The greatest length for which the engines can answer, or None if they can answer for all lengths."""
 
     def __copy__(self) -> TaskSpace:
         space = object.__new__(type(self))
@@ -87,7 +87,7 @@ class TaskSpace:
         return space
 
     def __getstate__(self) -> tuple[Any, ...]:
-        """Return the state to pickle; the copy recomputes its results and reports no progress."""
+        """Return the state to pickle; the unpickled copy recomputes results and reports no progress."""
         engines = self.engines
         return self.domain, self.lengths, engines.name, engines.limits, self.condition, self._part_of
 
@@ -185,19 +185,19 @@ class TaskSpace:
         self._longest = None if condition == self.condition else max(self.lengths)
 
     def part(self, condition: str | Condition) -> TaskSpace:
-        """Return the tasks that satisfy a condition invariant under renamings, up to the renamings of this space.
+        """Return the tasks that satisfy a condition, up to the renamings of this space, which preserve the condition.
 
-        `where` may make more entities interchangeable: for example a and b, if one entity is on each.
+        With `where`, more entities may be interchangeable: for example a and b, if one entity is on each.
         """
         return self._restricted([condition], self)
 
     @property
     def whole(self) -> TaskSpace:
-        """The space of which this space is a part; this space itself if it is not a part."""
+        """The space of which this space is a part, or this space itself if it is not a part."""
         return self if self._part_of is None else self._part_of.whole
 
     def same_tasks(self, other: object) -> bool:
-        """Return whether another space has the same domain, lengths and conditions, and so the same ranks."""
+        """Return whether another space has the same domain, lengths and conditions, and therefore the same ranks."""
         if not isinstance(other, TaskSpace):
             return False
         request = self.domain, self.lengths, self.condition
@@ -217,10 +217,11 @@ class TaskSpace:
         return sum(self.engines.count(by, length, first) for length, first in self._prefixes(by, prefix))
 
     def next_actions(self, prefix: Prefix = (), by: Level = "task") -> dict[str, int]:
-        """Return each action or name that may follow `prefix`, with the exact number of words that begin so.
+        """Return each action or name that may follow `prefix`, with the exact number of words that begin that way.
 
         The words are plans, tasks or skeletons. Numbers are above 0, and add up to the number of words that begin with
-        `prefix`, unless it is as long as they are. The actions of tasks have canonical names of entities.
+        `prefix`, unless `prefix` is already as long as the words. The actions of tasks have canonical names of
+        entities.
 
         Raises:
             QueryError: there is no such level, the space has several lengths, or the prefix names no action.
@@ -231,10 +232,10 @@ class TaskSpace:
         return self.engines.engine(by, length).following(length, first)
 
     def ending(self, facts: Sequence[Collection[str]], prefix: Prefix = (), by: Level = "task") -> list[Ending | None]:
-        """Return for each set of `facts` how many plans or tasks begin with `prefix` and end with one of its facts.
+        """Return, for each set of `facts`, how many plans or tasks begin with `prefix` and end with one of its facts.
 
-        Facts of tasks have canonical names of entities. A set is None if one of its facts takes too many states to
-        count together with the others; the condition ``ends`` counts it alone.
+        Facts of tasks have canonical names of entities. The result is None for a set with a fact that takes too many
+        states to be counted together with the others; the condition ``ends`` can count it separately.
 
         Raises:
             QueryError: there is no such level or fact, or the space has several lengths.
@@ -262,7 +263,7 @@ class TaskSpace:
         return found.count(first, [[places[fact] for fact in each] for each in facts])
 
     def _prefixes(self, by: Level, prefix: Prefix) -> list[tuple[int, Letters]]:
-        """Return each length with a prefix in the form that its engine expects."""
+        """Return each length with a prefix in the form that the engine for this length expects."""
         checked_level(by)
         model = self.engines.model
         return [(length, engine_prefix(prefix, by, length, self.domain, model)) for length in self.lengths]
@@ -270,7 +271,7 @@ class TaskSpace:
     def estimate(
         self, by: Level = "task", prefix: Prefix = (), *, epsilon: float = 0.8, delta: float = 0.2, seed: int = 0
     ) -> Estimate:
-        """Return an approximate number of plans, tasks or skeletons that begin with `prefix`; the engine is ApproxMC.
+        """Return the approximate number of plans, tasks or skeletons that begin with `prefix`, computed by ApproxMC.
 
         With a probability of at least 1 - `delta`, it is within a factor of 1 + `epsilon` of the exact number.
 
@@ -286,7 +287,7 @@ class TaskSpace:
         return self.engines.estimate(by, length, first, tolerance, seed)
 
     def enumerate(self, by: Level = "task", prefix: Prefix = ()) -> Iterator[tuple[str, ...]]:
-        """Yield plans and tasks as texts of actions, skeletons as names, length by length in rank order, lazily.
+        """Yield plans and tasks as texts of actions, or skeletons as names, lazily, length by length in order of rank.
 
         Raises:
             QueryError: there is no such level, or the prefix names no action of the domain.
@@ -295,7 +296,7 @@ class TaskSpace:
         return chain(next(words), chain.from_iterable(words))
 
     def tasks(self, prefix: Prefix = ()) -> Iterator[Task]:
-        """Yield each task that begins with `prefix` once, length by length in rank order, lazily."""
+        """Yield each task that begins with `prefix` once, lazily, length by length in order of rank."""
         return self.tasks_of_plans(self.enumerate("task", prefix))
 
     def __iter__(self) -> Iterator[Task]:
@@ -342,7 +343,7 @@ class TaskSpace:
         return rank
 
     def action_texts(self, by: Level = "task") -> tuple[str, ...]:
-        """Return the texts of actions, or names for skeletons, that the numbers of ``sampling().array`` index."""
+        """Return the texts of the actions, or names for skeletons, to which numbers in ``sampling().array`` refer."""
         return self.engines.engine(checked_level(by), self.lengths[0]).letters
 
     def readings(self, task: Task) -> Readings:
@@ -356,7 +357,7 @@ class TaskSpace:
         return self.engines.task_builder.tasks((plan, None) for plan in plans)
 
     def tasks_of_draws(self, draws: Sequence[ProbablePlan]) -> list[Task]:
-        """Return the task of each draw, with the logarithm of its probability; a batch is faster than single draws."""
+        """Return the task of each draw, with the logarithm of its probability; batches are faster than single draws."""
         from prag_asp.space.sampling.streams import log_probability
 
         return self.engines.task_builder.build([(draw.word, log_probability(draw.probability)) for draw in draws])
@@ -375,15 +376,16 @@ class TaskSpace:
         """Return random tasks with probabilities exactly proportional to their weights.
 
         `weights` maps action names, pairs (``grasp>move``), entities and classes to exact numbers; None stands for the
-        weights of the domain, and an empty mapping samples uniformly. A task's weight is a product over its actions, so
-        among several lengths weights above 1 favour long tasks. At `temperature` T each weight w becomes about w^(1/T);
-        ``"inf"`` makes all weights equal. With ``over="skeletons"`` (or ``"goals"``, at one length), a skeleton (or the
-        known part of a final state) is sampled uniformly, and then one of its tasks by weight. With ``by="plan"``,
-        plans are sampled instead of tasks. Samples are independent; with `distinct`, they are drawn without
-        replacement.
+        weights of the domain, and with an empty mapping, tasks are sampled uniformly. A task's weight is a product over
+        its actions, so if there are several lengths, weights above 1 favour long tasks. At `temperature` T each weight
+        w becomes about w^(1/T); ``"inf"`` makes all weights equal. With ``over="skeletons"`` (or ``"goals"``, at one
+        length), a skeleton (or the known part of a final state) is sampled uniformly, and then one of its tasks by
+        weight. With ``by="plan"``, plans are sampled instead of tasks. Samples are independent; with `distinct`, they
+        are drawn without replacement.
 
         Raises:
-            QueryError: there is nothing to sample, fewer distinct tasks than `count`, or a weight matches nothing.
+            QueryError: there is nothing to sample, there are fewer distinct tasks than `count`, or a weight matches
+                nothing.
         """
         if count < 0:
             raise QueryError(f"cannot sample {count} tasks; give a number of at least 0")
@@ -426,7 +428,7 @@ class TaskSpace:
         temperature: Temperature = 1,
         over: Over | None = None,
     ) -> TaskSampling:
-        """Return the distribution from which `sample` draws: draws as texts and arrays, total weight, statistics.
+        """Return the distribution from which `sample` draws: draws as texts or arrays, total weight and statistics.
 
         Raises:
             QueryError: there is no such level, or a weight matches nothing in the domain.
@@ -436,7 +438,7 @@ class TaskSpace:
         return TaskSampling(self.engines, checked_level(by), self.lengths, self.weights(weights, temperature), over)
 
     def weights(self, weights: GivenWeights = None, temperature: Temperature = 1) -> Weights:
-        """Return parsed weights at a temperature.
+        """Return the parsed weights at a given temperature.
 
         Raises:
             QueryError: a weight matches nothing in the domain, or is not an exact number of at least 0.
@@ -459,7 +461,7 @@ class TaskSpace:
         return self.sampling(weights=weights, by=by, temperature=temperature).statistics()
 
     def split(self, shares: Mapping[str, Number | float], *, seed: int = 0) -> dict[str, RankedTasks]:
-        """Return disjoint random parts with these shares of the tasks, each rounded by less than one task.
+        """Return disjoint random parts with the given shares of the tasks, each rounded by less than one task.
 
         Raises:
             QueryError: the shares do not add up to 1.
@@ -474,7 +476,7 @@ class TaskSpace:
         """Return disjoint random parts that share no skeleton, each a task space of this length.
 
         Their shares of the tasks are within two percentage points of the requested ones. If whole skeletons do not
-        allow this, the parts have the closest shares that the search finds, with a `SharesWarning`.
+        allow this, the parts have the closest shares that the search finds, and a `SharesWarning` is issued.
 
         Raises:
             QueryError: the shares do not add up to 1.
@@ -511,7 +513,7 @@ class TaskSpace:
         return self.part(without), self.part(having)
 
     def dimacs(self, by: Level = "task") -> Iterator[str]:
-        """Yield the lines of a DIMACS formula with one projected model for each word, for model counters.
+        """Yield the lines of a DIMACS formula for model counters, with one projected model for each word.
 
         Raises:
             QueryError: there is no such level.

@@ -27,7 +27,7 @@ from prag_asp.space.strata.allocation import StratifiedBy
 from prag_asp.space.strata.stratum import strata_of
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.space.weights.weights import Weights
-from prag_asp.space.word_set import WordSet
+from prag_asp.space.word_set import RankedWords, WordSet
 from prag_asp.task import Task
 from prag_asp.wording import unknown
 
@@ -54,7 +54,7 @@ class DealtOrder:
 
 @dataclass(frozen=True)
 class Division:
-    """A division of tasks: by `shares` of tasks or of whole skeletons, by a held-out feature, or into strata.
+    """A division of tasks: into `shares` of tasks or of whole skeletons, by a held-out feature, or into strata.
 
     The shares of `strata` are those of a sample.
     """
@@ -73,7 +73,7 @@ class Division:
         hold_out: str | None = None,
         strata: StratifiedBy | None = None,
     ) -> Division:
-        """Return the division with some shares: by default a single part or, with `hold_out`, 4/5 for training.
+        """Return the division with the given shares: by default, a single part or, with `hold_out`, 4/5 for training.
 
         Raises:
             QueryError: the shares do not add up to 1, or do not fit the other options.
@@ -94,13 +94,13 @@ class Division:
 
     @property
     def by_tasks(self) -> bool:
-        """True if any two tasks may be in different parts."""
+        """Whether any two tasks may be in different parts."""
         return not self.skeletons and self.hold_out is None and self.strata is None
 
 
 @dataclass(frozen=True)
 class SpacePart:
-    """The tasks of one part of a divided space; `order` numbers the words of `sets`, one set for each length."""
+    """The tasks of one part of a divided space; `order` contains ranks of words in `sets`, one set for each length."""
 
     sets: Sequence[WordSet]
     order: RankOrder
@@ -124,7 +124,7 @@ class SpacePart:
 
 
 def space_part(space: TaskSpace, division: Division, name: str, *, seed: int) -> SpacePart:
-    """Return the part of a space that is in a dataset with the same division and seed, in no particular order.
+    """Return the tasks that this part has in a dataset with the same division and seed, in no particular order.
 
     Raises:
         QueryError: there is no such part, or there is nothing to sample.
@@ -145,13 +145,14 @@ def ordered_parts(
     evenly: bool = False,
     deal: Deal = ALL,
     excluded: Collection[tuple[int, int]] = (),
+    among: Sequence[RankedWords] | None = None,
 ) -> dict[str, TaskOrder]:
     """Return the tasks of each part of a space, in the order of sampling without replacement.
 
-    Without weights, lengths have their exact shares, or alternate with `evenly`. With `over`, a skeleton or a goal of
+    Without weights, lengths have their exact shares or, with `evenly`, alternate. With `over`, a skeleton or a goal of
     the space is sampled uniformly first; draws that are in other parts, or not new, are repeated. A `deal` selects the
     tasks of one of several workers. The `excluded` tasks, pairs of a length and a rank, are left out; parts keep their
-    other tasks.
+    other tasks. With `among`, all other tasks than these are left out; shares are then those of these tasks.
 
     Raises:
         QueryError: a part is empty, there is nothing to sample, an excluded rank has no task, or weights or `over` are
@@ -167,7 +168,15 @@ def ordered_parts(
         raise QueryError(
             f"lengths come evenly only with uniform sampling of tasks; leave --over {over} or --evenly out"
         )
-    sets = _sets(space, whole, division, seed)
+    own = _sets(space, whole, division, seed)
+    sets: Mapping[str, Sequence[RankedWords]] = own
+    if among is not None:
+        if not division.by_tasks:
+            raise QueryError(
+                "tasks that are far from others are divided by shares only; leave skeletons and hold_out out"
+            )
+        by_length = {words.length: words for words in among}
+        sets = {name: [by_length[words.length] for words in whole] for name in division.shares}
     orders = {
         name: order_of([words.count() for words in sets[name]], division, name, seed, evenly=evenly)
         for name in division.shares
@@ -181,8 +190,9 @@ def ordered_parts(
     parts: dict[str, TaskOrder] = {}
     for name, order in orders.items():
         if weights or over:
-            accepts = _acceptance(division, sets[name], order, with_exclusions=bool(excluded))
-            parts[name] = WeightedOrder(sampling, whole, sets[name], seed, order.size, accepts)
+            some = bool(excluded) or among is not None
+            accepts = _acceptance(division, sets[name], order, with_exclusions=some)
+            parts[name] = WeightedOrder(sampling, whole, own[name], seed, order.size, accepts)
         else:
             sizes = [words.count() for words in whole]
             probabilities = [Fraction(1, len(sizes) * size if evenly else sum(sizes)) for size in sizes]
@@ -196,7 +206,7 @@ def _stratified_parts(
     """Return the tasks of each stratum, in the order of sampling without replacement.
 
     Raises:
-        QueryError: the strata of the space are not those of the division.
+        QueryError: the strata of the space differ from those of the division.
     """
     orders = {each.name: each.order for each in strata_of(space, by, seed=seed, most=len(division.shares))}
     if orders.keys() != division.shares.keys():
@@ -230,7 +240,7 @@ def _sets(space: TaskSpace, whole: Sequence[WordSet], division: Division, seed: 
 
 
 def order_of(sizes: Sequence[int], division: Division, name: str, seed: int, *, evenly: bool) -> RankOrder:
-    """Return the order of the ranks of a part, given the number of tasks of each length in the divided whole."""
+    """Return the order of the ranks in a part, given the number of tasks of each length in the whole."""
 
     def ranks(total: int) -> ShuffledRanks:
         places = divided(total, division.shares)[name] if division.by_tasks else range(total)
@@ -240,27 +250,25 @@ def order_of(sizes: Sequence[int], division: Division, name: str, seed: int, *, 
 
 
 def _acceptance(
-    division: Division, sets: Sequence[WordSet], order: RankOrder, *, with_exclusions: bool
+    division: Division, sets: Sequence[RankedWords], order: RankOrder, *, with_exclusions: bool
 ) -> Callable[[int, tuple[str, ...]], bool] | None:
     """Return the membership test of a part, or None if it contains all words."""
-    if with_exclusions:
-        return lambda place, word: _is_in(order, place, sets[place].rank(word))
-    if len(division.shares) == 1:
+    if len(division.shares) == 1 and not with_exclusions:
         return None
-    if division.by_tasks:
-        return lambda place, word: order.number(place, sets[place].require_rank(word)) is not None
+    if with_exclusions or division.by_tasks:
+        return lambda place, word: _is_in(order, place, sets[place].rank(word))
     return lambda place, word: sets[place].rank(word) is not None
 
 
 def _is_in(order: RankOrder, place: int, rank: int | None) -> bool:
-    """Return whether the order contains the word with a given rank, if any, in the set at a place."""
+    """Return whether the order contains the word with a given rank, if there is one, in the set at a place."""
     return rank is not None and order.number(place, rank) is not None
 
 
 def _excluded_words(
     whole: Sequence[WordSet], excluded: Collection[tuple[int, int]]
 ) -> list[tuple[int, tuple[str, ...]]]:
-    """Return the place and the word of each excluded task of the lengths of `whole`.
+    """Return the place and the word of each excluded task whose length occurs in `whole`.
 
     Raises:
         QueryError: there is no task with a given rank.
@@ -276,7 +284,7 @@ def _excluded_words(
     return found
 
 
-def _without(order: RankOrder, sets: Sequence[WordSet], words: Iterable[tuple[int, tuple[str, ...]]]) -> RankOrder:
+def _without(order: RankOrder, sets: Sequence[RankedWords], words: Iterable[tuple[int, tuple[str, ...]]]) -> RankOrder:
     """Return the order of a part without some words, which may belong to other parts."""
     ranks = ((place, sets[place].rank(word)) for place, word in words)
     numbers = {order.number(place, rank) for place, rank in ranks if rank is not None}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 from prag_asp.errors import QueryError
 from prag_asp.logic.symmetry.renaming import renamed
@@ -10,6 +11,27 @@ from prag_asp.space.domain_engines import DomainEngines
 from prag_asp.space.engines import Engine, Level
 from prag_asp.space.engines.engine import Letters
 from prag_asp.space.plans.canonical_plan import canonical_names
+
+
+class RankedWords(Protocol):
+    """Some of the tasks of one length, with their ranks."""
+
+    @property
+    def length(self) -> int:
+        """The number of actions of each task."""
+        ...
+
+    def count(self) -> int:
+        """Return the number of tasks."""
+        ...
+
+    def word(self, rank: int) -> tuple[str, ...]:
+        """Return the task with a given rank, as the texts of its actions."""
+        ...
+
+    def rank(self, word: tuple[str, ...]) -> int | None:
+        """Return the rank of a task, or None if it is not one of these."""
+        ...
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Read JSON values: msgspec checks their types; its messages are turned into plain words with a path.
+"""Read JSON values: msgspec checks their types, and its messages are turned into plain words with a path.
 
 A path begins with the name of the outermost value: ``witness.moments[2].arms.panda.joints``.
 """
@@ -33,14 +33,14 @@ WORDS: Mapping[str, str] = {
     "bool": "true or false",
     "null": "null",
 }
-"""The types of msgspec in words; numbers are always finite here, and integers never negative."""
+"""The types that msgspec names, in words; here, numbers are always finite, and integers are never negative."""
 
 
 def decoded(text: str) -> Any:
     """Return the value of a JSON text.
 
     Raises:
-        QueryError: the text is not JSON; the message has the reason; NaN and infinity are not JSON numbers.
+        QueryError: the text is not JSON (NaN and infinity are not JSON numbers); the message gives the reason.
     """
     try:
         return msgspec.json.decode(text)
@@ -62,7 +62,7 @@ def read(data: object, kind: type[Kind], name: str) -> Kind:
     """Return a JSON value converted to a type that msgspec supports; paths begin with its `name`, which may be empty.
 
     Raises:
-        QueryError: the value does not have the type; the message has the path to the wrong field.
+        QueryError: the value does not have the type; the message gives the path to the wrong field.
     """
     try:
         return msgspec.convert(data, kind)
@@ -82,7 +82,7 @@ def read_entry(entry: TableEntry, kind: type[Kind]) -> Kind | None:
 
 
 def _problem(data: object, kind: type[object], message: str) -> TableProblem:
-    """Return msgspec's error about a value as a problem, whose keys begin at the value."""
+    """Return msgspec's error about a value as a problem, whose keys begin at that value."""
     what, _, place = message.partition(" - at ")
     keys = _keys(data, kind, message, re.findall(r"\.(\w+)|\[(\d+|\.\.\.)\]", place))
     missing = re.fullmatch(r"Object missing required field `(\w+)`", what)
@@ -134,8 +134,8 @@ def _needed(what: str) -> str:
 def _keys(data: Any, kind: type[object], message: str, steps: Sequence[tuple[str, str]]) -> Keys:
     """Return the keys that lead from a value to the wrong value in it.
 
-    msgspec writes ``[...]`` for the key of a mapping; a mapping that contains only the wrong entry leads to the same
-    message.
+    msgspec writes ``[...]`` for the key of a mapping; the wrong entry is found because a mapping that contains only
+    that entry leads to the same message.
     """
     keys: Keys = ()
     for name, number in steps:
@@ -158,14 +158,14 @@ def _message(data: object, kind: type[object]) -> str:
 
 
 def _at(data: Any, keys: Keys) -> Any:
-    """Return the value that keys lead to."""
+    """Return the value to which keys lead."""
     for key in keys:
         data = data[key]
     return data
 
 
 def _replaced(data: Any, keys: Keys, value: object) -> object:
-    """Return a copy of `data` in which the value that keys lead to is replaced."""
+    """Return a copy of `data` in which the value to which keys lead is replaced."""
     if not keys:
         return value
     inner = _replaced(data[keys[0]], keys[1:], value)

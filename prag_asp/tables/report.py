@@ -1,7 +1,7 @@
 """Collect the problems of a table, each with its keys, a description and a remedy.
 
-A reader walks over a table by its entries. An entry is a value with its keys. An entry reports a wrong value, and the
-reader continues, so that one run finds every problem.
+A reader goes through the entries of a table. An entry is a value with its keys. If the value is wrong, the entry
+reports it, and the reader continues, so that a single run finds every problem.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from prag_asp.tables.toml_text import key_line
 from prag_asp.wording import did_you_mean, nearest
 
 Keys = tuple[str | int, ...]
-"""The path to a value: names of keys, and positions in lists from 0."""
+"""The path to a value: names of keys, and positions in lists, from 0."""
 
 LARGEST = 1e9
-"""The largest number in a table, far above any length in metres, angle in degrees or density."""
+"""The largest number in a table, which is far above any length in metres, angle in degrees or density."""
 
 LONGEST = 40
 """The maximum number of characters of a wrong value in a message."""
@@ -47,7 +47,7 @@ class TableReport:
     """The problems of a table.
 
     `doubtful` holds names whose entries are wrong, so that nothing else is reported about them. `misspelt` holds keys
-    that the table has under a similar name, so that they are not reported as missing, too.
+    that the table has under a similar name, so that they are not also reported as missing.
     """
 
     problems: list[TableProblem] = field(default_factory=list)
@@ -60,7 +60,7 @@ class TableReport:
             self.problems.append(TableProblem(keys, text, warning))
 
     def is_sound(self, keys: Keys) -> bool:
-        """Return whether no problem was reported for a value or anything in it."""
+        """Return whether no problem has been reported for a value or anything in it."""
         return not any(problem.keys[: len(keys)] == keys for problem in self.problems)
 
     @contextmanager
@@ -83,7 +83,7 @@ class TableReport:
 
 
 _NONE = object()
-"""Stands for no default, because None is a possible default."""
+"""Stands for the lack of a default, because None is a possible default."""
 
 
 @dataclass(frozen=True)
@@ -118,11 +118,11 @@ class TableEntry:
 
     @property
     def is_sound(self) -> bool:
-        """Whether no problem was reported for the value or anything in it."""
+        """Whether no problem has been reported for the value or anything in it."""
         return self.report.is_sound(self.keys)
 
     def add(self, text: str, warning: str = "") -> None:
-        """Report a problem of this value."""
+        """Report a problem with this value."""
         self.report.add(self.keys, text, warning)
 
     def needs(self, what: str) -> None:
@@ -167,7 +167,7 @@ class TableEntry:
         return None
 
     def numbers(self, count: int, what: str, low: float = -LARGEST, high: float = LARGEST) -> tuple[float, ...] | None:
-        """Return the value if it is `count` numbers within limits; otherwise, report that it must be `what`."""
+        """Return the value if it consists of `count` numbers within limits, or report that it must be `what`."""
         value = self.value
         listed = isinstance(value, list) and len(value) == count
         if listed and all(is_number(each) and low <= each <= high for each in value):
@@ -189,13 +189,13 @@ def is_number(value: object) -> bool:
 
 
 def path_text(keys: Keys) -> str:
-    """Return the path to a value as text: ``parts.train.where[2]``; a blank key is in quotes."""
+    """Return the path to a value as text, such as ``parts.train.where[2]``; a blank key is in quotes."""
     steps = (f"[{key}]" if isinstance(key, int) else f".{key}" if key.strip() else f'."{key}"' for key in keys)
     return "".join(steps).removeprefix(".")
 
 
 def shown(value: object) -> str:
-    """Return a value as one short line; a long list is replaced by its length."""
+    """Return a value as one short line, with a long list replaced by its length."""
     text = next((word for word, each in CONSTANTS.items() if value is each), None)
     if text is None:
         text = str(value) if isinstance(value, Decimal) else repr(value)

@@ -42,9 +42,9 @@ def parse_toml(path: Path, text: str) -> dict[str, Any]:
 
 
 def key_line(text: str, keys: Sequence[str | int]) -> int:
-    """Return the first line that sets the key reached through `keys`, or the nearest table above it.
+    """Return the first line that sets the key reached through `keys`, or else the nearest table above it.
 
-    Positions in lists are ignored: a list has the line of its key.
+    Positions in lists are ignored, so the line of a list is that of its key.
     """
     target = tuple(without_blanks(key) for key in keys if isinstance(key, str))
     best, depth = 1, 0
@@ -57,12 +57,12 @@ def key_line(text: str, keys: Sequence[str | int]) -> int:
 
 
 def without_blanks(key: str) -> str:
-    """Return a key without blanks around the arrow of a pair of actions: ``grasp>move``."""
+    """Return a key without blanks around the arrow in a pair of actions, such as ``grasp>move``."""
     return ">".join(part.strip() for part in key.split(">"))
 
 
 def _keys(text: str) -> Iterator[tuple[int, tuple[str, ...]]]:
-    """Yield each key of a TOML text with the number of its line; keys of an inline table are yielded too."""
+    """Yield each key in a TOML text with the number of its line, including keys of inline tables."""
     table: tuple[str, ...] = ()
     until = ""
     for number, line in enumerate(text.split("\n"), 1):

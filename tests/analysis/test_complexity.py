@@ -18,7 +18,7 @@ BLOCKS = TaskSpace(load_domain("blocks"), 6)
 
 
 def test_choices_are_those_of_a_list_of_all_plans(chance: Chance) -> None:
-    for case, space, _ in orbit_spaces(chance, chance.examples(4), 3):
+    for case, space, _ in orbit_spaces(chance, 4, 3):
         plans, measure = set(space.enumerate("plan")), ComplexityMeasure(space)
         for task in space:
             plan = tuple(map(str, task.actions))

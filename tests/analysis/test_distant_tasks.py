@@ -17,7 +17,7 @@ PRAG = TaskSpace(load_domain("prag"), 15)
 
 def test_the_tasks_that_remain_are_those_that_a_list_leaves(chance: Chance) -> None:
     remaining = 0
-    for case, space, _ in orbit_spaces(chance, chance.examples(6), 3):
+    for case, space, _ in orbit_spaces(chance, 6, 3):
         action = chance.generator(5).choice(sorted({plan[1] for plan in space.enumerate("plan")}))
         name = action.partition("(")[0]
         training, test = space.hold_out(name)

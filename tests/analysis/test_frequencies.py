@@ -27,7 +27,7 @@ def test_the_tail_is_that_of_closed_forms() -> None:
 
 
 def test_expected_numbers_and_covariances_are_those_of_a_list(chance: Chance) -> None:
-    for case, space, _ in orbit_spaces(chance, chance.examples(8), 3):
+    for case, space, _ in orbit_spaces(chance, 8, 3):
         words = list(space.enumerate("task"))
         tasks = [words[0], words[-1], words[0]]
         found = compare_frequencies(space, tasks, "actions")

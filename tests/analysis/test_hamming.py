@@ -37,7 +37,7 @@ def test_the_distribution_is_that_of_all_pairs(constant: str, chance: Chance, mo
     monkeypatch.setattr("prag_asp.analysis.hamming.FEW_COMPARED", 0)
     monkeypatch.setattr(f"prag_asp.analysis.hamming.{constant}", 0)
     orders = set()
-    for case, space, orbits in orbit_spaces(chance, chance.examples(6), LENGTH):
+    for case, space, orbits in orbit_spaces(chance, 6, LENGTH):
         plans = {plan for orbit in orbits for plan in orbit}
         names = {tuple(action.partition("(")[0] for action in plan) for plan in plans}
         words = {"plan": [{plan} for plan in plans], "task": orbits, "skeleton": [{name} for name in names]}

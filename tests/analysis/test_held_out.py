@@ -9,6 +9,7 @@ import pytest
 
 from prag_asp import QueryError, TaskSpace, load_domain
 from prag_asp.analysis.covering import Combination, hold_out_combinations, reachable_combinations
+from tests.analysis.orbit_spaces import domains
 from tests.analysis.test_covering import combined
 from tests.chance import Chance
 from tests.domains import domain_of
@@ -35,7 +36,7 @@ def drawn(chance: random.Random) -> tuple[str, set[tuple[str, ...]]]:
 
 def test_training_covers_all_smaller_combinations_and_lacks_those_held_out(chance: Chance) -> None:
     found = 0
-    for seed in range(chance.examples(12)):
+    for seed in range(domains(chance, 12)):
         text, plans = drawn(chance.generator(seed))
         space = TaskSpace(domain_of(text), 3)
         for strength in (1, 2):

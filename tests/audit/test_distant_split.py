@@ -32,7 +32,9 @@ def test_the_sizes_and_the_tasks_are_those_that_are_far_enough(made: Path) -> No
     lines = (made / "test.txt").read_text().splitlines()
     assert len(set(lines)) == 20
     assert all(nearest_task(TRAINING, line.split()).distance >= 2 for line in lines)
-    assert f"{made}: ok; 40 tasks, all others at least 2 edits from the whole part train" in ok("verify", str(made))
+    assert f"{made}: ok; 40 tasks; every task outside train is at least 2 edits from every task of train" in ok(
+        "verify", str(made)
+    )
 
 
 def test_whole_skeletons_and_json_lines_are_verified_too(tmp_path: Path) -> None:
@@ -109,8 +111,9 @@ def covering(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_covering_split_is_proved_again(covering: Path) -> None:
     assert ok("verify", str(covering)) == (
-        f"{covering}: ok; 24 tasks, all others at least 2 edits from the whole part train, train covers all 59 and "
-        "lacks 3 combinations of which each other task has one\n"
+        f"{covering}: ok; 24 tasks; every task outside train is at least 2 edits from every task of train; "
+        "train covers all 59 combinations; train lacks 3 larger combinations, and every other task contains at least "
+        "one of them\n"
     )
     sizes = [int(line.split()[1]) for line in ok(*COVERING).splitlines()]
     assert sum(sizes) == TaskSpace(load_domain("prag"), 6).count()

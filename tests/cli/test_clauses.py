@@ -8,8 +8,8 @@ from tests.commands import ok, ok_apart, run
 
 CONFLICT = """\
 step 3, grasp(panda,apple_2), cannot follow:
-  it needs open(panda) to be true, which is false since step 2, grasp(panda,apple_1)
-  it needs at(panda,apple_2) to be true, which is false since step 1, approach(panda,apple_1)
+  it needs open(panda) to be true, but that has been false since step 2, grasp(panda,apple_1)
+  it needs at(panda,apple_2) to be true, but that has been false since step 1, approach(panda,apple_1)
 no plan of this length has all of these steps:
   step 2, grasp(panda,apple_1)
   step 3, grasp(panda,apple_2)
@@ -37,15 +37,15 @@ def test_explain_names_the_lines_that_leave_no_task_of_a_length(tmp_path: Path) 
     domain = tmp_path / "lamp.lp"
     domain.write_text("fluent(lit). action(on). initially(lit,false).\npostcondition(on,lit,true).\ngoal(lit,false).\n")
     done = run("explain", str(domain), "--length", "1")
-    told = ["there is no task of lamp of length 1", "the goal is not lit", "these lines together exclude every task:"]
+    told = ["lamp has no task of length 1", "the goal is not lit", "these lines together exclude every task:"]
     told += [f"  {domain}:2: postcondition(on,lit,true).", f"  {domain}:3: goal(lit,false)."]
     told += ["there is no task of any length"]
     assert (done.returncode, done.stdout.splitlines(), done.stderr) == (1, told, "")
     done = run("explain", str(domain), "--length", "1", "--fewest-changes")
     assert done.returncode == 1 and done.stdout.splitlines()[2:] == told[3:]
-    assert ok("explain", str(domain), "--length", "0") == "there are tasks of lamp of length 0\n"
+    assert ok("explain", str(domain), "--length", "0") == "lamp has tasks of length 0\n"
     words = ok("explain", "prag", "-n", "2", "--why-not", "grasp", "--step", "2")
-    assert words == "there are tasks of prag of length 2 with grasp as step 2\n"
+    assert words == "prag has tasks of length 2 with grasp as step 2\n"
 
 
 LAMPS = """\

@@ -53,7 +53,7 @@ def test_a_renaming_is_named(kitchen: tuple[Path, TaskSpace]) -> None:
     other = write_line(Record(space[space.index(["pick(panda,apple_1)", "wipe"])]))
     words = ["similarity", write_line(Record(task)), other, "--metric", "hamming"]
     lines = ok(*words, "--domain", str(file)).splitlines()
-    assert lines == ["hamming: distance 0, similarity 1.000", "B with apple_1 as apple_2"]
+    assert lines == ["hamming: distance 0, similarity 1.000", "renamed in B: apple_1 to apple_2"]
     names = ok(*words, "--up-to", "names")
     assert names.startswith("hamming: distance 1,")
 
@@ -125,7 +125,7 @@ def test_the_novelty_of_tasks_against_others_is_printed(kitchen: tuple[Path, Tas
     found = json.loads(ok(*words, "--metric", "levenshtein", "--format", "json"))
     assert found[0] == {"distance": 0, "nearest": 3} and found[1]["distance"] > 0
     assert ok(*words, "--metric", "levenshtein").splitlines()[4:6] == [
-        "tasks that are given       1",
+        "tasks with novelty 0       1",
         "  0 is 0 from given task 3",
     ]
     assert "without other files to write" in run(*words, "--diverse", "2").stderr

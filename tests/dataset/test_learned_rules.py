@@ -28,6 +28,6 @@ def test_the_rules_are_those_that_the_command_prints_and_are_learned_again() -> 
 def test_a_domain_without_impossible_facts_stays_as_it_is_and_one_without_a_scene_is_refused() -> None:
     domain = load_domain("kitchen")
     learned = learn(domain)
-    assert (learned.rules, str(learned), learned.domain) == ((), "0 rules state 0 proofs", domain)
+    assert (learned.rules, str(learned), learned.domain) == ((), "0 rules from 0 proofs", domain)
     with pytest.raises(SceneError, match=r"has no \[scene\]"):
         learn(load_domain("hanoi"))

@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import runpy
+import sys
+from collections import namedtuple
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from importlib import import_module
+from importlib.util import find_spec
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import gymnasium
@@ -17,6 +24,7 @@ from prag_asp.evaluation.lerobot_view import LeRobotView
 from tests.docs.pages import ROOT
 
 ENV = ROOT / "examples" / "lerobot" / "env.py"
+MODULE = "prag_asp.evaluation.lerobot_env"
 
 
 @pytest.fixture(scope="module")
@@ -58,6 +66,57 @@ def test_lerobot_loads_env_py_and_renames_its_observations(monkeypatch: pytest.M
     vector.close()
     assert batch["observation.state"].shape == (1, 8) and batch["observation.images.front"].shape == (1, 3, 128, 128)
     assert isinstance(batch["task"][0], str) and batch["task"][0]
+
+
+@dataclass
+class StandInConfig:
+    """The part of LeRobot's `EnvConfig` that an environment type builds on."""
+
+    task: str | None = None
+    fps: int = 30
+    features: dict[str, Any] = field(default_factory=dict)
+    features_map: dict[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def register_subclass(cls, name: str) -> Callable[[type], type]:
+        return lambda subclass: subclass
+
+
+@pytest.fixture
+def lerobot_env(monkeypatch: pytest.MonkeyPatch) -> Iterator[Any]:
+    """The environment type for LeRobot, on LeRobot itself if it is installed."""
+    if find_spec("lerobot") is None:
+        kinds = SimpleNamespace(ACTION="ACTION", STATE="STATE", ENV="ENV", VISUAL="VISUAL")
+        types = SimpleNamespace(FeatureType=kinds, PolicyFeature=namedtuple("PolicyFeature", ("type", "shape")))
+        for name in ("lerobot", "lerobot.configs", "lerobot.envs"):
+            monkeypatch.setitem(sys.modules, name, SimpleNamespace())
+        monkeypatch.setitem(sys.modules, "lerobot.configs.types", types)
+        monkeypatch.setitem(sys.modules, "lerobot.envs.configs", SimpleNamespace(EnvConfig=StandInConfig))
+    yield import_module(MODULE)
+    sys.modules.pop(MODULE)
+    gymnasium.registry.pop("prag_asp/LeRobot-v0")
+
+
+def test_lerobot_eval_makes_its_environments_from_a_configuration(data: Dataset, lerobot_env: Any) -> None:
+    poses = lerobot_env.LeRobotTasks(length="1..2", control="ee_delta", state=["joint_position", "ee_position"])
+    assert {name: feature.shape for name, feature in poses.features.items()} == {
+        "action": (7,), "agent_pos": (14,), "environment_state": (56,),
+    }  # fmt: skip
+    assert poses.features_map["environment_state"] == "observation.environment_state"
+    config = lerobot_env.LeRobotTasks(dataset=str(data.folder), cameras=["front"], size=16, fps=10, episode_length=3)
+    assert config.features["pixels/front"].shape == (16, 16, 3)
+    assert config.features_map == {
+        "action": "action", "agent_pos": "observation.state", "pixels/front": "observation.images.front",
+    }  # fmt: skip
+    assert config.package_name == MODULE
+    vector = gymnasium.vector.SyncVectorEnv([lambda: gymnasium.make(config.gym_id, **config.gym_kwargs)])
+    observation, _ = vector.reset(seed=[1])
+    assert observation["pixels"]["front"].shape == (1, 16, 16, 3)
+    # LeRobot looks for these attributes at the outermost environment.
+    assert vector.envs[0].task_description == vector.envs[0].task and vector.call("_max_episode_steps") == (3,)
+    assert vector.envs[0].render().shape == (16, 16, 3) and vector.envs[0].unwrapped.metadata["render_fps"] == 10
+    assert [bool(vector.step(np.zeros((1, 8), np.float32))[3]) for _ in range(3)] == [False, False, True]
+    vector.close()
 
 
 def test_vla_eval_runs_the_scenarios_of_a_dataset(data: Dataset, tmp_path: Path) -> None:

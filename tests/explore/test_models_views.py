@@ -12,10 +12,10 @@ from pathlib import Path
 import pytest
 
 from prag_asp import LimitReached, Limits, QueryError, answer_sets
-from prag_asp.explore.explored_program import ExploredProgram, Watch
-from prag_asp.explore.models_state import ModelsState, parse_models_query
-from prag_asp.explore.models_view import models_conflict_view, models_view
-from prag_asp.explore.program_pages import program_views
+from prag_asp.explore.programs.explored_program import ExploredProgram, Watch
+from prag_asp.explore.programs.models_state import ModelsState, parse_models_query
+from prag_asp.explore.programs.models_view import models_conflict_view, models_view
+from prag_asp.explore.programs.program_pages import program_views
 from prag_asp.stop_reason import StopKind, StopReason
 from tests.chance import Chance
 from tests.commands import ok, run
@@ -117,7 +117,7 @@ def test_a_program_without_answer_sets_is_explained() -> None:
 
 
 def test_choices_do_not_change_the_optimum() -> None:
-    program = explored("1 { a; b; c }. #minimize { 1 : a; 1 : b; 3 : c }.", optimal=True)
+    program = explored("1 { a; b; c }. #minimize { 1,a : a; 1,b : b; 3,c : c }.", optimal=True)
     view = models_view(program, ModelsState())
     assert view.count == "2" and "the best value is 1" in view.notes[0]
     assert view.impossible.atoms == ("c",)
@@ -156,7 +156,7 @@ def test_a_newer_request_ends_a_view() -> None:
 
 @pytest.mark.parametrize(
     ("query", "problem"),
-    [("where=fish", "no shown atom"), ("where=", "no literal"), ("color=red", "no field of a link"),
+    [("where=fish", "no shown atom"), ("where=", "not a literal"), ("color=red", "no field of a link"),
      ("seed=-1", "seed"), ("sort=size", "no order of facets"), ("seed=1&seed=2", "at most once"),
      ("&".join(["find=a"] * 600), "500 fields")],
 )  # fmt: skip
@@ -170,7 +170,7 @@ def test_the_command_refuses_what_does_not_fit(tmp_path: Path) -> None:
     path = tmp_path / "menu.lp"
     path.write_text(MENU)
     for words, problem in (
-        ((str(path), "--where", "main(beef"), "no literal"),
+        ((str(path), "--where", "main(beef"), "not a literal"),
         ((str(path), "--by", "plan"), "leave it out with --models"),
         ((str(path), "--engine", "ganak"), "choose auto, diagram, clingo"),
         ((str(path), "--optimal"), "optimises nothing"),

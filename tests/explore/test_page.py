@@ -1,9 +1,10 @@
-"""The page in Chromium: every control, wrong conditions, two windows, and a server that stops."""
+"""The pages in Chromium: every control, wrong conditions, two windows, and a server that stops."""
 
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from threading import Thread
 from typing import Any
 
@@ -11,10 +12,12 @@ import pytest
 
 from prag_asp import TaskSpace, load_domain
 from prag_asp.explore.explored_domain import ExploredDomain
-from prag_asp.explore.page_server import PageServer
+from prag_asp.explore.page_server import PageServer, View
+from prag_asp.explore.programs.program_pages import MODELS_PAGE, program_views
 from prag_asp.explore.space_pages import PAGE, space_views
 from prag_asp.explore.turns import Turns
 from prag_asp.space.limits import Limits
+from tests.explore.test_models_views import explored
 
 playwright = pytest.importorskip("playwright.sync_api")
 CHROMIUM = shutil.which("chromium")
@@ -33,17 +36,25 @@ def browser() -> Iterator[Any]:
         browser.close()
 
 
+@contextmanager
+def serving(views: Mapping[str, View], turns: Turns) -> Iterator[PageServer]:
+    with PageServer(PAGE, views, turns) as server:
+        thread = Thread(target=server.serve_forever, args=(0.01,))
+        thread.start()
+        try:
+            yield server
+        finally:
+            server.shutdown()
+            thread.join()
+
+
 @pytest.fixture
 def server() -> Iterator[PageServer]:
     turns = Turns()
     limits = Limits(stop=turns.stop)
     explored = ExploredDomain(load_domain("kitchen"), ("kitchen",), "load_domain('kitchen')", limits=limits)
-    with PageServer(PAGE, space_views(explored), turns) as server:
-        thread = Thread(target=server.serve_forever, args=(0.01,))
-        thread.start()
+    with serving(space_views(explored), turns) as server:
         yield server
-        server.shutdown()
-        thread.join()
 
 
 @pytest.fixture
@@ -148,3 +159,40 @@ def test_two_windows_do_not_disturb_each_other_and_a_server_that_does_not_answer
     other.context.set_offline(True)
     other.click("#undo")
     playwright.expect(other.locator("#problem")).to_contain_text("does not answer", timeout=PATIENCE)
+
+
+def test_every_control_of_the_page_of_a_program_works(browser: Any, messages: list[str]) -> None:
+    with serving(program_views(explored()), Turns()) as server:
+        page = opened(browser, f"{server.link}{MODELS_PAGE}", messages)
+        number, facets = page.locator("#number"), page.locator("#facets li")
+
+        playwright.expect.set_options(timeout=PATIENCE)
+
+        def shows(count: str, listed: int) -> None:
+            playwright.expect(number).to_have_text(count)
+            playwright.expect(facets).to_have_count(listed)
+
+        shows("16 answer sets", 7)
+        page.click("#facets button:has-text('main(beef)')")
+        shows("6 answer sets of 16 (37.5 %)", 2)
+        playwright.expect(page.locator("#impossible")).to_contain_text("main(fish)")
+        page.go_back()
+        shows("16 answer sets", 7)
+        page.fill("#find", "main")
+        shows("16 answer sets", 3)
+        page.fill("#find", "")
+        page.select_option("#sort", "share")
+        page.click("#facets li:has-text('starter(soup)') >> button:has-text('not')")
+        shows("12 answer sets of 16 (75.0 %)", 6)
+        page.fill("#seed", "4")
+        page.click("text=Sample from what is left")
+        playwright.expect(page.locator("#sample")).to_contain_text("main(")
+        page.click("#undo")
+        shows("16 answer sets", 7)
+        page.goto(f"{server.link}{MODELS_PAGE}?where=starter(soup)&where=main(pasta)")
+        playwright.expect(number).to_have_text("0 answer sets of 16")
+        playwright.expect(page.locator("#empty")).to_contain_text(":- starter(soup), main(pasta).")
+        page.goto(f"{server.link}{MODELS_PAGE}?where=main(beef")
+        playwright.expect(page.locator("#problem")).to_contain_text("is not a literal")
+        page.click("#theme")
+    assert [message for message in messages if "422" not in message] == []

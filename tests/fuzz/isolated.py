@@ -54,7 +54,7 @@ class Ran:
     outlived: bool = False
 
 
-FOR_OTHERS = {"prag_asp.evaluation.vla_eval_benchmark"}
+FOR_OTHERS = {"prag_asp.evaluation.lerobot_env", "prag_asp.evaluation.vla_eval_benchmark"}
 """The modules that only other programs import, from which they inherit."""
 
 

@@ -76,7 +76,7 @@ def test_variables_that_units_leave_free_are_counted(approxmc: Worker, chance: C
 def test_an_estimate_is_no_number_and_says_how_near_it_is() -> None:
     found = answer_sets(text=KNOWN[1][0]).estimate(epsilon=0.5, delta=0.1, seed=3)
     assert isinstance(found, Estimate) and not isinstance(found, int)
-    assert str(found) == f"about {found.about} (within a factor 1.5 with probability at least 0.9)"
+    assert str(found) == f"about {found.about} (within a factor of 1.5 with probability at least 0.9)"
     assert found == answer_sets(text=KNOWN[1][0]).estimate(epsilon=0.5, delta=0.1, seed=3)
     with pytest.raises(TypeError):
         int(found)  # type: ignore[call-overload]
@@ -95,7 +95,7 @@ def test_plans_tasks_and_skeletons_are_estimated(by: str) -> None:
 def test_the_command_prints_about_how_many() -> None:
     lines = ok("count", "hanoi", "--length", "0..1", "--by", "plan", "--approximate", "--seed", "5").splitlines()
     counts = [TaskSpace(load_domain("hanoi"), length).count("plan") for length in (0, 1)]
-    bounds = "(within a factor 1.8 with probability at least 0.8)"
+    bounds = "(within a factor of 1.8 with probability at least 0.8)"
     assert lines[1:] == [f"{n:>6}  about {count} {bounds}" for n, count in enumerate(counts)]
 
 

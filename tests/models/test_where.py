@@ -119,8 +119,8 @@ def test_choices_narrow_more_answer_sets_than_any_list() -> None:
 
 @pytest.mark.parametrize(
     ("literal", "problem"),
-    [("q(1)", "no shown atom 'q.1.'"), ("p(", "no literal"), ("", "no literal"), ("not", "no shown atom"),
-     ("p(4)", "did you mean"), ("not not p(1)", "no literal"), (f"{'f(' * 9999}", "no literal|too deep")],
+    [("q(1)", "no shown atom 'q.1.'"), ("p(", "not a literal"), ("", "not a literal"), ("not", "no shown atom"),
+     ("p(4)", "did you mean"), ("not not p(1)", "not a literal"), (f"{'f(' * 9999}", "not a literal|too deep")],
 )  # fmt: skip
 def test_wrong_literals_are_one_line(literal: str, problem: str) -> None:
     found = answer_sets(text="{ p(1..3) }. { q(1) }. #show p/1.")

@@ -104,7 +104,7 @@ def test_a_proof_holds_for_every_size_of_a_range():
     some = {"kind": "box", "size": {"low": [0.05, 0.05, 0.05], "high": [0.12, 0.12, 0.12]}}
     verdict = validate_task(stacking(), scene_with("tabletop", {"cube": wide}), seed=1)
     assert (verdict.status, verdict.reason.split(": ")[1]) == (
-        "infeasible", "cube 1 is 90 mm wide, the gripper opens 80 mm",
+        "infeasible", "cube 1 is 90 mm wide, but the gripper opens only to 80 mm",
     )  # fmt: skip
     verdict = validate_task(stacking(), scene_with("tabletop", {"cube": some}), seed=1)
     assert verdict.feasible

@@ -311,7 +311,7 @@ def test_what_is_never_reached_may_be_asked_for_and_is_explained() -> None:
         assert space.where("lacks unlock(4)").count("plan") == space.count("plan")
     found = explain(domain, ["take(2)", "unlock(3)"])
     assert found is not None
-    assert found.reasons == ("it needs has(3) to be true, which is false from the start",)
+    assert found.reasons == ("it needs has(3) to be true, but that has been false from the start",)
     assert [str(task) for task in TaskSpace(domain, 1).sample(1, seed=1, weights={"unlock(3)": 5, "enter": 0})]
 
 

@@ -85,7 +85,7 @@ def test_files_that_are_wrong_are_answered(text: str, refused: str, tmp_path: Pa
 def test_the_command_takes_a_file_of_costs(tmp_path: Path) -> None:
     (tmp_path / "costs.toml").write_text(COSTS)
     arguments = ("similarity", "--domain", "prag", "-n", "3", "0", "900", "--costs", str(tmp_path / "costs.toml"))
-    assert ok(*arguments).startswith("own costs: distance ")
+    assert ok(*arguments).startswith("custom costs: distance ")
     for more, refused in (
         (("--metric", "goal"), "leave --metric goal out"),
         (("--costs", "no.toml"), "cannot be read"),

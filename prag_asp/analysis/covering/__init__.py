@@ -1,4 +1,4 @@
-"""Combinations of factors of actions: which are reachable at all, and small sets of tasks that cover them.
+"""Combinations of the factors of actions: which ones can be reached, and small sets of tasks that cover them.
 
 >>> from prag_asp import TaskSpace, load_domain
 >>> from prag_asp.analysis.covering import covering_set

@@ -1,8 +1,8 @@
 """Combinations of the factors of an action, as in covering arrays (Kuhn, Kacker and Lei 2013).
 
 Factor 0 of an action is its name; factor i is the class of the i-th argument, or the argument itself if it is not an
-entity. A combination of strength t holds the values of t factors of one action. An action with fewer factors has one
-combination, of all its factors.
+entity. A combination of strength t holds the values of t factors of one action. An action with fewer factors has a
+single combination, which consists of all its factors.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ Combination = tuple[tuple[int, str], ...]
 """Values of factors, each with the number of its factor, in ascending order."""
 
 STRONGEST = 8
-"""The largest strength; actions with more factors are not combined further."""
+"""The greatest strength; actions with more factors are not combined further."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Coverage:
 
     @property
     def share(self) -> float:
-        """The covered share of the reachable combinations; 1 if there are none."""
+        """The share of the reachable combinations that is covered, or 1 if there are none."""
         return len(self.covered) / len(self.reachable) if self.reachable else 1.0
 
 
@@ -58,7 +58,7 @@ def combinations_of(action: Atom, classes: Mapping[str, str], strength: int) -> 
 
 
 def letter_combinations(space: TaskSpace, words: LayeredAutomaton, strength: int) -> list[frozenset[Combination]]:
-    """Return the combinations of each letter of the words of a space; those of actions that never occur are empty."""
+    """Return the combinations of each letter in the words of a space; for actions that never occur, they are empty."""
     used = {int(letter) for step in words.edges or () for letter in np.unique(step.letters)}
     classes, actions = space.domain.facts.entity_names, space.engines.actions
     return [
@@ -68,7 +68,7 @@ def letter_combinations(space: TaskSpace, words: LayeredAutomaton, strength: int
 
 
 def reachable_combinations(space: TaskSpace, strength: int) -> frozenset[Combination]:
-    """Return the combinations that occur in some task of a space: exactly those on the edges of its automaton.
+    """Return the combinations that occur in some task of a space, which are those on the edges of its automaton.
 
     Raises:
         QueryError: the strength is out of range, the space has several lengths, or its states are too many to be
@@ -79,7 +79,7 @@ def reachable_combinations(space: TaskSpace, strength: int) -> frozenset[Combina
 
 
 def coverage(tasks: Iterable[Task], space: TaskSpace, strength: int) -> Coverage:
-    """Return which of the reachable combinations of a space are covered by some tasks.
+    """Return which of the reachable combinations of a space are covered by the given tasks.
 
     Raises:
         QueryError: the strength is out of range, the space has several lengths, or its states are too many to be

@@ -1,6 +1,6 @@
 """Plot the numbers of plans, tasks, skeletons and all sequences of names against the length, as in the paper.
 
-Counts exceed the range of floats, so their decimal logarithms are plotted, with far more exact digits than a picture
+Counts exceed the range of floats, so their decimal logarithms are plotted, with far more correct digits than a picture
 can show.
 """
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 KINDS = (".html", *DATES)
 
 SIZE = (8.0, 5.5)
-"""Size of a picture in inches."""
+"""The size of a picture in inches."""
 
 MARKED = 60
 """The maximum number of lengths for which each length has a marker."""
@@ -33,7 +33,7 @@ MARKED = 60
 
 @dataclass(frozen=True)
 class Series:
-    """A line of the curve: its name, and a count for each length from 1 on."""
+    """A line in the plot: its name, and a count for each length from 1 on."""
 
     name: str
     counts: tuple[int, ...]
@@ -141,6 +141,6 @@ def logarithms(counts: tuple[int, ...]) -> list[float | None]:
 
 
 def shown(count: int) -> str:
-    """Return a count of at most 30 digits in full, otherwise its number of digits."""
+    """Return a count of up to 30 digits in full, or otherwise its number of digits."""
     height = logarithms((count,))[0] or 0
     return f"{count:,}" if height < 30 else f"{int(height) + 1:,} digits"

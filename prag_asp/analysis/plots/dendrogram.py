@@ -23,12 +23,12 @@ LABELLED = 60
 """The largest number of leaves that have labels."""
 
 INCHES = 8.0
-"""Size of a picture."""
+"""The size of a picture in inches."""
 
 
 @dataclass(frozen=True)
 class Dendrogram:
-    """Merges of clusters, lowest first: the two clusters, the mean distance of their tasks, and the size of the union.
+    """Merges of clusters, lowest first: the two clusters, the mean distance between their tasks, and the union's size.
 
     Clusters with numbers below `count` are tasks; the cluster of merge k has the number `count` + k.
     """
@@ -53,7 +53,7 @@ class Dendrogram:
         return tuple(order)
 
     def clusters(self, height: float) -> list[list[int]]:
-        """Return the clusters after all merges at mean distances up to `height`, in order of their smallest task."""
+        """Return the clusters after all merges at mean distances of up to `height`, ordered by their smallest task."""
         members = {task: [task] for task in range(self.count)}
         for number, (first, second, at, _) in enumerate(self.merges):
             if at > height:
@@ -65,7 +65,7 @@ class Dendrogram:
 def dendrogram_of(distances: NDArray[np.float64]) -> Dendrogram:
     """Cluster tasks by average distance (UPGMA, Sokal and Michener 1958), given distances of shape (tasks, tasks).
 
-    Chains of nearest neighbours find the clusters in quadratic time (Murtagh 1983).
+    The clusters are found in quadratic time by nearest-neighbour chains (Murtagh 1983).
 
     Raises:
         QueryError: there are too many tasks.
@@ -103,7 +103,7 @@ def dendrogram_of(distances: NDArray[np.float64]) -> Dendrogram:
 def _numbered(found: Sequence[tuple[int, int, float]], count: int) -> tuple[tuple[int, int, float, int], ...]:
     """Return merges in order of height, with the numbers of their clusters.
 
-    In `found`, one task stands for each cluster.
+    In `found`, each cluster is represented by one of its tasks.
     """
     above = list(range(count))
     cluster_of, sizes = {task: task for task in range(count)}, dict.fromkeys(range(count), 1)

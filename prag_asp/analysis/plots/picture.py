@@ -1,4 +1,4 @@
-"""What all pictures share: colours, resolution, and files that are identical in every run."""
+"""What all pictures have in common: colours, resolution, and files that are identical in every run."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 DATES = {".png": "Creation Time", ".svg": "Date", ".pdf": "CreationDate"}
-"""The metadata key of the date of each picture format; dates are omitted."""
+"""The metadata key for the date in each picture format; dates are omitted."""
 
 DOTS = 200
 """Pixels per inch."""
 
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-"""Colours for colour-blind readers (Okabe and Ito 2008), the first for single lines."""
+"""Colours for colour-blind readers (Okabe and Ito 2008); the first is used for single lines."""
 
 GREY = "#777777"
-"""The colour of what stands for everything else."""
+"""The colour for tasks without a group, and for all sequences of names."""
 
 
 def saved(drawn: Figure, kind: str) -> bytes:

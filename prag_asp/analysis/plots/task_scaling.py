@@ -1,4 +1,4 @@
-"""A map of tasks in two dimensions: nearby points are similar tasks."""
+"""A map of tasks in two dimensions, in which nearby points are similar tasks."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MOST = 5_000
 """The largest number of tasks in a map; beyond it, computing the eigenvectors takes minutes."""
 
 INCHES = 7.0
-"""Size of a picture."""
+"""The size of a picture in inches."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def task_map(distances: NDArray[np.float64]) -> TaskMap:
 
 
 def map_figure(placed: TaskMap, groups: list[str], title: str) -> Figure:
-    """Return the map as a matplotlib figure; `groups` names the group of each task, and each group has a colour."""
+    """Return the map as a matplotlib figure; `groups` names each task's group, and each group has its own colour."""
     from matplotlib.figure import Figure  # noqa: PLC0415 - heavy
 
     drawn = Figure(figsize=(INCHES, INCHES), dpi=DOTS, layout="constrained")

@@ -1,1 +1,1 @@
-"""Formats of problems that an audit reads, each in one file with a function `read`."""
+"""The formats of problems that an audit can read, each in one file with a function `read`."""

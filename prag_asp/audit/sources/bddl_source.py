@@ -1,4 +1,4 @@
-"""BDDL problems: the files of a folder and its subfolders."""
+"""BDDL problems: the files in a folder and its subfolders."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def recognizes(folder: Path) -> bool:
 
 
 def read(folders: Mapping[str, Path]) -> Iterator[AuditedProblem | FailedRead]:
-    """Yield the problems in the folders of suites; all problems together show which actions the objects allow."""
+    """Yield the problems in the folders of suites; all of them together show which actions objects allow."""
     found: dict[str, tuple[str, Path, GroundProblem, tuple[str, ...]]] = {}
     for suite, folder in folders.items():
         for path in bddl_files(folder):

@@ -1,4 +1,4 @@
-"""Tasks of datasets of prag_asp: initial states, goals and instructions."""
+"""Tasks from datasets of prag_asp: initial states, goals and instructions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Task texts of LeRobot datasets; a text stands for the problems of other suites that have the same text."""
+"""Task texts in LeRobot datasets; a text stands for the problems of other suites that have the same text."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from prag_asp.errors import QueryError
 from prag_asp.missing import require_pyarrow
 
 LINES, TABLE = Path("meta", "tasks.jsonl"), Path("meta", "tasks.parquet")
-"""The file of texts in versions 2 and 3 of the format."""
+"""The files with the texts in versions 2 and 3 of the format."""
 
 SCENE = re.compile(r"^(?:[A-Z]+_)+SCENE\d+_")
-"""The scene at the beginning of a file name of LIBERO."""
+"""The scene at the beginning of a file name in LIBERO."""
 
 
 @dataclass(frozen=True)
 class TaskText:
-    """A text of a dataset, with its suite and place."""
+    """A text from a dataset, with its suite and its place."""
 
     suite: str
     text: str
@@ -35,7 +35,7 @@ def recognizes(folder: Path) -> bool:
 
 
 def read_texts(folders: Mapping[str, Path]) -> Iterator[TaskText]:
-    """Yield the texts of datasets, in order.
+    """Yield the texts in datasets, in order.
 
     Raises:
         QueryError: a file of texts is damaged.

@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     import clingo
 
 DOMAIN_NAME = re.compile(r"\(\s*define\s*\(\s*domain\s+([^\s()]+)", re.IGNORECASE)
-"""The head of a domain, with its name."""
+"""The head of a domain, including its name."""
 
 PROBLEM_DOMAIN = re.compile(r"\(\s*:domain\s+([^\s()]+)", re.IGNORECASE)
-"""The name of the domain that a problem gives."""
+"""The name that a problem gives for its domain."""
 
 
 def recognizes(folder: Path) -> bool:
@@ -98,7 +98,7 @@ def _audited(suite: str, label: str, domain_path: Path, path: Path) -> AuditedPr
 
 
 def ground_formula(domain: DomainFile, problem: ProblemFile) -> GroundFormula:
-    """Return the goal of a problem over its objects.
+    """Return the goal of a problem, ground over its objects.
 
     Raises:
         DomainError: the goal compares numbers.

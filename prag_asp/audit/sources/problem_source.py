@@ -1,4 +1,4 @@
-"""The common interface of all formats of problems: from folders to problems and failures."""
+"""The common interface of all formats of problems: it turns folders into problems and failures."""
 
 from __future__ import annotations
 

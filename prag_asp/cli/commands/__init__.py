@@ -1,1 +1,1 @@
-"""The commands, one file each: they parse options, call the package, and print."""
+"""The commands, in one file each: they parse options, call the package, and print results."""

@@ -16,7 +16,7 @@ from prag_asp.cli.terminal import progress, say, tell_line
 @click.argument("folders", metavar="FOLDER...", nargs=-1, required=True, shell_complete=shell_completion.files)
 @click.option(
     "--train", metavar="SUITE", multiple=True,
-    help="Suite in which nearest problems are searched for; may be repeated.  [default: all other suites]",
+    help="Suite in which to search for nearest problems; may be repeated.  [default: all other suites]",
 )  # fmt: skip
 @click.option(
     "--reach/--no-reach", default=True,

@@ -68,7 +68,7 @@ def check(*, request: DomainOptions, symmetries: bool) -> None:
 
 
 def _parts(domain: Domain) -> list[str]:
-    """Return the phrases that summarize a domain, with the number of declarations of each kind."""
+    """Return the phrases that summarize a domain, giving the number of declarations of each kind."""
     reduction = domain.reduction
     facts, total = (reduction.facts_with_all_entities, reduction.total) if reduction else (domain.facts, len)
     possible = f"{total(facts.tried)} of " if len(facts.tried) < len(facts.declared_actions) else ""

@@ -10,7 +10,7 @@ from prag_asp.cli.terminal import say
 @click.command()
 @click.argument("shell", type=click.Choice(["bash", "zsh", "fish"]))
 def completion(shell: str) -> None:
-    """Print the completion script of a shell.
+    """Print the completion script for a shell.
 
     It completes commands, options, domains, rules, actions and more.
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 SHOWN = 20
-"""The number of missing combinations that the text lists."""
+"""The number of missing combinations that are listed in text."""
 
 FEATURES = ("actions", "classes", "names", "pairs")
 
@@ -52,7 +52,7 @@ FEATURES = ("actions", "classes", "names", "pairs")
 )  # fmt: skip
 @click.option(
     "--complexity", "with_complexity", is_flag=True,
-    help="With --tasks: only print how complex the tasks are, by logic and by physics.",
+    help="With --tasks: only print how complex the tasks are, and how hard they were for physics.",
 )  # fmt: skip
 @click.option(
     "--near", "plan", metavar="'A B ...'", shell_complete=shell_completion.plan,
@@ -73,10 +73,10 @@ def diversity(
     """Measure how much the tasks of length N differ.
 
     Prints the exact distribution of the Hamming distance between two random tasks, and Vendi scores (effective numbers
-    of different tasks). With --tasks, also the scores of the given tasks, and a chi-square test of their frequencies
-    against the exact expected frequencies; with --coverage, the combinations that they lack. With --near, prints the
-    numbers of tasks within 0, 1, ... edits of a task, which need not be in the space, and a nearest task. Nothing is
-    sampled or listed.
+    of different tasks). With --tasks, also prints the scores of the given tasks, and a chi-square test of their
+    frequencies against the exact expected frequencies; with --coverage, prints the combinations that they lack. With
+    --near, prints how many tasks are 0, 1, ... edits away from a given task, which need not be in the space, and one of
+    the nearest tasks. Nothing is sampled or listed.
     """
     require_writable(output)
     with progress() as tell:
@@ -145,7 +145,7 @@ def _covered_text(found: dict[str, Any]) -> Iterator[str]:
 
 
 def _given(file: str, space: TaskSpace) -> tuple[list[GivenTask], Dataset | None]:
-    """Return the tasks of a file or dataset that have the length of a space, and the dataset.
+    """Return the tasks in a file or dataset that have the length of a space, and the dataset.
 
     Raises:
         QueryError: a task belongs to another domain, or no task has this length.

@@ -1,4 +1,4 @@
-"""``prag-asp evaluate`` and ``prag-asp compare``: the success of a policy, and the difference of two."""
+"""``prag-asp evaluate`` and ``prag-asp compare``: the success of a policy, and how two policies differ."""
 
 from __future__ import annotations
 
@@ -51,8 +51,12 @@ COUNT = 100
     "--budget", metavar="RxS", help="With DOMAIN: search effort for initial states, as in sample.  [default: 10x10]"
 )
 @click.option("--workers", type=whole(1, 4096), default=1, show_default=True, help="Number of processes.")
-@click.option("--control", metavar="NAME", help="Control of the environment.  [default: the environment's]")
-@click.option("--steps", type=whole(1), metavar="K", help="Step limit for each subgoal.  [default: the environment's]")
+@click.option(
+    "--control", metavar="NAME", help="Control convention of the environment.  [default: that of the environment]"
+)
+@click.option(
+    "--steps", type=whole(1), metavar="K", help="Step limit for each subgoal.  [default: that of the environment]"
+)
 @click.option("--everything", is_flag=True, help="Observe all bodies, not only those of the current action.")
 @click.option("--cameras", metavar="A,B,...", shell_complete=shell_completion.cameras, help="Cameras to observe.")
 @click.option("--size", metavar="WxH", help="With --cameras: size of the images in pixels.")
@@ -99,11 +103,11 @@ def evaluate(
 ) -> None:
     """Evaluate a policy: its success by part, length, action and class.
 
-    POLICY is `oracle`, `random` or `zeros`; MODULE:CALLABLE, a Python function from an observation to an action, or a
-    class of such objects; a zip file from Stable-Baselines3; a pretrained_model folder from LeRobot, which also
-    determines the control and the cameras; or ws://HOST:PORT, a policy server with the protocol of openpi. Modules, zip
-    files and checkpoints run code. The output folder contains a Parquet table with a row for each episode. If the
-    command is interrupted, run it again: it continues.
+    POLICY is `oracle`, `random` or `zeros`; MODULE:CALLABLE, a Python function that maps an observation to an action,
+    or a class whose instances are such functions; a zip file from Stable-Baselines3; a pretrained_model folder from
+    LeRobot, which also determines the control convention and the cameras; or ws://HOST:PORT, a policy server that uses
+    the protocol of openpi. Modules, zip files and checkpoints run code. The output folder contains a Parquet table with
+    a row for each episode. If the command is interrupted, run it again: it continues.
     """
     from prag_asp.evaluation import evaluate as evaluated
     from prag_asp.physics import require_physics
@@ -155,7 +159,7 @@ def _source(
     """Return the scenarios that a command line names.
 
     Raises:
-        QueryError: the command line names no scenarios, or contradicts itself.
+        QueryError: the command line names no scenarios, or has contradictory options.
     """
     from prag_asp.dataset.scenarios import read_scenarios
     from prag_asp.evaluation.sources import FreshScenarios, NamedScenarios, StoredScenarios
@@ -188,7 +192,7 @@ def _source(
 
 
 def _options(texts: tuple[str, ...]) -> dict[str, Any]:
-    """Parse the environment options in texts such as NAME=VALUE; a value is JSON, or else a text.
+    """Parse the environment options in texts of the form NAME=VALUE; a value is JSON or else a text.
 
     Raises:
         QueryError: a text is not of the form NAME=VALUE.

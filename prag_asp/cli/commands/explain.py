@@ -77,7 +77,7 @@ def explain(
     if lines and action is None:
         lines.extend(_other_lengths(space))
     if not lines:
-        say(f"there are tasks of {_describe_request(space, action, step)}")
+        say(f"{space.domain.label} has tasks of {_describe_request(space, action, step)}")
         return
     for line in lines:
         say(line)
@@ -120,13 +120,13 @@ def _explain_plan(request: DomainOptions, words: tuple[str, ...]) -> None:
 
 
 def _reasons(space: TaskSpace, action: str | None, step: int | None, *, smallest: bool) -> Iterator[str]:
-    """Yield lines that explain why a space is empty; none if it is not."""
+    """Yield lines that explain why a space is empty, or nothing if it is not."""
     from prag_asp.space.emptiness import why_empty
 
     found = why_empty(space, action=action, step=step, smallest=smallest)
     if found is None:
         return
-    yield f"there is no task of {_describe_request(space, action, step)}"
+    yield f"{space.domain.label} has no task of {_describe_request(space, action, step)}"
     goal = space.domain.facts.goal
     if goal and any(GOAL.search(line.text) for line in found.lines):
         yield f"the goal is {', '.join(f'{fluent}' if value == 'true' else f'not {fluent}' for fluent, value in goal)}"
@@ -141,7 +141,7 @@ def _reasons(space: TaskSpace, action: str | None, step: int | None, *, smallest
 
 
 def _other_lengths(space: TaskSpace) -> Iterator[str]:
-    """Yield a line with the shortest length that has a task, or one that no length has; none if this takes too long."""
+    """Yield a line with the shortest length that has a task, or one that there is none, unless this takes too long."""
     from prag_asp.space.emptiness import shortest_length
 
     where = " that satisfies the conditions" if space.condition else ""
@@ -154,13 +154,13 @@ def _other_lengths(space: TaskSpace) -> Iterator[str]:
 
 
 def _changes(space: TaskSpace, action: str | None, step: int | None) -> Iterator[str]:
-    """Yield lines whose removal leaves a task in an empty space; none if it is not empty."""
+    """Yield lines whose removal leaves a task in an empty space, or nothing if it is not empty."""
     from prag_asp.space.emptiness import fewest_changes
 
     found = fewest_changes(space, action=action, step=step)
     if found == ((),):
         return
-    yield f"there is no task of {_describe_request(space, action, step)}"
+    yield f"{space.domain.label} has no task of {_describe_request(space, action, step)}"
     if not found:
         yield "there is none even without all lines that restrict plans"
     elif len(found[0]) == 1:
@@ -172,6 +172,9 @@ def _changes(space: TaskSpace, action: str | None, step: int | None) -> Iterator
 
 
 def _describe_request(space: TaskSpace, action: str | None, step: int | None) -> str:
-    """Return the request in words."""
+    """Return the length, the action and the conditions in words."""
+    from prag_asp.space.lengths import spelled_lengths
+
     having = "" if action is None else f" with {action}{'' if step is None else f' as step {step}'}"
-    return f"{space.title}{having}"
+    clauses = " and ".join(f"'{clause}'" for clause in space.condition.clauses)
+    return f"length {spelled_lengths(space.lengths)}{having}{f' that satisfies {clauses}' if clauses else ''}"

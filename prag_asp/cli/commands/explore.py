@@ -13,7 +13,7 @@ from prag_asp.atom import split_actions
 from prag_asp.cli import options
 from prag_asp.cli.arguments import parse_constant_options, parse_length
 from prag_asp.cli.domain_options import DOMAIN, ENGINE, DomainOptions, domain_options
-from prag_asp.cli.page_serving import serve_page
+from prag_asp.cli.page_serving import serve_models, serve_page
 from prag_asp.cli.terminal import end_progress, progress
 from prag_asp.errors import QueryError
 from prag_asp.safe_reading import STANDARD_INPUT
@@ -26,17 +26,23 @@ OF_TASKS = (
     "length", "by", "prefix", "settings", "rules", "encodings", "flat", "learned", "strict", "untimed", "cached",
     "trust",
 )  # fmt: skip
-"""The names of the options that do not fit a program that describes no tasks."""
+"""The names of the options that do not apply to a program that describes no tasks."""
 
 OF_MODELS = ("project", "optimal")
-"""The names of the options that fit only such a program."""
+"""The names of the options that apply only to such a program."""
 
 
 @click.command()
 @domain_options(
     *DOMAIN,
     click.option(
-        "-n", "--length", type=parse_length, metavar="N", help="Number of actions of a task; required without --models."
+        "-n",
+        "--length",
+        type=parse_length,
+        metavar="N",
+        default="0",
+        show_default=False,
+        help="Number of actions of a task; required without --models.",
     ),
     *ENGINE,
     options.trust,
@@ -48,7 +54,7 @@ OF_MODELS = ("project", "optimal")
 @options.prefix
 @click.option(
     "--models", is_flag=True,
-    help="DOMAIN... are the files of any clingo program: show its answer sets. --where chooses and excludes atoms.",
+    help="Show the answer sets of the clingo program in the files DOMAIN...; --where chooses and excludes atoms.",
 )  # fmt: skip
 @click.option("--project", is_flag=True, help="With --models: as for prag-asp models.")
 @click.option("--optimal", is_flag=True, help="With --models: as for prag-asp models.")
@@ -76,8 +82,6 @@ def explore(
     """
     if models:
         _refuse(OF_TASKS, "it is about tasks; leave it out with --models")
-        from prag_asp.cli.models_page import serve_models
-
         serve_models(request, project=project, optimal=optimal, port=port, opens=opens)
     else:
         _refuse(OF_MODELS, "it is about answer sets; add --models")
@@ -87,8 +91,7 @@ def explore(
 def _refuse(names: Sequence[str], reason: str) -> None:
     """Check that no option with one of these names is given.
 
-    Raises:
-        QueryError: one is given.
+    Raises: QueryError: such an option is given.
     """
     context = click.get_current_context()
     for parameter in context.command.params:
@@ -101,10 +104,10 @@ def _serve_tasks(request: DomainOptions, by: Any, prefix: str | None, *, port: i
     from prag_asp.explore.page_state import PageState, parse_query
     from prag_asp.explore.space_pages import space_views
     from prag_asp.explore.turns import Turns
-    from prag_asp.processes.progress_events import hear
 
-    if request.length is None:
-        (parameter,) = (each for each in click.get_current_context().command.params if each.name == "length")
+    context = click.get_current_context()
+    if context.get_parameter_source("length") is not ParameterSource.COMMANDLINE:
+        (parameter,) = (each for each in context.command.params if each.name == "length")
         raise click.MissingParameter(param=parameter)
     turns = Turns()
     limits = replace(exit_control.limits(cached=request.cached), since=None, seconds=None, stop=turns.stop)
@@ -114,7 +117,6 @@ def _serve_tasks(request: DomainOptions, by: Any, prefix: str | None, *, port: i
         explored = replace(_explored(request, limits), progress=turns.tell)
         explored.chosen(state)  # a wrong condition or prefix is reported here; the page counts
     end_progress()
-    hear(turns.tell)
     serve_page(space_views(explored), turns, f"?{state.query}", port=port, opens=opens)
 
 

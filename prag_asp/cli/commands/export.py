@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
 USUAL = "dimacs"
-"""The form for a command line without a form."""
+"""The form for a command line that names no form."""
 
 
 class Forms(click.Group):
-    """The commands for each form; ``export DOMAIN ...`` is ``export dimacs DOMAIN ...``."""
+    """The commands for each form; ``export DOMAIN ...`` is the same as ``export dimacs DOMAIN ...``."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         """Insert the usual form if none is named, unless the first word is a misspelt form."""
@@ -51,8 +51,8 @@ class Forms(click.Group):
 def export() -> None:
     """Write tasks or datasets in the formats of other tools.
 
-    FORM is dimacs (the default) for the task space of DOMAIN as a formula; pddl for DOMAIN or tasks of it; or lerobot,
-    minari, robomimic or bddl for the dataset in DIR.
+    FORM is dimacs (the default) for the task space of DOMAIN as a formula; pddl for DOMAIN or some of its tasks; or
+    lerobot, minari, robomimic or bddl for the dataset in DIR.
     """
 
 
@@ -66,7 +66,7 @@ def export() -> None:
 def dimacs(*, request: DomainOptions, by: Any, format: str, output: str | None) -> None:
     """Write all tasks of length N as a formula for SAT solvers and model counters.
 
-    Projected on the projection variables that the file declares, the formula has one model for each task.
+    Projected onto the projection variables that the file declares, the formula has one model for each task.
     """
     require_writable(output)
     lines = request.space().dimacs(by)
@@ -90,10 +90,10 @@ def dimacs(*, request: DomainOptions, by: Any, format: str, output: str | None) 
     "several tasks domain_1.pddl, ..., numbered by rank or by position in the file.",
 )  # fmt: skip
 def pddl(*, request: DomainOptions, selection: TaskSelection, positive: bool, unconditional: bool, output: str) -> None:
-    """Write a domain, or tasks of it, as PDDL domains and problems.
+    """Write a domain, or some of its tasks, as PDDL domains and problems.
 
-    They have the same plans. Fluents that a task leaves open in its initial state are false in PDDL; a comment in the
-    problem lists them.
+    They have the same plans. Fluents that are unknown in the initial state of a task are false in PDDL; a comment in
+    the problem gives their number.
     """
     from prag_asp.output import new_folder, replace_file
     from prag_asp.planners import write
@@ -172,7 +172,7 @@ def _add_dataset_form(form: str, text: str, place: str) -> None:
 _add_dataset_form(
     "lerobot",
     "Write a dataset's episodes as a LeRobotDataset v3.0.\n\n"
-    "It has tables of frames, AV1 videos and subtasks. Segmentation images are not exported.",
+    "It contains tables of frames and subtasks, and AV1 videos. Segmentation images are not exported.",
     "DIR",
 )
 _add_dataset_form(
@@ -190,7 +190,7 @@ _add_dataset_form(
 )
 _add_dataset_form(
     "bddl",
-    "Write each task of a dataset as a BDDL problem of LIBERO.\n\n"
-    "A problem has objects, initial state, goal and instruction.",
+    "Write each task of a dataset as a BDDL problem for LIBERO.\n\n"
+    "A problem contains the objects, the initial state, the goal and the instruction.",
     "DIR",
 )

@@ -31,12 +31,30 @@ if TYPE_CHECKING:
     from prag_asp.dataset.store.dataset import Dataset
     from prag_asp.dataset.store.manifest import Manifest
 
+MOST_CANDIDATES = 100_000
+"""The maximum number of candidates, as in `DatasetSpec`, which need not be imported for the help."""
+
+SHOWN = 5
+"""The maximum number of missing combinations that a line names."""
+
 
 @click.command()
 @domain_options(*SPACES, options.trust)
 @click.option(
-    "--tasks", type=whole(1), required=True, metavar="K",
+    "--tasks", type=whole(1), metavar="K",
     help="Number of tasks; with physics, of feasible tasks. A larger number extends an existing dataset.",
+)  # fmt: skip
+@click.option(
+    "--cover", type=whole(1, 8), metavar="T",
+    help="Begin with tasks that cover every reachable combination of T factors of an action; --tasks can be left out.",
+)  # fmt: skip
+@click.option(
+    "--diverse", type=whole(1), metavar="K",
+    help="Instead of --tasks: choose K of the sampled tasks that are far apart.",
+)  # fmt: skip
+@click.option(
+    "--candidates", type=whole(1, MOST_CANDIDATES), metavar="N",
+    help="With --diverse: number of sampled tasks to choose from.  [default: 20 times K]",
 )  # fmt: skip
 @options.seed
 @options.weight_options
@@ -54,13 +72,14 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option(
     "--except", "excluded", metavar="FILE|DIR", multiple=True, shell_complete=shell_completion.files,
-    help="Leave out the tasks of a file of scenario ids, or of another dataset; may be repeated.",
+    help="Leave out the tasks in a file of scenario ids or in another dataset; may be repeated.",
 )  # fmt: skip
 @options.strata_options
 @click.option("--skeletons", is_flag=True, help="With --split: parts also share no skeleton.")
 @click.option(
     "--hold-out", "held", metavar="WHAT", shell_complete=shell_completion.names,
-    help="Entity, class, action or pair that occurs only in the part test; it gets a fifth, or its share of --split.",
+    help="Entity, class, action or pair that occurs only in the part test, which gets a fifth of the tasks, or its "
+    "share in --split.",
 )  # fmt: skip
 @click.option(
     "--starts", type=whole(1), default=1, show_default=True, metavar="K",
@@ -83,13 +102,13 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option(
     "--phrasings", default="", metavar="'K of N'",
-    help="Use only every N-th phrasing, from the K-th; '1 of 2' and '2 of 2' share no phrasing.",
+    help="Use only every N-th phrasing, starting with the K-th; '1 of 2' and '2 of 2' share no phrasing.",
 )  # fmt: skip
 @click.option("--shard", type=whole(1), metavar="K", help="Maximum number of tasks in a file.  [default: 1000]")
 @max_draws
 @click.option(
     "--part", metavar="K/N",
-    help="Validate only every N-th sampled task, from the K-th: one of N jobs, which prag-asp merge joins.",
+    help="Run job K of N, which validates every N-th sampled task; prag-asp merge combines the results of all jobs.",
 )  # fmt: skip
 @ray
 @click.option(
@@ -103,7 +122,10 @@ if TYPE_CHECKING:
 def generate(
     *,
     request: DomainOptions,
-    tasks: int,
+    tasks: int | None,
+    cover: int | None,
+    diverse: int | None,
+    candidates: int | None,
     seed: int,
     weighting: WeightOptions,
     over: Any,
@@ -140,6 +162,8 @@ def generate(
     from prag_asp.missing import require_pyarrow
 
     require_pyarrow()
+    if tasks is None and cover is None and diverse is None:
+        raise QueryError("the number of tasks is missing; give --tasks K, --cover T or --diverse K")
     validation.parse_budget()
     filming.check(output if with_demonstrations else None)
     shares = None if split is None else parse_shares_option(split)
@@ -148,6 +172,7 @@ def generate(
             "--split": split is not None, "--skeletons": skeletons, "--hold-out": held is not None,
             "--except": bool(excluded), "--evenly": evenly, "--over": over is not None,
             "--weight": bool(weighting.weight), "--temperature": weighting.temperature != "1",
+            "--cover": cover is not None, "--diverse": diverse is not None,
         }
     )  # fmt: skip
     with progress() as tell, warnings_as_lines():
@@ -155,14 +180,15 @@ def generate(
         with_physics = physics if physics is not None else bool(space.domain.settings.scene)
         if not with_physics:
             validation.refuse_without_physics({"--demonstrate": with_demonstrations, "--starts": starts > 1})
+        uniform = cover is not None and not weighting.weight and weighting.temperature == "1"
         staging = filming.staging(*([scene_of(space.domain)] if filming.any else []))
         print_existing(output)
         try:
             dataset = make(
                 space, output, tasks=tasks, seed=seed, split=shares, skeletons=skeletons, hold_out=held, starts=starts,
                 demonstrate=with_demonstrations, over=over, evenly=evenly, trivial=trivial,
-                stratification=stratification,
-                **({} if stratification else weighting.arguments(space.domain)),
+                stratification=stratification, cover=cover, diverse=diverse, candidates=candidates,
+                **({} if stratification or uniform else weighting.arguments(space.domain)),
                 physics=with_physics, budget=validation.parse_budget() if with_physics else None,
                 workers=validation.workers,
                 shard=shard or SHARD, language=language, phrasings=phrasings, staging=staging, max_draws=max_draws,
@@ -175,7 +201,7 @@ def generate(
 
 
 def parse_shares_option(text: str) -> dict[str, str]:
-    """Return the parts of a text such as ``train=0.8,test=0.2``, with their shares as texts.
+    """Return the parts in a text such as ``train=0.8,test=0.2``, with their shares as texts.
 
     Raises:
         QueryError: the text does not have this form.
@@ -191,7 +217,7 @@ def parse_shares_option(text: str) -> dict[str, str]:
 
 @contextmanager
 def warnings_as_lines() -> Iterator[None]:
-    """Print each warning at once, in one line."""
+    """Print each warning at once, on one line."""
     with warnings.catch_warnings():
         warnings.simplefilter("always")
         warnings.showwarning = lambda message, *_, **__: tell_line(f"warning: {message}")
@@ -215,7 +241,7 @@ def _count_tasks(manifest: Manifest) -> str:
 
 
 def print_parts(dataset: Dataset) -> None:
-    """Print the parts of a dataset with their sizes, and on stderr why tasks were rejected."""
+    """Print the parts of a dataset with their sizes and, on stderr, why tasks were rejected."""
     from prag_asp.dataset.store.draw_results import TRIVIAL
 
     manifest = dataset.manifest
@@ -226,6 +252,8 @@ def print_parts(dataset: Dataset) -> None:
         say(f"{part.name:<{width}}  {part.tasks} of {part.size}{weight}")
         for tally in part.lengths:
             rejected.update({each.reason: each.count for each in tally.reasons if each.status != "trivial"})
+    for line in chosen_lines(manifest):
+        tell_line(line)
     wanted, found = manifest.spec.starts * manifest.rows("tasks"), manifest.rows("witnesses")
     if manifest.spec.starts > 1 and found < wanted:
         tell_line(f"only {found} of {plural(wanted, 'initial state')} have a witness; see the column starts")
@@ -234,3 +262,20 @@ def print_parts(dataset: Dataset) -> None:
         tell_line(f"{plural(left_out, 'trivial task')} left out: {TRIVIAL}; keep them with --trivial")
     for reason, count in rejected.most_common():
         tell_line(f"{plural(count, 'task')} rejected: {reason}")
+
+
+def chosen_lines(manifest: Manifest) -> Iterator[str]:
+    """Yield a line on what the chosen tasks of a dataset reach, if it has any."""
+    if manifest.cover:
+        cover = manifest.cover
+        names = f"; missing: {', '.join(cover.missing[:SHOWN])}" if cover.missing else ""
+        others = f" and {len(cover.missing) - SHOWN} more, see dataset.json" if len(cover.missing) > SHOWN else ""
+        yield (
+            f"the tasks cover {cover.covered} of {plural(cover.reachable, 'reachable combination')} of "
+            f"{plural(cover.strength, 'factor')}{names}{others}"
+        )
+    for name, figures in (manifest.diverse or {}).items():
+        yield (
+            f"{name}: tasks at least {figures.separation:.4g} apart ({figures.metric}), and at most "
+            f"{figures.radius:.4g} from any of {plural(figures.candidates, 'candidate')}"
+        )

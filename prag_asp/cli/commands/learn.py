@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace
 
 Row = tuple[str, ...]
-"""A name, and the figures before and after."""
+"""A name, and the figures before and after learning."""
 
 
 @click.command()
@@ -49,7 +49,8 @@ def learn(*, request: DomainOptions, number: int, seed: int, validation: Physics
     """Propose rules that exclude what physics proves impossible.
 
     Prints rules for the file learned.lp and their effect: the numbers of plans, tasks and skeletons of length N, and
-    how many of K uniformly sampled tasks pass physics, before and after. An existing learned.lp is ignored.
+    how many of K uniformly sampled tasks pass the physics checks, without and with the rules. An existing learned.lp is
+    ignored.
     """
     from prag_asp.dataset import learn as learn_rules
     from prag_asp.dataset.scenes import scene_of
@@ -87,7 +88,7 @@ def _figures(
     before: TaskSpace, after: TaskSpace, scene: Scene, number: int, seed: int, validation: PhysicsOptions,
     tell: Callable[[str], None],
 ) -> Iterator[Row]:  # fmt: skip
-    """Yield the rows of a table: the sizes of the space, and the number of tasks that pass, before and after."""
+    """Yield the rows of a table, before and after learning: sizes of the space, and the number of tasks that pass."""
     from prag_asp.space.engines import Level
 
     yield f"length {before.length}", "before", "after"
@@ -104,7 +105,7 @@ def _figures(
 def _tally(
     space: TaskSpace, scene: Scene, number: int, seed: int, validation: PhysicsOptions, tell: Callable[[str], None]
 ) -> Tally:
-    """Return the tally of physics over some uniformly sampled tasks."""
+    """Return the tally of physics for some uniformly sampled tasks."""
     from prag_asp.cli.summary import tally_line
     from prag_asp.dataset.pass_rates import Tally
     from prag_asp.physics import validate_tasks

@@ -1,4 +1,4 @@
-"""``prag-asp merge``: one dataset from the parts that several machines have made."""
+"""``prag-asp merge``: one dataset from the parts that several machines have generated."""
 
 from __future__ import annotations
 

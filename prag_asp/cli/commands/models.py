@@ -66,7 +66,7 @@ constant_option = click.option(
 
 where_option = click.option(
     "--where", metavar="LITERAL", multiple=True,
-    help="Only answer sets that show an atom, such as 'in(1)', or not, such as 'not in(1)'; may be repeated.",
+    help="Only answer sets that contain a shown atom ('in(1)') or do not contain it ('not in(1)'); may be repeated.",
 )  # fmt: skip
 
 program_options = grouped(
@@ -76,7 +76,8 @@ program_options = grouped(
         constant_option,
         click.option(
             "--project", is_flag=True,
-            help="Count answer sets once if they agree on the atoms of #project; without #project, on the shown atoms.",
+            help="Count answer sets that agree on the atoms of #project once; without #project, those that agree on "
+            "the shown atoms.",
         ),
         click.option("--weighted", is_flag=True, help="Weight answer sets by facts such as weight(in(1),2)."),
         click.option(
@@ -86,7 +87,7 @@ program_options = grouped(
         click.option(
             "--engine", type=click.Choice(ENGINES), default="auto", show_default=True,
             help="ganak or d4, model counters (count only); diagram, a compiled decision diagram; clingo, enumeration; "
-            "or auto, which tries several of them with limited work.",
+            "or auto, which tries several of them.",
         ),
         where_option,
     ),
@@ -171,7 +172,7 @@ def list_(*, program: ProgramOptions, number: int | None, form: str) -> None:
 @program_options
 @format_option
 def marginals(*, program: ProgramOptions, form: str) -> None:
-    """Print for each shown atom the share of answer sets that contain it.
+    """Print what share of the answer sets contains each shown atom.
 
     Shares are exact. With --weighted, they are shares of the total weight.
     """
@@ -189,7 +190,7 @@ def marginals(*, program: ProgramOptions, form: str) -> None:
 @program_options
 @format_option
 def facets(*, program: ProgramOptions, form: str) -> None:
-    """Print which shown atoms are facets, and how much each narrows the answer sets.
+    """Print the facets among the shown atoms, with their significance.
 
     A facet is an atom that some answer sets contain and others do not. For each shown atom, prints the exact share of
     the answer sets that contain it; for a facet, also the shares by which the numbers of answer sets and of facets
@@ -243,7 +244,7 @@ def _say_all(found: AnswerSets, listed: Iterator[AnswerSet], form: str) -> None:
         for each in listed:
             say(" ".join(map(str, each)))
         return
-    first = next(listed, None)  # an error comes before any output
+    first = next(listed, None)  # an error precedes any output
     say(_document(found, {"answer_sets": "["}).removesuffix("\n}"))
     texts = (json.dumps([str(symbol) for symbol in each]) for each in chain([] if first is None else [first], listed))
     for text, following in pairwise(chain(texts, [None])):
@@ -261,7 +262,7 @@ def _document(found: AnswerSets, fields: Mapping[str, str]) -> str:
 
 
 def _facet_object(facet: Facet) -> str:
-    """Return the share of an atom, and the numbers left after choosing or excluding it, as JSON."""
+    """Return the share of an atom and the numbers that remain after choosing or excluding it, as JSON."""
     objects = [
         f'{{"answer_sets": {digits_of(each.answer_sets)}, "facets": {each.facets}, '
         f'"of_answer_sets": "{_spelled(each.of_answer_sets)}", "of_facets": "{_spelled(each.of_facets)}"}}'
@@ -274,13 +275,13 @@ def _facet_object(facet: Facet) -> str:
 
 
 def _cells(facet: Facet) -> list[str]:
-    """Return the cells after the share in an atom's row of the table of facets."""
+    """Return the cells that follow the share in an atom's row in the table of facets."""
     both = (facet.chosen, facet.excluded)
     shrunk = [each and (each.of_answer_sets, each.of_facets) for each in both]
     return [_spelled(each[place]) if each else "-" for place in (0, 1) for each in shrunk]
 
 
 def _spelled(number: Fraction) -> str:
-    """Return a fraction in decimal digits, however many."""
+    """Return a fraction in decimal digits, however many there are."""
     over = digits_of(number.numerator)
     return over if number.denominator == 1 else f"{over}/{digits_of(number.denominator)}"

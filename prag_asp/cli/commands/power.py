@@ -18,7 +18,7 @@ from prag_asp.errors import QueryError
 @click.option("--scenarios", type=whole(1), metavar="N", help="Number of scenarios in which each policy runs.")
 @click.option("--power", metavar="P", default="0.8", show_default=True, help="Probability of finding the effect.")
 @click.option("--rate", metavar="P", default="0.5", show_default=True, help="Success rate of the first policy.")
-@click.option("--alpha", metavar="A", default="0.05", show_default=True, help="Two-sided level of significance.")
+@click.option("--alpha", metavar="A", default="0.05", show_default=True, help="Two-sided significance level.")
 @click.option(
     "--paired",
     "correlation",
@@ -42,8 +42,8 @@ def power(
 
     The claim is that one policy succeeds more often than another. With --effect, prints the number of scenarios that
     each policy needs; with --scenarios, the smallest effect that they can show, and the half-width of Wilson's
-    interval; with both, also the power. The power is exact: of McNemar's exact test if both policies run in the same
-    scenarios (--paired or --discordant), otherwise of Fisher's exact test.
+    interval; with both, also the power. The power is computed exactly: that of McNemar's exact test if both policies
+    run in the same scenarios (--paired or --discordant), otherwise that of Fisher's exact test.
     """
     from prag_asp.evaluation.power import ComparisonDesign
 

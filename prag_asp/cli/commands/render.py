@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -17,7 +17,7 @@ from prag_asp.cli.physics_options import parse_pixels
 from prag_asp.cli.terminal import progress, say
 from prag_asp.dataset.task_origin import MEND, errors_with_place, index_of, read_witness
 from prag_asp.errors import QueryError
-from prag_asp.output import file_in, make_folder
+from prag_asp.output import file_in, make_folder, replace_file
 from prag_asp.processes.progress_events import stage
 from prag_asp.safe_reading import lines_of, open_text
 from prag_asp.wording import plural
@@ -29,15 +29,18 @@ if TYPE_CHECKING:
     from prag_asp.scene.scene import Scene
 
 SIZES = {"strip": (360, 320), "state": (960, 800), "gif": (400, 350), "webp": (400, 350), "mp4": (400, 350)}
-"""Pixels of a frame for each form of picture."""
+"""The size of a frame in pixels for each form of picture."""
 
 ANIMATED = ("gif", "webp", "mp4")
+SCENES = ("html", "glb")
+"""The forms of 3D scenes: a page that plays the episode, and binary glTF for 3D programs."""
+
 FASTEST = 1000
 """The largest factor by which an animation is sped up or slowed down."""
 
 RECORD = "record it again with --demonstrate"
 STILLS = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp")
-"""Suffixes of files for still pictures."""
+"""The suffixes of files for still pictures."""
 
 SMALLEST, LARGEST = 16, 4096
 
@@ -49,10 +52,11 @@ SMALLEST, LARGEST = 16, 4096
 @click.option(
     "--as",
     "form",
-    type=click.Choice(list(SIZES)),
+    type=click.Choice([*SIZES, *SCENES]),
     default="strip",
     show_default=True,
-    help="All states side by side with captions; one state; or an animation of the robot executing the task.",
+    help="All states side by side with captions; one state; an animation of the robot executing the task; "
+    "or a 3D scene of it, as a page that plays it or as binary glTF.",
 )
 @click.option(
     "--state",
@@ -65,6 +69,10 @@ SMALLEST, LARGEST = 16, 4096
     help="Size of a frame in pixels.  [default: 360x320; state 960x800; animation 400x350]",
 )  # fmt: skip
 @click.option("--speed", type=float, default=2.0, show_default=True, help="Playback speed of an animation.")
+@click.option(
+    "--bystanders/--no-bystanders", default=True,
+    help="Also draw objects that the task does not name, at places that it does not use.  [default: yes]",
+)  # fmt: skip
 @click.option("--columns", type=whole(1), default=3, show_default=True, help="Frames per row of a strip.")
 @click.option(
     "--recordings", metavar="DIR", shell_complete=shell_completion.files,
@@ -73,7 +81,7 @@ SMALLEST, LARGEST = 16, 4096
 @options.seed
 @click.option(
     "-o", "--output", metavar="PATH", default="pictures", show_default=True, shell_complete=shell_completion.files,
-    help="File for one task; folder for several, with files named by the tasks' numbers.",
+    help="File for one task; folder for several tasks, whose files are named after the tasks' numbers.",
 )  # fmt: skip
 def render(
     *,
@@ -84,12 +92,13 @@ def render(
     state: int | None,
     size: str | None,
     speed: float,
+    bystanders: bool,
     columns: int,
     recordings: str | None,
     seed: int,
     output: str,
 ) -> None:
-    """Draw pictures of the tasks of a file.
+    """Draw pictures of the tasks in a file.
 
     Draws all tasks, or those with the given NUMBERs, which count the lines of the file from 1. Prints the names of the
     files written. A task without a witness is validated first. For an animation, the robot executes the task, unless
@@ -103,10 +112,14 @@ def render(
         raise QueryError(f"--state {state} goes with --as state; got --as {form}")
     if not 1 / FASTEST <= speed <= FASTEST:
         raise QueryError(f"--speed {speed:g}: write a positive number up to {FASTEST}, such as 2 for twice as fast")
-    pixels = SIZES[form] if size is None else parse_pixels(size)
+    if size is not None and form in SCENES:
+        raise QueryError(f"--size {size} goes with pictures; a 3D scene has no size in pixels")
+    pixels = SIZES.get(form, SIZES["state"]) if size is None else parse_pixels(size)
     if not all(SMALLEST <= side <= LARGEST for side in pixels):
         raise QueryError(f"--size {size}: a picture has {SMALLEST} to {LARGEST} pixels a side")
-    drawing = _Renderer(form, state, pixels, columns, speed, seed, None if recordings is None else Path(recordings))
+    drawing = _Renderer(
+        form, state, pixels, columns, speed, bystanders, seed, None if recordings is None else Path(recordings)
+    )
     _check_output(Path(output), form)
     require_physics()
     with open_text(file) as stream:
@@ -138,37 +151,46 @@ def render(
 
 @dataclass(frozen=True)
 class _Renderer:
-    """Draws tasks in one form."""
+    """Draws tasks in a given form."""
 
     form: str
     state: int | None
     size: tuple[int, int]
     columns: int
     speed: float
+    bystanders: bool
     seed: int
     recordings: Path | None
 
     def draw(
         self, record: Record, number: int, writer: InstructionWriter, path: Path, tell: Callable[[float], None]
     ) -> None:
-        """Draw one task into a file; `tell` receives the share that is done.
+        """Draw a task into a file; `tell` receives the share that has been done.
 
         Raises:
             QueryError: the task has no witness and none is found, or the robot fails to execute it.
             OutputError: the file cannot be written.
         """
         from prag_asp.dataset.scenes import scene_of
-        from prag_asp.physics import Demonstration, Witness, animate, demonstrate, film_strip, still
+        from prag_asp.physics import (
+            Demonstration,
+            Witness,
+            animate,
+            demonstrate,
+            episode_glb,
+            episode_page,
+            film_strip,
+            still,
+        )
         from prag_asp.physics.pictures.saving import save_picture
 
         domain, task = writer.lexicon.domain, record.task
         scene = scene_of(domain)
-        animated = self.form in ANIMATED
         stage("drawing pictures")
         with errors_with_place(record, domain):
             captions = writer.captions(task)
             shown = self._shown(record, number, scene)
-            if animated and isinstance(shown, Witness):
+            if self.form in (*ANIMATED, *SCENES) and isinstance(shown, Witness):
                 shown = demonstrate(task, shown, scene)
                 if not shown.success:
                     text = f"the robot fails to execute it: {shown.detail}; draw its states with --as strip"
@@ -177,27 +199,36 @@ class _Renderer:
             if state > len(task.actions):
                 raise QueryError(f"--state {state}: the states of the task are 0 to {len(task.actions)}")
         with errors_with_place(record, domain, MEND if self.recordings is None else RECORD):
+            drawing: dict[str, Any] = {"size": self.size, "bystanders": self.bystanders}
             if self.form == "strip":
-                image = film_strip(task, shown, scene, columns=self.columns, captions=captions, size=self.size)
+                image = film_strip(task, shown, scene, columns=self.columns, captions=captions, **drawing)
             elif self.form == "state":
-                image = still(task, shown, scene, state, size=self.size)
+                image = still(task, shown, scene, state, **drawing)
             else:
                 assert isinstance(shown, Demonstration)
-                animate(
-                    task,
-                    shown,
-                    scene,
-                    path,
-                    size=self.size,
-                    speed=self.speed,
-                    headings=[heading.partition(". ")[2] for heading, _ in captions[1:]],
-                    progress=lambda done, total: tell(done / total),
-                )
+                headings = [heading.partition(". ")[2] for heading, _ in captions[1:]]
+                texts: dict[str, Any] = {"headings": headings, "bystanders": self.bystanders}
+                if self.form == "glb":
+                    replace_file(path, episode_glb(task, shown, scene, **texts))
+                elif self.form == "html":
+                    title = f"{task.domain}, task {number}"
+                    replace_file(path, episode_page(task, shown, scene, title=title, **texts).encode())
+                else:
+                    animate(
+                        task,
+                        shown,
+                        scene,
+                        path,
+                        size=self.size,
+                        speed=self.speed,
+                        progress=lambda done, total: tell(done / total),
+                        **texts,
+                    )
                 return
         save_picture(image, path, optimize=True)
 
     def _shown(self, record: Record, number: int, scene: Scene) -> Witness | Demonstration:
-        """Return the episode of a task if there is a folder of episodes, otherwise its witness."""
+        """Return the episode of a task if there is a folder of episodes, or otherwise its witness."""
         from prag_asp.physics import Demonstration, check_demonstration, check_witness, validate_task
 
         if self.recordings is not None:
@@ -223,12 +254,12 @@ class _Renderer:
 
 
 def _suffixes(form: str) -> tuple[str, ...]:
-    """Return the possible suffixes for files in a form, the usual one first."""
-    return (f".{form}",) if form in ANIMATED else STILLS
+    """Return the possible suffixes for files of a form, the usual one first."""
+    return (f".{form}",) if form in (*ANIMATED, *SCENES) else STILLS
 
 
 def _check_output(output: Path, form: str) -> None:
-    """Check that the output can be a picture, before anything is loaded.
+    """Before anything is loaded, check that the output can be a picture.
 
     Raises:
         QueryError: its suffix does not fit the form.
@@ -253,7 +284,7 @@ def _targets(output: Path, numbers: Sequence[int], form: str) -> dict[int, Path]
 
     Raises:
         QueryError: the output is one file, but there are several tasks.
-        OutputError: the folder cannot be made.
+        OutputError: the folder cannot be created.
     """
     suffix = _suffixes(form)[0]
     if _is_file(output):

@@ -34,7 +34,7 @@ from prag_asp.errors import QueryError
 )  # fmt: skip
 @click.option(
     "--sample", type=whole(2, 5000), metavar="K", default=1000, show_default=True,
-    help="Largest number of tasks to compare in pairs; from more tasks, a sample is taken with --seed.",
+    help="Maximum number of tasks to compare in pairs; if there are more, a sample is taken with --seed.",
 )  # fmt: skip
 @options.seed
 def report(
@@ -44,8 +44,8 @@ def report(
     """Report on a dataset, a file of tasks, or evaluations.
 
     A SOURCE is a dataset, a file of tasks as JSON lines, or the folder of an evaluation; evaluations may be given
-    alone, or beside a dataset or a file. The report contains exact counts by length, the coverage of the space,
-    frequencies beside the expected ones, pass rates, distances, a map, film strips, and success rates of policies.
+    alone, or together with a dataset or a file. The report contains exact counts by length, the coverage of the space,
+    actual and expected frequencies, pass rates, distances, a map, film strips, and success rates of policies.
     Prints the names of the files written.
     """
     from prag_asp.report import write_report

@@ -1,4 +1,4 @@
-"""``prag-asp sample``: tasks sampled with exact probabilities, and kept if physics finds them feasible."""
+"""``prag-asp sample``: tasks sampled with exact probabilities or, with physics, only the feasible ones."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace
 
 DRAWS_PER_TASK = 1000
-"""The number of sampled tasks per requested feasible task after which `sample` gives up."""
+"""The number of sampled tasks, per requested feasible task, after which `sample` gives up."""
 
 
 @click.command()
@@ -44,7 +44,7 @@ DRAWS_PER_TASK = 1000
 @click.option("--distinct", is_flag=True, help="Sample without replacement: no task occurs twice.")
 @click.option(
     "--except", "excluded", metavar="FILE|DIR", shell_complete=shell_completion.files,
-    help="With --distinct: leave out the tasks of a file of scenario ids (--format scenario), or of a dataset.",
+    help="With --distinct: leave out the tasks in a file of scenario ids (--format scenario) or in a dataset.",
 )  # fmt: skip
 @click.option(
     "--cover", type=whole(1, 8), metavar="T",
@@ -57,7 +57,7 @@ DRAWS_PER_TASK = 1000
 @physics_options
 @camera_options
 @click.option(
-    "--max-draws", type=whole(1), metavar="K", help="Stop after K draws, feasible or not.  [default: 1000 per task]"
+    "--max-draws", type=whole(1), metavar="K", help="Stop after K samples, feasible or not.  [default: 1000 per task]"
 )
 @format_options(LINE_FORMAT)
 @options.output
@@ -165,7 +165,7 @@ def _write_all(records: Iterator[Record], output: str | None, line: Callable[[Re
 
 
 def _check_choice(cover: int | None, diverse: int | None, count: int, by: str, over: Any, excluded: str | None) -> None:
-    """Check that the options that choose tasks are consistent.
+    """Check that the options for choosing tasks are consistent.
 
     Raises:
         QueryError: two options exclude each other.
@@ -246,10 +246,10 @@ def _write_strata(
 
 
 def _remedy(tally: Tally) -> str:
-    """Return the remedy if a number of draws contains too few feasible tasks.
+    """Return the remedy for a number of draws that contain too few feasible tasks.
 
-    More draws help if some tasks are feasible, and a larger budget may help if none was found; against proofs, rules
-    that exclude such tasks help.
+    More draws help if some tasks are feasible, and a larger budget may help if no feasible task was found; if tasks are
+    proved infeasible, rules that exclude them help.
     """
     if tally.passed and 2 * tally.proved <= tally.seen:
         return "raise --max-draws"

@@ -1,4 +1,4 @@
-"""``prag-asp scenario``: the tasks that scenario ids name, with the witnesses from their initial states."""
+"""``prag-asp scenario``: the tasks identified by scenario ids, with the witnesses from their initial states."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ FORM = click.option(
 def scenario(
     *, request: DomainOptions, ids: tuple[str, ...], file: str | None, task_format: TaskFormat, output: str | None
 ) -> None:
-    """Print the tasks of scenario ids.
+    """Print the tasks with given scenario ids.
 
     An id names a domain with a digest of its content, the conditions, the length and the rank of a task, and the search
     for its initial state; the same id gives the same task and initial state on every machine. It is refused if the

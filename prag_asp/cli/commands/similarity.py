@@ -43,7 +43,7 @@ SHOWN = 5
 )  # fmt: skip
 @click.option(
     "--costs", metavar="FILE", shell_complete=shell_completion.files,
-    help="Instead of a metric: edit distance with the costs in a TOML file.",
+    help="Use an edit distance with the costs in a TOML file instead of a metric.",
 )  # fmt: skip
 @click.option(
     "--up-to", type=click.Choice(["domain", "names", "classes"]), default="domain", show_default=True,
@@ -129,7 +129,7 @@ def _background(given: ComparedTasks, up_to: str) -> Background:
 
 
 def _metric(metric: str, costs: str | None, given: ComparedTasks, up_to: str) -> Metric:
-    """Return the metric with a given name, or the one that a file of costs defines; print why it is not a metric."""
+    """Return the metric with a given name or with the costs in a file; print why it is not a metric if so."""
     from prag_asp.similarity.metrics import metric_of
 
     if costs is None:
@@ -147,10 +147,10 @@ def _names(up_to: str) -> UpTo:
 
 
 def _text(found: TaskComparison) -> Iterator[str]:
-    """Yield the distance, the renaming, the parts of a mixture and the edits."""
+    """Yield the distance, the renaming, the parts of a mixture, and the edits."""
     yield f"{found.metric.name}: distance {_number(found.distance)}, similarity {found.similarity:.3f}"
     if found.renaming:
-        yield f"B with {', '.join(f'{old} as {new}' for old, new in sorted(found.renaming.items()))}"
+        yield f"renamed in B: {', '.join(f'{old} to {new}' for old, new in sorted(found.renaming.items()))}"
     if found.parts:
         from prag_asp.similarity.metrics import COMBINED
 
@@ -247,7 +247,7 @@ def _novel(
             ("given tasks", f"{len(known.tasks)}"),
             ("mean novelty", f"{found.distances.mean():.4f}"),
             ("smallest novelty", f"{found.distances.min():.4f}"),
-            ("tasks that are given", f"{int((found.distances == 0).sum())}"),
+            ("tasks with novelty 0", f"{int((found.distances == 0).sum())}"),
         ]
     )
     for place in found.distances.argsort(kind="stable")[:SHOWN].tolist():

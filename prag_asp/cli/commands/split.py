@@ -51,7 +51,7 @@ if TYPE_CHECKING:
 )  # fmt: skip
 @click.option(
     "--cover", type=whole(1, 7), metavar="T",
-    help="Training covers all combinations of T factors of an action; each test task has one of T+1 that is new.",
+    help="Training covers all combinations of T factors of an action; each test task has a new combination of T+1.",
 )  # fmt: skip
 @click.option(
     "--combinations", type=whole(1), metavar="K",
@@ -71,8 +71,8 @@ def split(
 ) -> None:  # fmt: skip
     """Split the tasks of length N into disjoint parts.
 
-    Prints the size of each part; parts are given by shares, such as train=0.8 test=0.2. With --count, samples tasks of
-    each part uniformly, and writes them to DIR/NAME.txt or .jsonl; these files are replaced together at the end.
+    Prints the size of each part; parts are given by shares, such as train=0.8 test=0.2. With --count, samples tasks
+    from each part uniformly, and writes them to DIR/NAME.txt or .jsonl; these files are replaced together at the end.
     """
     from prag_asp.dataset.jsonl import Record
 
@@ -154,7 +154,7 @@ def _proved(
 
 
 def _written(part: TaskSpace | RankedTasks, count: int, seed: int, cover: int | None, name: str) -> list[Task]:
-    """Return distinct tasks of a part, sampled uniformly; with `cover`, after tasks that cover all combinations.
+    """Return distinct tasks of a part, sampled uniformly; with `cover`, tasks that cover all combinations come first.
 
     Raises:
         QueryError: more tasks are needed to cover the combinations.
@@ -176,7 +176,7 @@ def _written(part: TaskSpace | RankedTasks, count: int, seed: int, cover: int | 
 
 
 def _with_warnings(divide: Callable[[], Parts]) -> Parts:
-    """Return the parts, and print warnings about them as lines."""
+    """Return the parts, and print warnings about them, each on one line."""
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         parts = divide()

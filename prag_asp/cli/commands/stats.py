@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from prag_asp.space.sampling.statistics import Statistics
 
 DIGITS = 6
-"""Decimal places of shares and expected numbers in text."""
+"""Decimal places of shares and of expected numbers in text."""
 
 WIDEST = 40
 """The maximum number of characters of a whole number that is printed in full as text."""
@@ -47,7 +47,8 @@ def stats(
 ) -> None:
     """Print exact statistics of a random task of length N.
 
-    These are the entropy, the expected number of each action, and the probability that a task contains it.
+    These are the entropy, the expected number of occurrences of each action, and the probability that a task contains
+    it.
     """
     require_writable(output)
     if plot:
@@ -109,13 +110,13 @@ def _text(found: Statistics) -> Iterator[str]:
 
 
 def _decimal(share: Fraction) -> str:
-    """Return a fraction as a decimal number, its last digit rounded half to even."""
+    """Return a fraction as a decimal number whose last digit is rounded half to even."""
     whole = round(share * 10**DIGITS)
     return f"{whole // 10**DIGITS}.{whole % 10**DIGITS:0{DIGITS}d}"
 
 
 def _whole(number: int | Fraction) -> str:
-    """Return a number in full if it is short, otherwise with seven digits and a power of ten."""
+    """Return a number in full if it is short, or otherwise with seven digits and a power of ten."""
     text = str(number)
     if len(text) <= WIDEST:
         return text

@@ -11,6 +11,7 @@ from prag_asp.cli.commands.generate import warnings_as_lines
 from prag_asp.cli.options import whole
 from prag_asp.cli.terminal import progress, say, tell_line
 from prag_asp.errors import NotFound, QueryError
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.dataset.suites.counting import Figures
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     "--count",
     "counts",
     is_flag=True,
-    help="Print the numbers of tasks, of shared tasks and of held-out tasks of the parts; write nothing.",
+    help="Print the numbers of tasks, of shared tasks and of held-out tasks in the parts; write nothing.",
 )
 @click.option(
     "-o",
@@ -83,6 +84,9 @@ def _show(suite: Suite, figures: Figures) -> None:
             say(f"shared: {each.one}, {each.other}  {each.digits}, {note}")
     none = sum(not each.tasks for each in figures.shared)
     say(f"shared: 0 in {none} of {len(figures.shared)} pairs of parts")
+    for name, part in suite.parts.items():
+        for other, distance in part.distance.items() if part.of is None else ():
+            say(f"distance: {name}  at least {plural(distance, 'edit')} from all tasks of {other}")
     for held in suite.held:
         away = [each for each in figures.unseen if each.what == held.what]
         tasks = sum(each.tasks for each in away)

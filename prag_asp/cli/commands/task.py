@@ -50,7 +50,7 @@ def task(
     with_complexity: bool,
     seed: int,
 ) -> None:
-    """Print the task of a rank, or the rank of a task.
+    """Print the task with a given rank, or the rank of a task.
 
     Tasks are ranked in lexicographic order of their actions, and actions in clingo's order of terms; the ranks depend
     only on the domain.

@@ -40,7 +40,7 @@ def validate(
     witness_only: bool,
     output: str | None,
 ) -> None:
-    """Validate the tasks of a file: plans and feasibility.
+    """Validate the tasks in a file: plans and feasibility.
 
     Prints a line for each task: its number, its verdict and the reason. Use the same --rule, --encodings, --flat and
     --where as when the tasks were generated.
@@ -90,7 +90,7 @@ def validate(
 
 
 def _scenes_in(file: str, request: DomainOptions) -> list[Scene]:
-    """Return the scenes of the domains that the tasks of a file name; none if the file can be read only once.
+    """Return the scenes of the domains that the tasks in a file name, or none if the file can be read only once.
 
     A damaged line is skipped, because `recheck` reports it.
 

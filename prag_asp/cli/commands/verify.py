@@ -25,8 +25,8 @@ def verify(*, folder: str, trust: bool, physics: bool, workers: int) -> None:
     """Verify the contents of a dataset, a suite, or a split with --distance or --cover.
 
     Checks files, counts, plans, instructions and witnesses: tasks are sampled again with the seed, plans are checked by
-    clingo, witnesses in a new simulation. Prints a line for each error, with its file and row (from 0); the exit code
-    is 1 if there is an error.
+    clingo, and witnesses are checked in a new simulation. Prints a line for each error, with its file and row (from 0);
+    the exit code is 1 if there is an error.
     """
     from prag_asp.dataset.suites.suite_manifest import count_tasks
     from prag_asp.dataset.suites.verifying import verify as wrong
@@ -58,8 +58,10 @@ def _verify_split(folder: Path, trust: bool) -> None:
     note = SPLIT.read(folder)
     assert note is not None
     tasks, first = plural(sum(part.tasks for part in note.parts), "task"), note.parts[0].name
-    proofs = [f"all others at least {plural(note.distance, 'edit')} from the whole part {first}"] * (note.distance > 1)
+    edits = plural(note.distance, "edit")
+    proofs = [f"every task outside {first} is at least {edits} from every task of {first}"] * (note.distance > 1)
     if note.combinations:
-        held = plural(len(note.combinations), "combination")
-        proofs.append(f"{first} covers all {note.reachable} and lacks {held} of which each other task has one")
-    say("; ".join([f"{folder}: ok", f"{tasks}, {', '.join(proofs)}"]))
+        held = plural(len(note.combinations), "larger combination")
+        proofs.append(f"{first} covers all {note.reachable} combinations")
+        proofs.append(f"{first} lacks {held}, and every other task contains at least one of them")
+    say("; ".join([f"{folder}: ok", tasks, *proofs]))

@@ -1,1 +1,1 @@
-"""Read the tasks to compare, and write the results to files."""
+"""Read the tasks to be compared, and write the results to files."""

@@ -1,4 +1,4 @@
-"""Tasks that ``prag-asp sample`` chooses: few that cover all combinations of factors, or some that are far apart."""
+"""Tasks that ``prag-asp sample`` chooses: a few that cover all combinations of factors, or some that are far apart."""
 
 from __future__ import annotations
 
@@ -16,13 +16,10 @@ if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace
     from prag_asp.task import Task
 
-METRIC = "levenshtein-classes"
-"""The metric of tasks that are far apart: edits of actions, which cost less between similar objects."""
-
 
 @dataclass(frozen=True)
 class CoveringTasks:
-    """The tasks of a covering set, in place of those that a space samples."""
+    """The tasks of a covering set, which take the place of those that a space samples."""
 
     space: TaskSpace
     found: CoveringSet
@@ -33,7 +30,7 @@ class CoveringTasks:
         return self.space.domain
 
     def stream(self, **drawing: Any) -> Iterator[Task]:
-        """Yield the tasks; no option of sampling applies."""
+        """Yield the tasks; the options for sampling do not apply."""
         return iter(self.found.tasks)
 
     def report(self, records: Iterable[Record]) -> Iterator[Record]:
@@ -51,13 +48,13 @@ class CoveringTasks:
 
 
 def covering_tasks(space: TaskSpace, strength: int) -> CoveringTasks:
-    """Return few tasks that cover all reachable combinations, and print their numbers."""
+    """Return a few tasks that cover all reachable combinations, and print their numbers."""
     from prag_asp.analysis.covering.covering_set import covering_set
 
     found = covering_set(space, strength)
     tell_line(
         f"{plural(len(found.tasks), 'task')} for all {plural(len(found.reachable), 'reachable combination')} of "
-        f"{plural(strength, 'factor')}; no set has fewer than {found.at_least}"
+        f"{plural(strength, 'factor')}; at least {plural(found.at_least, 'task')} needed"
     )
     return CoveringTasks(space, found)
 
@@ -65,7 +62,7 @@ def covering_tasks(space: TaskSpace, strength: int) -> CoveringTasks:
 def far_apart(records: Iterable[Record], count: int, space: TaskSpace) -> Iterator[Record]:
     """Yield `count` tasks that are far apart, or all if there are fewer, and print how far apart they are."""
     from prag_asp.analysis.all_pairs import pair_distances
-    from prag_asp.analysis.farthest_first import diverse_choice
+    from prag_asp.analysis.farthest_first import METRIC, diverse_choice
 
     given = list(records)
     if len(given) <= count:

@@ -28,7 +28,7 @@ class GivenTask:
 
 @dataclass(frozen=True)
 class ComparedTasks:
-    """Tasks; each task's group (a part of a dataset, or a length); and the space of their domain, if known."""
+    """Tasks, the group of each task (a part of a dataset, or a length), and the space of their domain, if known."""
 
     tasks: list[Task]
     groups: list[str]
@@ -36,7 +36,7 @@ class ComparedTasks:
 
 
 def read_pair(words: Sequence[str], request: DomainOptions, up_to: str) -> ComparedTasks:
-    """Return the tasks that two words name.
+    """Return the two tasks that two words name.
 
     Raises:
         QueryError: a word names no task, or the tasks belong to different domains.
@@ -54,7 +54,7 @@ def read_pair(words: Sequence[str], request: DomainOptions, up_to: str) -> Compa
 
 
 def _named_task(word: str, request: DomainOptions) -> tuple[Task, Domain | None]:
-    """Return the task that a rank, scenario id, JSON line or file denotes, and its domain if it was loaded."""
+    """Return the task that a rank, scenario id, JSON line or file names, and its domain if it was loaded."""
     from prag_asp.dataset.jsonl import read_lines, read_tasks
 
     if word.isdecimal():

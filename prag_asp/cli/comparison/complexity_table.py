@@ -1,4 +1,4 @@
-"""How complex the tasks in a file or dataset are, judged by their logic and by the effort of physics."""
+"""How complex the tasks in a file or dataset are, according to their logic and to the effort of physics."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ FIGURES = {
     "failed": "failed attempts",
     "seconds": "seconds of the episode",
 }
-"""The figures with their names in text."""
+"""The figures with the names that they have in text."""
 
 
 def complexities(given: Sequence[GivenTask], dataset: Dataset | None, space: TaskSpace) -> dict[str, Any]:
-    """Return the figures of each task; those of physics only where it was run, seconds only where it was recorded.
+    """Return the figures of each task; there are figures of physics if it was run, and seconds if there is a recording.
 
-    `restarts` are the initial states that the search tried, `causes` its failed attempts by cause.
+    `restarts` is the number of initial states that the search tried, and `causes` are its failed attempts by cause.
 
     Raises:
         QueryError: a task is not in the space, or the states of the space are too many to be listed.
@@ -54,7 +54,7 @@ def complexities(given: Sequence[GivenTask], dataset: Dataset | None, space: Tas
 
 
 def complexity_text(found: dict[str, Any]) -> Iterator[str]:
-    """Yield the least, the mean and the largest value of each figure, and the failed attempts by cause."""
+    """Yield the smallest, the mean and the largest value of each figure, and the failed attempts by cause."""
     rows = found["tasks"]
     table = [(f"{len(rows)} tasks" if len(rows) != 1 else "1 task", "least", "mean", "most")]
     for key, name in FIGURES.items():

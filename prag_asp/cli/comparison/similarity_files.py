@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 PICTURES = (".png", ".svg", ".pdf")
 JSON = ".json"
 LABEL = 60
-"""The number of characters of a label in a picture."""
+"""The maximum number of characters of a label in a picture."""
 
 
 @dataclass(frozen=True)
@@ -156,4 +156,4 @@ FILE_OPTIONS = grouped(
         ),
     ),
 )  # fmt: skip
-"""Give a command the options of the files to write, as one value `files`."""
+"""Give a command the options for the files to write, as a single value `files`."""

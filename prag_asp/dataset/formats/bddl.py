@@ -35,7 +35,7 @@ INSTRUCTION_CHARACTERS = str.maketrans("();", "[],")
 
 WORD = re.compile(r"[^\s();A-Z]+")
 Region = tuple[str, tuple[float, float, float, float], float]
-"""A region of the table: its name, its minimum x and y and maximum x and y in metres, and a yaw in radians."""
+"""A region of the table: its name, its minimum x and y and its maximum x and y in metres, and a yaw in radians."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ def _tasks(source: EpisodeSource) -> Iterator[tuple[DatasetEntry, Witness | None
 
 
 def problem(source: EpisodeSource, entry: DatasetEntry, witness: Witness | None = None) -> str:
-    """Return a task as a BDDL problem.
+    """Return a task as a problem in BDDL.
 
     Raises:
         QueryError: a name is invalid in BDDL.
@@ -142,7 +142,7 @@ def _regions(source: EpisodeSource, witness: Witness | None) -> Iterator[str]:
 
 
 def _typed(entities: Mapping[str, str]) -> list[str]:
-    """Return one line per class with all its entities: if a class had two lines, LIBERO would read only the last."""
+    """Return one line per class with all its entities; if a class had two, LIBERO would read only the last."""
     kinds = dict.fromkeys(entities.values())
     of = {kind: " ".join(_word(name) for name, each in entities.items() if each == kind) for kind in kinds}
     return [f"    {names} - {_word(kind)}" for kind, names in of.items()]

@@ -1,4 +1,4 @@
-"""The numbers of ``observation.environment_state``: the poses of objects and the openings of furniture of a scene."""
+"""The values in ``observation.environment_state``: the poses of a scene's objects and the openings of furniture."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ def objects_in(scene: Scene) -> list[str]:
 
 
 def furniture_in(scene: Scene) -> list[str]:
-    """Return the objects of a scene with a jointed part."""
+    """Return the objects of a scene that have a jointed part."""
     return [entity for entity in objects_in(scene) if scene.shapes[entity].traits.furniture]
 
 
 def body_names(scene: Scene) -> list[str]:
-    """Return the names of the numbers that `body_values` returns."""
+    """Return the names of the values that `body_values` returns."""
     poses = [f"{entity}/{number}" for entity in objects_in(scene) for number in ("there", *POSE)]
     return [*poses, *(f"{entity}/opening" for entity in furniture_in(scene))]
 
 
 def body_values(situation: Situation) -> NDArray[np.float32]:
-    """Return the numbers at a moment, shape (numbers,): 1 and the pose for each object, or zeros if it is absent.
+    """Return the values at a moment, shape (numbers,): 1 and the pose for each object, or zeros if it is absent.
 
     The openings of furniture follow, in metres or radians.
     """

@@ -19,13 +19,13 @@ CHUNK = 1000
 MEGABYTE = 1 << 20
 
 ROWS = 100
-"""Rows of the table of episodes that are written together."""
+"""The number of rows of the table of episodes that are written together."""
 
 Place = tuple[int, int]
 
 
 def places() -> Iterator[Place]:
-    """Yield, for each file in turn, the number of its chunk and its number in this chunk."""
+    """Yield, for each file in turn, the number of its chunk and its number within the chunk."""
     chunk = 0
     while True:
         yield from ((chunk, file) for file in range(CHUNK))
@@ -33,7 +33,7 @@ def places() -> Iterator[Place]:
 
 
 class ChunkedTable:
-    """The rows of one table in several files, each of about `megabytes` at most."""
+    """The rows of one table in several files, each of at most about `megabytes`."""
 
     def __init__(self, folder: Path, pattern: str, schema: pa.Schema, megabytes: int) -> None:
         self._folder, self._pattern, self._limit = folder, pattern, megabytes * MEGABYTE
@@ -62,7 +62,7 @@ class ChunkedTable:
         return self._place
 
     def add_row(self, row: Mapping[str, Any]) -> None:
-        """Add a row of the table of episodes; rows are written in batches, each with its own chunk and file.
+        """Add a row of the table of episodes; rows are written in batches.
 
         Raises:
             OutputError: a file cannot be written.
@@ -101,7 +101,7 @@ class ChunkedTable:
 
 
 def texts_table(name: str, texts: Mapping[str, int]) -> pa.Table:
-    """Return a table of texts, numbered in the column ``NAME_index``; pandas reads the texts as the index."""
+    """Return a table of texts, numbered in the column ``NAME_index``; pandas uses the texts as the index."""
     number = f"{name}_index"
     columns = [
         {"name": number, "field_name": number, "pandas_type": "int64", "numpy_type": "int64", "metadata": None},

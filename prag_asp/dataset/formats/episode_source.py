@@ -1,4 +1,4 @@
-"""The recordings of a dataset as episodes with uniform arrays, the input of all exports."""
+"""The recordings in a dataset as episodes with uniform arrays, the input of all exports."""
 
 from __future__ import annotations
 
@@ -32,12 +32,12 @@ NO_TASK = "has no such task; request others"
 
 @dataclass(frozen=True, eq=False)
 class ExportEpisode:
-    """A recording of R robots as N time steps, one for each camera image or frame, and the actions between them.
+    """A recording of R robots as N time steps, one for each camera image or frame, with the actions between them.
 
     `frames` (N,) are the frames of the recording at these steps; `state` (N, 8R) has the joint angles in radians and
     the gripper opening in metres of each robot, in the order of `EpisodeSource.joints`; `commands` (N + 1, R, 8) has
     the motor commands at these steps and at the end of the recording. `subgoal` (N,) is the index of the action of the
-    task that is being executed; `subgoals` holds a sentence for each.
+    task that is being executed; `subgoals` holds a sentence for each action.
     """
 
     entry: DatasetEntry
@@ -53,7 +53,7 @@ class ExportEpisode:
 
     @property
     def subgoals(self) -> tuple[str, ...]:
-        """A sentence for each action of the task; a single empty sentence if the task has no actions."""
+        """A sentence for each action of the task, or a single empty sentence if the task has no actions."""
         return self.entry.subgoals or ("",)
 
     @property
@@ -63,7 +63,7 @@ class ExportEpisode:
 
     @property
     def videos(self) -> Mapping[str, CameraVideo]:
-        """The videos of the cameras by name, with an image for each step; empty without cameras."""
+        """The videos by name of camera, with an image for each step; empty if there are no cameras."""
         return self.demonstration.footage.videos if self.demonstration.footage else {}
 
     @property
@@ -87,13 +87,13 @@ class ExportEpisode:
 
     @property
     def subgoal(self) -> NDArray[np.int64]:
-        """The index of the current action, shape (N,): the first that has not ended before the step."""
+        """The index of the current action, shape (N,): that of the first action that has not ended before the step."""
         over = np.searchsorted(self.demonstration.ends[1:], self.frames)
         return np.minimum(over, max(0, len(self.demonstration.ends) - 2))
 
     @property
     def rewards(self) -> Floats:
-        """Rewards, shape (N,): 1 at the last step if the facts of the final state were verified, otherwise 0."""
+        """Rewards, shape (N,): 1 at the last step if the facts of the final state were verified, and 0 otherwise."""
         rewards = np.zeros(self.length, dtype=np.float32)
         rewards[-1] = self.demonstration.success
         return rewards
@@ -139,7 +139,7 @@ class EpisodeSource:
 
     @cached_property
     def cameras(self) -> Mapping[str, tuple[int, int]]:
-        """The cameras of the recordings, each with width and height in pixels.
+        """The cameras of the recordings, each with its width and height in pixels.
 
         Raises:
             QueryError: the scene has no camera with a requested name, or a size or a rate is invalid.
@@ -171,12 +171,12 @@ class EpisodeSource:
 
     @property
     def segmentation_type(self) -> np.dtype[np.unsignedinteger]:
-        """The type of the numbers in a segmentation: bytes if they suffice, with one value to spare."""
+        """The type of the numbers in a segmentation: bytes if these suffice with one value to spare."""
         return np.dtype(np.uint8 if len(self.legend) < np.iinfo(np.uint8).max else np.uint16)
 
     @property
     def count(self) -> int:
-        """An upper bound on the number of episodes: conditions may exclude some."""
+        """An upper bound on the number of episodes, because conditions may exclude some."""
         return sum(note.rows("recordings") for note in self.data.manifest.parts if note.name in self.data.parts)
 
     def require_recordings(self) -> None:
@@ -250,7 +250,7 @@ class EpisodeSource:
         return poses
 
     def openings_of(self, episode: ExportEpisode) -> Floats:
-        """Return the openings of furniture in metres or radians, shape (N, furniture); 0 if the task lacks it."""
+        """Return the openings of furniture in metres or radians, shape (N, furniture); 0 if it is not in the task."""
         demonstration = episode.demonstration
         openings = np.zeros((episode.length, len(self.furniture)), dtype=np.float32)
         for number, entity in enumerate(demonstration.furniture):
@@ -259,7 +259,7 @@ class EpisodeSource:
 
     @property
     def body_names(self) -> list[str]:
-        """The names of the numbers that `bodies_of` returns."""
+        """The names of the values that `bodies_of` returns."""
         return body_names(self.scene)
 
     def bodies_of(self, episode: ExportEpisode) -> Floats:
@@ -270,13 +270,13 @@ class EpisodeSource:
     def states_of(self, episode: ExportEpisode, names: Sequence[ControlName]) -> Floats:
         """Return the states of the robots at each time step in given conventions, shape (N, numbers).
 
-        `state_names` names the numbers.
+        `state_names` gives the names of the numbers.
         """
         result: Floats = states_in(names, self.scene, episode.arms).astype(np.float32)
         return result
 
     def segmentation_of(self, episode: ExportEpisode, camera: str) -> NDArray[np.unsignedinteger]:
-        """Return the entity at each pixel as its position in `legend`, shape (N, H, W)."""
+        """Return the entity at each pixel as its index in `legend`, shape (N, H, W)."""
         footage = episode.demonstration.footage
         assert footage is not None
         numbers = np.array([self.legend.index(entity) for entity in footage.legend], dtype=self.segmentation_type)

@@ -1,4 +1,4 @@
-"""The formats that datasets can be exported to."""
+"""The formats to which datasets can be exported."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import NamedTuple, Protocol
 from prag_asp.dataset.formats.episode_source import EpisodeSource
 
 Progress = Callable[[str, int, int], None]
-"""Reports progress: a message, the number of exported items, and their total."""
+"""Reports progress: a message, the number of exported items, and the total number."""
 
 
 class ExportFormat(Protocol):
@@ -38,4 +38,4 @@ FORMS: Mapping[str, FormatInfo] = {
     "robomimic": FormatInfo("Robomimic", ("pyarrow", "h5py")),
     "bddl": FormatInfo("Bddl", ("pyarrow",), recorded=False),
 }
-"""The formats by name, which is also the name of the module that defines the class."""
+"""The formats by name; a name is also that of the module that defines the class."""

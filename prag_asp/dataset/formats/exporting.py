@@ -11,6 +11,7 @@ from prag_asp.dataset.formats.export_format import FORMS, ExportFormat, Progress
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.missing import require_packages
+from prag_asp.processes.progress_events import report_progress
 from prag_asp.safe_reading import is_inside
 from prag_asp.wording import unknown
 
@@ -28,7 +29,7 @@ def export(
     state: Sequence[str] = ("joint_position",),
     objects: bool | None = None,
     depth: bool = False,
-    progress: Progress = lambda words, done, total: None,
+    progress: Progress = report_progress,
 ) -> Path:
     """Export a dataset, or a part or subset of one, and return the path of the export.
 
@@ -36,8 +37,9 @@ def export(
     ``robomimic``, a new file. The export is written atomically, with the same bytes for the same dataset. `level` is
     the level of detail of the instructions: ``vague``, ``default`` or ``exact``. `action` is the convention of actions,
     one of `prag_asp.physics.control.control.CONTROLS`. The other options apply only to ``lerobot``, because the other
-    formats have all observations: `state` holds the conventions of the state, ``joint_position`` and ``ee_position``;
-    `objects`, the default without cameras, adds the poses of objects, and `depth` the depth images.
+    formats have all observations: `state` holds the conventions of the state, which are ``joint_position`` or
+    ``ee_position`` or both; `objects`, which is the default without cameras, adds the poses of objects; `depth` adds
+    the depth images.
 
     Raises:
         QueryError: there is no such format or convention, or the dataset has no recordings or no task.

@@ -1,4 +1,4 @@
-"""The statistics of each feature that LeRobot stores: per episode, and over all episodes."""
+"""The statistics that LeRobot stores for each feature: per episode, and over all episodes."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ Statistics = Mapping[str, Floats]
 QUANTILES = (0.01, 0.10, 0.50, 0.90, 0.99)
 NAMES = ("min", "max", "mean", "std", "count", *(f"q{round(100 * each):02d}" for each in QUANTILES))
 LEVELS = 256
-"""Levels of a colour channel of 8 bits."""
+"""The number of levels of a colour channel with 8 bits."""
 
 BOUNDS = dict.fromkeys(("min", "q01", "q10", "q50"), np.minimum)
-"""The statistics whose minimum over episodes is kept; for other bounds, the maximum is kept."""
+"""The statistics whose minimum over the episodes is kept; for other bounds, the maximum is kept."""
 
 
 def statistics_of(values: NDArray[Any]) -> Statistics:
-    """Return the exact statistics of N values of shape (N,) or (N, D), each of shape (1,) or (D,)."""
+    """Return the exact statistics of N values of shape (N,) or (N, D); each statistic has shape (1,) or (D,)."""
     rows = np.asarray(values, dtype=np.float64).reshape(len(values), -1)
     least, most, mean, spread = rows.min(0), rows.max(0), rows.mean(0), rows.std(0)
     quantiles = np.quantile(rows, QUANTILES, axis=0)
@@ -41,7 +41,7 @@ class Colours:
         self._pictures += 1
 
     def statistics(self) -> Statistics:
-        """Return the statistics of each channel from 0 to 1, over all pixels, each of shape (3, 1, 1)."""
+        """Return the statistics of each channel, scaled to 0 to 1, over all pixels; each has shape (3, 1, 1)."""
         levels, channels = np.arange(LEVELS) / (LEVELS - 1), []
         for counts in self._counts:
             occurring, total, cumulative = np.flatnonzero(counts), counts.sum(), counts.cumsum()
@@ -58,8 +58,9 @@ class Colours:
 class Aggregate:
     """The statistics of one feature over episodes, which are added one by one.
 
-    Mean and deviation are exact. Quantiles of all values do not follow from the quantiles of episodes; as in LeRobot,
-    the result is a bound: the minimum over episodes for quantiles up to the median, and the maximum for those above it.
+    The mean and the deviation are exact. Quantiles of all values do not follow from the quantiles of the episodes; as
+    in LeRobot, the result is a bound: the minimum over episodes for quantiles up to the median, and the maximum for
+    those above it.
     """
 
     def __init__(self) -> None:
@@ -84,7 +85,7 @@ class Aggregate:
         }
 
     def statistics(self) -> Statistics:
-        """Return the statistics over all episodes added."""
+        """Return the statistics over all episodes that were added."""
         return self._total
 
 

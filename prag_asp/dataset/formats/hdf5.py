@@ -19,10 +19,10 @@ from prag_asp.processes.workers import uninterrupted
 
 PACKED, STRENGTH = "gzip", 6
 BLOCK, ROWS = 16, 8
-"""Images and pixel rows in a compressed block: pixels that do not change between images then take little space."""
+"""Images and pixel rows in a compressed block; pixels that do not change from image to image then take little space."""
 
 LONGEST = 60_000
-"""The maximum number of bytes of a text attribute: the header of a group in HDF5 holds 64 kB."""
+"""The maximum length of a text attribute in bytes, because the header of a group in HDF5 holds 64 kB."""
 
 
 class _Disk:
@@ -100,7 +100,7 @@ class _Disk:
 def written(path: Path, shown: Path) -> Iterator[tuple[h5py.File, Callable[[], None]]]:
     """Yield a new HDF5 file, and a function to call after each episode, which raises an error if writing failed.
 
-    Errors name `shown` as the path.
+    Errors give `shown` as the path.
 
     Raises:
         OutputError: the file cannot be written.
@@ -140,7 +140,7 @@ def group_in(group: h5py.Group, name: str) -> h5py.Group:
 
 
 def numbers_of(source: EpisodeSource, episode: ExportEpisode) -> dict[str, NDArray[np.float32]]:
-    """Return the numeric observations of an episode; `openings` exist only if there is furniture."""
+    """Return the numeric observations in an episode; `openings` exist only if there is furniture."""
     observations = {"state": episode.state, "objects": source.objects_of(episode), "tools": source.tools_of(episode)}
     return observations | ({"openings": source.openings_of(episode)} if source.furniture else {})
 
@@ -179,7 +179,7 @@ def note(group: h5py.Group, values: Mapping[str, Any]) -> None:
 
 
 def origin(episode: ExportEpisode) -> Mapping[str, Any]:
-    """Return the origin of an episode: its instruction, its plan, and its place in the dataset."""
+    """Return where an episode comes from: its instruction, its plan, and its place in the dataset."""
     entry = episode.entry
     return {
         "instruction": episode.instruction,

@@ -43,7 +43,7 @@ DATA, EPISODES = f"data/{PLACE}.parquet", f"meta/episodes/{PLACE}.parquet"
 VIDEOS = f"videos/{{video_key}}/{PLACE}.mp4"
 
 DEPTH = "depth."
-"""The prefix of the features of depth images; LeRobot's policies would use features named ``observation...`` as
+"""The prefix of the features for depth images; LeRobot's policies would use features named ``observation...`` as
 inputs."""
 
 CARD = """---
@@ -64,7 +64,7 @@ A LeRobotDataset {version}: {episodes} of `{name}`, written by prag_asp. `subtas
 class LeRobot:
     """Writes LeRobotDatasets; a data or video file that reaches its size limit in megabytes gets no more episodes.
 
-    `state` holds the conventions of ``observation.state``; with `objects`, the default without cameras,
+    `state` holds the conventions of ``observation.state``; with `objects`, which is the default without cameras,
     ``observation.environment_state`` has the poses of objects; with `depth`, ``depth.CAMERA`` has the depth images.
 
     Raises:
@@ -174,7 +174,7 @@ class _LeRobotWriter:
             video.close()
 
     def _values(self, episode: ExportEpisode) -> dict[str, NDArray[Any]]:
-        """Return the values of each feature at each frame of an episode."""
+        """Return the values of each feature in each frame of an episode."""
         length = episode.length
         frame = np.arange(length)
         task = self._tasks.setdefault(episode.instruction, len(self._tasks))
@@ -240,7 +240,7 @@ class _VideoFeature:
         colours, begin = Colours(), self._video.seconds
         for number, picture in enumerate(episode.videos[self._camera].packed[0].rows()):
             colours.add(picture)
-            self._video.add(picture, key=number == 0)  # viewers open an episode without those before it
+            self._video.add(picture, key=number == 0)  # viewers open an episode without the episodes before it
         place = {
             "chunk_index": self._place[0],
             "file_index": self._place[1],
@@ -298,12 +298,12 @@ def _features(form: LeRobot, source: EpisodeSource) -> dict[str, Any]:
 
 
 def has_statistics(name: str) -> bool:
-    """Return whether a feature has statistics; per-pixel statistics of depth images would be as large as an image."""
+    """Return whether a feature has statistics; those of each pixel of depth images would be as large as an image."""
     return not name.startswith(DEPTH)
 
 
 def _column(feature: Mapping[str, Any]) -> pa.DataType:
-    """Return the type of the column of a feature."""
+    """Return the type of the column for a feature."""
     kind, shape = pa.type_for_alias(feature["dtype"]), feature["shape"]
     if feature["names"] is None:
         return kind
@@ -311,7 +311,7 @@ def _column(feature: Mapping[str, Any]) -> pa.DataType:
 
 
 def _nested(values: NDArray[Any], kind: pa.DataType) -> pa.Array:
-    """Return the column of an array of N values, lists or images."""
+    """Return the column for an array of N values, lists or images."""
     if values.ndim == 1:
         return pa.array(values, kind)
     if values.ndim == 2:

@@ -1,6 +1,7 @@
 """Minari: a local dataset for `minari.load_dataset`, in the layout of https://minari.farama.org.
 
-The environment in its metadata has the same actions but different observations, so the metadata includes the spaces.
+The environment named in its metadata has the same actions but different observations, so the metadata includes the
+spaces.
 """
 
 from __future__ import annotations
@@ -29,11 +30,11 @@ from prag_asp.program.paths import shipped_domains
 from prag_asp.wording import plural
 
 LAYOUT = "0.5.0"
-"""The version of Minari that first had this layout."""
+"""The first version of Minari that had this layout."""
 
 MAIN = "main_data.hdf5"
 SMALLEST = 32
-"""The minimum side length in pixels from which Minari treats colours as an image, and stores it as JPEG."""
+"""The side length in pixels from which on Minari treats colours as an image and stores it as JPEG."""
 
 QUALITY = 95
 """The JPEG quality of images, as in Minari."""
@@ -180,7 +181,7 @@ def _between(low: float, high: float, shape: tuple[int, ...], kind: str) -> dict
 
 
 def _box(bounds: tuple[NDArray[Any], NDArray[Any]], *rest: Any) -> dict[str, Any]:
-    """Return a box as Minari encodes it, given its bounds, the sides of its shape, and the type of its numbers."""
+    """Return a box as Minari encodes it, given its bounds, the dimensions of its shape, and the type of its numbers."""
     *shape, kind = rest
     low, high = (each.astype(kind).tolist() for each in bounds)
     return {"type": "Box", "dtype": kind, "shape": shape, "low": low, "high": high}

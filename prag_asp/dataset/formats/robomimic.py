@@ -1,4 +1,4 @@
-"""HDF5 in robomimic's layout: https://robomimic.github.io/docs/datasets/overview.html.
+"""HDF5 in the layout of robomimic (https://robomimic.github.io/docs/datasets/overview.html).
 
 N time steps result in N - 1 samples: an observation, the action, and the next observation.
 """
@@ -23,7 +23,8 @@ from prag_asp.output import whole_file
 from prag_asp.wording import plural
 
 GYM = 2
-"""The type of environment in the file, Gym: robomimic has no type for a dataset without an environment."""
+"""The type of environment in the file, which is Gym because robomimic has no type for a dataset without an environment.
+"""
 
 IMAGES = {"rgb": "image", "depth": "depth", "segmentation": "segmentation"}
 """The suffix of each kind of camera image in robomimic."""
@@ -76,7 +77,7 @@ def _write(demo: h5py.Group, source: EpisodeSource, episode: ExportEpisode) -> i
 
 
 def _observed(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield the keys of observations with their values at each moment."""
+    """Yield the keys of observations, each with its values at every moment."""
     numbers = numbers_of(source, episode)
     for at, robot in enumerate(source.robots):
         own = numbers["state"].reshape(episode.length, len(source.robots), -1)[:, at]
@@ -93,7 +94,7 @@ def _observed(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[s
 
 
 def _environment(source: EpisodeSource) -> dict[str, Any]:
-    """Return a description of the environment; as no environment can be created, its arguments hold the metadata."""
+    """Return a description of the environment, whose arguments hold the metadata because none can be created."""
     control = source.control
     values = {
         **provenance_of(source, "robomimic"),

@@ -14,7 +14,8 @@ from prag_asp.output.atomic_file import output_errors
 
 CODEC, PIXELS = "av1", "yuv420p"
 OPTIONS = {"g": "10", "crf": "30", "preset": "8", "svtav1-params": "lp=1"}
-"""A key frame at least every ten images, so that readers seek quickly; a single thread, for the same bytes."""
+"""A key frame at least every ten images, so that readers can seek quickly, and a single thread, for reproducible bytes.
+"""
 
 QUIET = "0"
 """Silences the encoder, which writes to stderr; failures are raised as errors."""
@@ -24,7 +25,7 @@ class Video:
     """Writes a video file image by image."""
 
     def __init__(self, path: Path, size: tuple[int, int], rate: int) -> None:
-        """Begin a file for images of a width and height in pixels, at a `rate` in images per second.
+        """Begin a file for images with a width and height in pixels and a `rate` in images per second.
 
         Raises:
             OutputError: the file cannot be written.
@@ -44,16 +45,16 @@ class Video:
 
     @property
     def seconds(self) -> float:
-        """The duration so far."""
+        """The duration so far, in seconds."""
         return self._pictures / self._rate
 
     @property
     def size(self) -> int:
-        """The number of bytes written so far, without images that the encoder buffers."""
+        """The number of bytes written so far, not counting images that the encoder buffers."""
         return self.path.stat().st_size if self.path.exists() else 0
 
     def add(self, picture: NDArray[np.uint8], *, key: bool = False) -> None:
-        """Add an image of shape (H, W, 3); a `key` frame is decoded without those before it.
+        """Add an image of shape (H, W, 3); a `key` frame can be decoded without those before it.
 
         Raises:
             OutputError: the file cannot be written.

@@ -1,7 +1,7 @@
 """The visible properties of the objects of a scene: kind, colour, size, and the place of fixed objects.
 
 Each property is known to fit an object, known not to fit it, or in doubt: for an orange that could pass for red, both
-words are in doubt, so neither distinguishes it from an object of the other colour.
+words are in doubt, so neither distinguishes the object from one of the other colour.
 """
 
 from __future__ import annotations
@@ -38,27 +38,27 @@ BASIC: Mapping[str, tuple[str, ...]] = {
     "grey": ("#808080", "#b0b0b0", "#505050", "#cccccc"),
     "black": ("#000000", "#202020"),
 }
-"""The basic colour terms of English (Berlin and Kay 1969, plus turquoise and beige), with example colours of each."""
+"""The basic colour terms of English (Berlin and Kay 1969, plus turquoise and beige), with sample colours for each."""
 
 DOUBT = 12.0
-"""The extra distance in CIELAB from the nearest colour term up to which a term is in doubt, rather than excluded."""
+"""How much farther than the nearest colour term, in CIELAB, a term may be to count as in doubt rather than excluded."""
 
 LARGER = 1.25
-"""The ratio of mean extents from which an object is visibly larger."""
+"""The ratio of mean extents above which an object is visibly larger."""
 
 APART = 0.10
-"""The distance in metres from which one object is visibly to the left of another."""
+"""The distance in metres above which one object is visibly to the left of another."""
 
 
 @dataclass(frozen=True)
 class Appearance:
     """The appearance of the entities of a domain, independent of the state.
 
-    `nouns` holds the words that fit an entity, the most specific one first, `names` its name for use if nothing visible
-    distinguishes it, `colors` the colour terms that fit it (true) or may fit (false), `sizes` its mean extent in
-    metres, and `places` its position if it is fixed. `seen` holds the entities that every picture shows; `pictured` is
-    true if the domain has a scene to show. `sayable` holds the colours, sizes and places for which the language has
-    adjectives, and `robots` the robots of the scene.
+    For each entity, `nouns` holds the words that fit it, the most specific one first; `names` holds its name, which is
+    used if nothing visible distinguishes it; `colors` holds the colour terms that fit it (true) or may fit it (false);
+    `sizes` holds its mean extent in metres, and `places` its position if it is fixed. `seen` holds the entities that
+    every picture shows; `pictured` is true if the domain has a scene to show. `sayable` holds the colours, sizes and
+    places for which the language has adjectives, and `robots` holds the robots of the scene.
     """
 
     nouns: Mapping[str, tuple[str, ...]]
@@ -113,7 +113,7 @@ def appearance_of(domain: Domain, grammar: Grammar, colors: Mapping[str, str] | 
         names,
         colors={entity: color_terms(color) for entity, color in shown.items() if entity in entities},
         sizes={entity: prod(shape.size) ** (1 / 3) for entity, shape in bodies.items() if entity not in scene.ranges},
-        places={  # metres to the right and to the back, for the viewer of the frame
+        places={  # metres to the right and to the back, as seen by the viewer to whom the frame belongs
             entity: (y, -x) if scene.frame == "viewer" else (-y, x)
             for entity, (x, y, _) in scene.fixed.items()
             if entity in entities
@@ -126,13 +126,13 @@ def appearance_of(domain: Domain, grammar: Grammar, colors: Mapping[str, str] | 
 
 
 def _has_colour(scene: Scene, entity: str) -> bool:
-    """Return whether an entity has a single colour, rather than the colours in the file of its body."""
+    """Return whether an entity has a single colour, rather than the colours in the file for its body."""
     model = scene.shapes[entity].model
     return entity in scene.colors and (model is None or not model.looks or scene.colors[entity] != WHITE)
 
 
 def _line(entity: str, kind: str, parents: Mapping[str, tuple[str, ...]]) -> list[str]:
-    """Return an entity, its class and the classes above it, nearest first."""
+    """Return an entity, its class and the classes above it, the nearest first."""
     found = [entity, kind]
     for name in found:
         found += [parent for parent in parents.get(name, ()) if parent not in found]
@@ -141,7 +141,7 @@ def _line(entity: str, kind: str, parents: Mapping[str, tuple[str, ...]]) -> lis
 
 @lru_cache(maxsize=4096)
 def color_terms(color: str) -> Mapping[str, bool]:
-    """Return the basic terms for a colour: the nearest one is true, those nearly as near are false (in doubt)."""
+    """Return the basic terms for a colour: true for the nearest one, false (in doubt) for those nearly as near."""
     here = lab(color)
     distances = {term: min(dist(here, lab(each)) for each in colors) for term, colors in BASIC.items()}
     nearest = min(distances, key=distances.__getitem__)
@@ -151,7 +151,7 @@ def color_terms(color: str) -> Mapping[str, bool]:
 
 @lru_cache(maxsize=4096)
 def lab(color: str) -> Lab:
-    """Return a colour ``#rrggbb`` in CIELAB, for the white of sRGB (IEC 61966-2-1, CIE 15)."""
+    """Return a colour given as ``#rrggbb`` in CIELAB, for the white of sRGB (IEC 61966-2-1, CIE 15)."""
     channels = [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)]
     red, green, blue = (each / 12.92 if each <= 0.04045 else ((each + 0.055) / 1.055) ** 2.4 for each in channels)
     x = (0.4124 * red + 0.3576 * green + 0.1805 * blue) / 0.95047

@@ -1,7 +1,7 @@
 """Referring expressions: the shortest description that fits an object in a state and nothing else.
 
 Unknown facts may hold: a description distinguishes an object from another only if it is known not to fit the other.
-Therefore no picture of a state that a task allows shows two objects that the description fits.
+Therefore, in no state that a task allows does a picture show two objects that the description fits.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from prag_asp.dataset.language.appearance import APART, LARGER, Appearance
 from prag_asp.task import FrozenDict, State
 
 NEARLY = 1.05
-"""The ratio up to which extents count as equal: such a difference is not visible."""
+"""The ratio up to which extents count as equal, because such a difference is not visible."""
 
 
 Signature = tuple[str, int]
@@ -24,7 +24,7 @@ Signature = tuple[str, int]
 
 
 class InstructionContext(NamedTuple):
-    """The context in which an instruction is given: the entities present, and the known facts of the state."""
+    """The context in which an instruction is given: the entities that are present, and the known facts of the state."""
 
     entities: frozenset[str]
     state: State
@@ -47,7 +47,7 @@ class Relation(NamedTuple):
 
 
 class Description(NamedTuple):
-    """The content of a noun phrase: the noun and the properties that distinguish an object from others of its kind.
+    """The content of a noun phrase: the noun, and the properties that distinguish an object from others of its kind.
 
     `name` is the entity itself if no property distinguishes it.
     """
@@ -83,7 +83,7 @@ class ContextSet:
         return len(self.certain) == len(self.entities)
 
     def fits(self, what: Description, entity: str) -> bool | None:
-        """Return whether a description without its relation fits an entity, or None if that is in doubt."""
+        """Return whether a description, apart from its relation, fits an entity, or None if that is in doubt."""
         if what.name:
             return what.name == entity
         if what.noun not in self.appearance.nouns.get(entity, ()):
@@ -181,7 +181,7 @@ PLACES: Mapping[str, tuple[int, int]] = {"left": (0, 1), "right": (0, -1), "fron
 
 
 SIZES = ("large", "small")
-"""The words for the extent of an object, compared with others of its kind."""
+"""The words for the extent of an object as compared with others of its kind."""
 
 
 class View:
@@ -205,13 +205,13 @@ class View:
         return self._described[entity]
 
     def related(self, things: tuple[str, ...]) -> tuple[Description | None, ...]:
-        """Return each object's description if it uses a relation; otherwise None, as it is the same in every state."""
+        """Return each object's description if it uses a relation, or None because it is the same in every state."""
         if self.context.certain.issuperset(things):
             return ()
         return tuple(each if each.relation is not None else None for each in map(self.describe, things))
 
     def _search(self, entity: str) -> Description:
-        """Return the best description: a relation counts as much as a property, and comes after all properties."""
+        """Return the best description; a relation counts as much as a property, but comes after all properties."""
         best = self.context.best(entity)
         named = Description(next(iter(self.context.appearance.nouns.get(entity, ())), ""), name=entity)
         if not self.context.appearance.pictured:

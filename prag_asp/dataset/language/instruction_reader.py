@@ -1,7 +1,7 @@
 """Parse instructions: an instruction means a plan, or facts that have to hold at the end.
 
-Parsing uses only the text and its context: the objects present, and the known facts of the initial state. A phrase that
-fits no object, or may fit two, is refused, and so is a sentence that could mean two actions.
+Parsing uses only the text and its context: the objects that are present, and the known facts of the initial state. A
+phrase that fits no object, or may fit two, is refused, and so is a sentence that could mean two actions.
 """
 
 from __future__ import annotations
@@ -30,7 +30,8 @@ LONGEST_SENTENCE = 1_000
 """The maximum number of characters of a sentence in an instruction."""
 
 MOST = 64
-"""The number of readings of a text after which no more are collected: two readings already make it ambiguous."""
+"""The number of readings of a text after which no more are collected, because two readings already make it ambiguous.
+"""
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class Reading:
 
 
 class ParsedSentence(NamedTuple):
-    """The meaning of a sentence: an action, or a fluent with its value; "it" in the next sentence means the `topic`."""
+    """The meaning of a sentence: an action, or a fluent with its value; "it" means the `topic` in the next sentence."""
 
     atom: Atom
     value: bool
@@ -54,7 +55,7 @@ class ParsedSentence(NamedTuple):
 
 
 class InstructionReader:
-    """Parses instructions in one language of a domain."""
+    """Parses instructions for a domain in one language."""
 
     def __init__(self, lexicon: Lexicon) -> None:
         self.lexicon = lexicon
@@ -70,10 +71,11 @@ class InstructionReader:
         self._joints, self._reach = dict[str, Sequence[re.Pattern[str]]](), dict[str, int]()
         for kind in ("sentences", "facts"):
             texts_between = {*lexicon.words.joints(kind), *(lexicon.words.many if kind == "facts" else ())}
-            # Each occurrence of each joint: the look-ahead also finds those that overlap.
+            # Each occurrence of each joint; the look-ahead also finds those that overlap.
             joints = [re.compile(f"(?=({re.escape(joint)}))") for joint in sorted(texts_between)]
             self._joints[kind] = joints
-            # The number of joints tried as the end of a sentence: those at one position, and those that it may contain.
+            # the number of joints that are tried as the end of a sentence: those at one position, and those that it may
+            # contain
             in_phrase = 3 * max((_occurrences(joints, text) for text in vocabulary), default=0)
             inside = (
                 sum(_occurrences(joints, text) for text in each.texts) + in_phrase * len(each.slots)
@@ -86,7 +88,7 @@ class InstructionReader:
         """Return the meaning of an instruction in a context.
 
         Raises:
-            QueryError: the instruction has no meaning or several; the message quotes the part at fault.
+            QueryError: the instruction has no meaning or several; the message quotes the part that is at fault.
         """
         if len(text) > LONGEST:
             raise QueryError(f"an instruction has at most {LONGEST:,} characters; this one has {len(text):,}")
@@ -132,7 +134,7 @@ class InstructionReader:
                     yield Reading(tuple(each.atom for each in parsed))
 
     def _steps(self, view: View, text: str) -> Iterator[Reading]:
-        """Yield the plans of a text with numbered actions."""
+        """Yield the plans that a text with numbered actions can mean."""
         words, between = self.lexicon.words, str(self.lexicon.words.table["joints"]["steps"])
         parts, rest, number = list[str](), text, 2
         while True:
@@ -154,7 +156,7 @@ class InstructionReader:
                     yield from self._aimed(view, action, *aims)
 
     def _aimed(self, view: View, action: str, *aims: str) -> Iterator[tuple[Atom, Mapping[Atom, bool]]]:
-        """Yield the meanings of the sentence of an action, and of the facts that are its aims, if there are any."""
+        """Yield the meanings of an action's sentence and, if there are any, of the facts that are its aims."""
         for parsed in self.sentence(view, action, None, of_actions=True):
             if not aims:
                 yield parsed.atom, FrozenDict()
@@ -232,7 +234,7 @@ class InstructionReader:
         return self.lexicon.phrases.read(view, text)
 
     def topic(self, arguments: Sequence[str]) -> str | None:
-        """Return what "it" means after a sentence: the first movable object that it names, or else the first thing.
+        """Return what "it" means after a sentence: the first movable object in the sentence, or else the first thing.
 
         That is its highest-ranked centre in centering theory (Grosz, Joshi and Weinstein 1995).
         """
@@ -258,7 +260,7 @@ class InstructionReader:
         return f"{shortened(text)!r} is not an instruction {known}; write one as sample does"
 
     def _parts(self, text: str, kind: str) -> list[str]:
-        """Return the parts of a text between joints, the longest joint at each place."""
+        """Return the parts of a text between joints, taking the longest joint at each place."""
         words = self.lexicon.words
         joints = sorted((*words.joints(kind), *(words.many if kind == "facts" else ())), key=len, reverse=True)
         return re.split("|".join(map(re.escape, joints)), text)
@@ -277,7 +279,7 @@ class InstructionReader:
 
 
 class _Path(NamedTuple):
-    """A sentence of a list, the meaning of "it" after this sentence, and the previous sentences.
+    """A sentence in a list, the meaning of "it" after this sentence, and the previous sentences.
 
     The next fact may have the same `subject` and verb, and then omits them: "it is on the table and behind the can".
     """
@@ -304,14 +306,14 @@ def read_instruction(
     To read many instructions, pass an `InstructionReader` instead of the domain.
 
     Raises:
-        QueryError: the text is not an instruction of the domain in this language, or it could mean several plans.
+        QueryError: the text is not an instruction of the domain in this language, or could mean several plans.
     """
     reader = domain if isinstance(domain, InstructionReader) else InstructionReader(Lexicon(domain, language))
     return reader.read(context_of(start) if isinstance(start, Task) else start, text)
 
 
 def context_of(task: Task, number: int = 0) -> InstructionContext:
-    """Return the context before an action of a task, given the action's number from 0."""
+    """Return the context before an action of a task, given the number of the action, counting from 0."""
     return InstructionContext(frozenset(task.entities), {}).at(task.states[number - 1] if number else task.initial)
 
 
@@ -331,7 +333,7 @@ def unnumbered(frame: str) -> str:
 
 
 def _frame(text: str) -> Template:
-    """Return a frame as a template, its slots numbered in their order."""
+    """Return a frame as a template, with its slots numbered in order."""
     names = ["{number}", "{action}", "{actions}", "{facts}"]
     places = sorted((text.find(name), name) for name in names if name in text)
     for index, (_, name) in enumerate(places):

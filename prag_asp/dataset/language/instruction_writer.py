@@ -1,4 +1,4 @@
-"""Write instructions for tasks at three levels, a sentence for each subgoal, and captions.
+"""Write instructions for tasks on three levels of detail, a sentence for each subgoal, and captions.
 
 A `SentenceWriter` writes the sentences; this module chooses, orders and joins them.
 """
@@ -25,20 +25,20 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 START_FACTS, CAPTION_FACTS = 4, 2
-"""The maximum number of facts in the caption of the initial state, and in captions of other states."""
+"""The maximum numbers of facts in the caption of the initial state and in the captions of other states."""
 
 COLOR = re.compile(r"#[0-9a-fA-F]{6}")
 CACHED = 1 << 16
-"""The maximum number of cached aims of actions: tasks of one space share most of them."""
+"""The maximum number of cached aims of actions; the tasks of a space share most of them."""
 
 
 @dataclass(frozen=True)
 class Instructions:
     """The instructions of a task.
 
-    `vague` states the goal, `default` the actions, `exact` also the purpose of each action; all refer to the initial
-    state. `subgoals` holds a sentence for each action, which refers to the state before it. `named` are the entities
-    that are referred to by name, because nothing visible distinguishes them.
+    `vague` states the goal, `default` the actions, and `exact` also the purpose of each action; all refer to objects as
+    they are in the initial state. `subgoals` holds a sentence for each action, which refers to the state before it.
+    `named` are the entities that are referred to by name, because nothing visible distinguishes them.
     """
 
     vague: str
@@ -49,7 +49,7 @@ class Instructions:
 
 
 class InstructionWriter:
-    """Writes and parses instructions of a domain in one language."""
+    """Writes and parses instructions for a domain in one language."""
 
     def __init__(
         self, domain: Domain, language: str = "en", colors: Mapping[str, str] | None = None, phrasings: str = ""
@@ -120,10 +120,11 @@ class InstructionWriter:
         )
 
     def captions(self, task: Task) -> list[tuple[str, str]]:
-        """Return a heading and a caption for a picture of each state, the initial one included.
+        """Return a heading and a caption for a picture of each state, including the initial one.
 
-        The heading is the action that leads to the state, the caption its effects; the caption of the initial state has
-        the known facts about the objects that the actions name. Of several sentences, the first is used.
+        The heading is the action that leads to the state, and the caption states its effects; the caption of the
+        initial state has the known facts about the objects that the actions name. If there are several sentences, the
+        first one is used.
         """
         handled = {argument for action in task.actions for argument in action.arguments} - self.lexicon.appearance.seen
         known = {fluent: True for fluent, value in task.initial.items() if value}
@@ -153,7 +154,7 @@ class InstructionWriter:
         """Return the meaning of an instruction at the start of a task, or in another context.
 
         Raises:
-            QueryError: the text is not an instruction, or it could mean several plans.
+            QueryError: the text is not an instruction, or could mean several plans.
         """
         return self.reader.read(context_of(start) if isinstance(start, Task) else start, text)
 
@@ -185,7 +186,7 @@ class InstructionWriter:
                         named[argument] = None
 
     def _framed(self, level: str, kind: str, clauses: Sequence[str], rng: PhraseRng) -> str:
-        """Return sentences joined in a frame of a level, or an empty text if there are none."""
+        """Return sentences joined in the frame of a level, or an empty text if there are none."""
         if not clauses:
             return ""
         frame = rng.pick(self.phrasings.of(self.lexicon.words.frames[level]))
@@ -219,7 +220,7 @@ class InstructionWriter:
                 return words.many[1].join(part for part in (words.many[0].join(merged[:-1]), merged[-1]) if part)
             return joints[0].join(merged)
         text = clauses[0]
-        for clause in clauses[1:]:  # within a sentence, joints stand in the order of their list
+        for clause in clauses[1:]:  # within a sentence, joints occur in the order of their list
             allowed = [place for place, each in enumerate(joints) if place > latest or begins_sentence(each)]
             fresh = [place for place in allowed if place != latest]
             latest = rng.pick(fresh or allowed or range(len(joints)))
@@ -227,7 +228,7 @@ class InstructionWriter:
         return text
 
     def _merged(self, facts: Sequence[str], joint: str) -> list[str]:
-        """Return sentences of facts; those with the same subject and verb are merged: "it is red and clean"."""
+        """Return sentences for facts; sentences with the same subject and verb are merged: "it is red and clean"."""
         groups: dict[str, list[str]] = {}
         for fact in facts:
             end = self.lexicon.words.verb_phrase(fact)
@@ -244,8 +245,8 @@ def instruction_writer_of(
     """Return the instruction writer of a domain in a language.
 
     `colors` of entities (``#rrggbb``) override those of the scene. With `phrasings`, only some of the sentences are
-    written: with ``1 of 2``, every second one from the first on. The sentences of ``1 of 2`` and ``2 of 2`` are
-    disjoint.
+    written: with ``1 of 2``, these are every second one from the first on. The sentences of ``1 of 2`` and ``2 of 2``
+    are disjoint.
 
     Raises:
         QueryError: the domain does not have the language or such phrasings, or a colour is malformed.
@@ -265,7 +266,7 @@ def begins_sentence(joint: str) -> bool:
 
 
 def restoring_actions(task: Task) -> list[bool]:
-    """Return whether each action restores facts of an earlier state that did not hold in the state before it."""
+    """Return, for each action, whether it restores facts of an earlier state that did not hold just before it."""
     states, found = [task.initial, *task.states], []
     for number, subgoal in enumerate(task.subgoals):
         changed = {fluent: value for fluent, value in subgoal.items() if states[number].get(fluent) != value}
@@ -275,7 +276,7 @@ def restoring_actions(task: Task) -> list[bool]:
 
 
 def notable_facts(facts: State, lexicon: Lexicon) -> Mapping[Atom, bool]:
-    """Return the notable facts, which are not silent: the true facts, or the false facts if there are no true ones."""
+    """Return the notable facts, which are not silent: the true ones or, if there are none, the false ones."""
     forms = lexicon.grammar.facts
     known = {fluent: forms.get((fluent.name, len(fluent.arguments))) for fluent in facts}
     loud = {fluent: value for fluent, value in facts.items() if (form := known[fluent]) is not None and not form.silent}

@@ -1,4 +1,4 @@
-"""The lexicon of a domain in one language: its sentences, noun phrases, and their meaning in each state."""
+"""The lexicon of a domain in one language: its sentences, its noun phrases, and what they mean in each state."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from prag_asp.task import State
 
 CACHED = 256
-"""The maximum number of cached contexts and states: tasks of one space share most of them."""
+"""The maximum number of cached contexts and states; the tasks of a space share most of them."""
 
 
 class Lexicon:
@@ -64,7 +64,8 @@ class Lexicon:
     def view(self, known: InstructionContext) -> View:
         """Return the view of a state.
 
-        It is cached only if descriptions depend on the state: a look-up by state takes longer than creating a view.
+        It is cached only if descriptions depend on the state, because a look-up by state takes longer than creating a
+        view.
 
         Raises:
             QueryError: the domain has no such entity.

@@ -1,4 +1,4 @@
-"""Noun phrases of a language: written from descriptions, and parsed back into entities."""
+"""The noun phrases of a language: written from descriptions, and parsed back into entities."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from prag_asp.grammar.reader import Grammar, Noun, plain
 from prag_asp.grammar.template import Template, agrees, parse_template
 
 CACHED = 1 << 14
-"""The maximum number of phrases whose meaning in a context is cached: tasks of one space share most of them."""
+"""The maximum number of phrases whose meaning in a context is cached; the tasks of a space share most of them."""
 
 
 class NounPhrases:
@@ -39,9 +39,9 @@ class NounPhrases:
         return self.words.agreeing("it", self.gender(entity), case)
 
     def write(self, view: View, value: str, case: str, variant: int = 0) -> str:
-        """Return the noun phrase of an entity in a state, or the word for another value.
+        """Return the noun phrase for an entity in a state, or the word for another value.
 
-        With a relation, variants after the first are less ambiguous.
+        If the phrase has a relation, variants after the first are less ambiguous.
         """
         if value not in self.appearance.nouns:
             return self.value(value)
@@ -66,7 +66,7 @@ class NounPhrases:
         return self.grammar.values.get(value) or plain(value)
 
     def plain(self, what: Description, case: str) -> str:
-        """Return the noun phrase of a description without a relation."""
+        """Return the noun phrase for a description without a relation."""
         known = self._written.get((what, case))
         if known is not None:
             return known
@@ -155,7 +155,7 @@ class NounPhrases:
         return known
 
     def stated(self, view: View, text: str) -> dict[str, set[Relation]]:
-        """Map each entity that a phrase can mean to the relations that the phrase then states."""
+        """Map each entity that a phrase can mean to the relations that the phrase then states about it."""
         found: dict[str, set[Relation]] = {}
         for whats, where in self._modifications(text):
             for relation in self._relations(view.context, where):
@@ -166,7 +166,7 @@ class NounPhrases:
         return found
 
     def _modifications(self, text: str) -> Iterator[tuple[tuple[Description, ...], str]]:
-        """Yield the descriptions that a text can begin with, and the modifier that follows."""
+        """Yield the descriptions with which a text can begin, each with the modifier that follows."""
         for template in self._modified:
             first, between, last = template.texts
             if text.startswith(first) and text.endswith(last):

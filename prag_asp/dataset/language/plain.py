@@ -12,8 +12,8 @@ from prag_asp.task import Task
 def sentence(atom: Atom, templates: Mapping[str, str]) -> str:
     """Return an action or a fluent in words.
 
-    Its template has ``{0}`` for the first argument, and text in brackets, which is left out; without a template, its
-    name and arguments are joined by blanks.
+    Its template has ``{0}`` for the first argument; text in brackets is left out. Without a template, the name and the
+    arguments are joined by blanks.
     """
     arguments = [_plain(argument) for argument in atom.arguments]
     template = templates.get(atom.name)
@@ -23,7 +23,7 @@ def sentence(atom: Atom, templates: Mapping[str, str]) -> str:
 
 
 def instruction(task: Task, templates: Mapping[str, str]) -> str:
-    """Return the plain instruction of a task in one line: its actions in words."""
+    """Return the plain instruction for a task in one line: its actions in words."""
     return "; ".join(sentence(action, templates) for action in task.actions)
 
 

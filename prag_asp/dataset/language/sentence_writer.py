@@ -1,4 +1,4 @@
-"""Write unambiguous sentences: each is parsed back before it is used; another wording replaces an ambiguous one."""
+"""Write unambiguous sentences: each is parsed back before it is used, and replaced by another if it is ambiguous."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from prag_asp.grammar.phrasings import Phrasings
 Option = TypeVar("Option")
 
 VARIANTS = (0, 1)
-"""Wordings of a relation, the shorter one first."""
+"""The wordings of a relation, the shorter one first."""
 
 CACHED = 1 << 16
-"""The maximum number of cached sentences: tasks of one space share most of them."""
+"""The maximum number of cached sentences; the tasks of a space share most of them."""
 
 ClearSentence = tuple[str, str | None]
 """An unambiguous sentence and its topic."""
 
 
 class PhraseRng:
-    """A random generator seeded by a text, the same on every machine and in every version of Python.
+    """A random generator seeded with a text, which is the same on every machine and in every version of Python.
 
     Its numbers are digits of the text's digest in a mixed base.
     """
@@ -54,9 +54,9 @@ class PhraseRng:
 class _Paraphrases:
     """The sentences for an action or a fluent: `given` ones, and `spare` ones in case all of these are ambiguous.
 
-    `shorter` sentences omit the place from which an object is moved, for phrases that name it. `objects` are the
-    entities that it names, `known` is true if the domain has the action or fluent, and `clear` caches the unambiguous
-    sentence for each way in which the objects are described.
+    `shorter` sentences omit the place from which an object is moved, for phrases that already name this place.
+    `objects` are the entities that the action or fluent names, `known` is true if the domain has the action or fluent,
+    and `clear` caches the unambiguous sentence for each way in which the objects are described.
     """
 
     given: tuple[Sentence, ...]
@@ -88,7 +88,7 @@ class SentenceWriter:
     ) -> ClearSentence:
         """Return an unambiguous sentence for an action, or for a `fact` with its value, and the topic of the sentence.
 
-        If the action `restores` earlier facts, its sentence may say so: "put it back into the tray".
+        If the action `restores` earlier facts, its sentence may say so, as in "put it back into the tray".
 
         Raises:
             QueryError: every sentence of the atom could mean something else.
@@ -135,7 +135,7 @@ class SentenceWriter:
     def facts(
         self, view: View, facts: Mapping[Atom, bool], topic: str | None = None, rng: PhraseRng | None = None
     ) -> list[str]:
-        """Return a sentence for each fact that has an unambiguous one."""
+        """Return a sentence for each fact for which there is an unambiguous one."""
         texts = []
         for fluent, value in facts.items():
             try:

@@ -19,9 +19,9 @@ Words = tuple[str, ...]
 class Sentence:
     """A sentence for all actions or fluents with one name; `value` is false if it states that a fluent does not hold.
 
-    A sentence with a source omits the place from which an object is moved, because the phrase for the object names it:
-    "take the cup in the rack". `moved` is then the slot of the object, and `sources` holds the relation of each action
-    that the phrase has to state.
+    A sentence with a source omits the place from which an object is moved, because the phrase for the object already
+    names it: "take the cup in the rack". In that case, `moved` is the slot of the object, and `sources` holds, for each
+    action, the relation that the phrase has to state.
     """
 
     def __init__(
@@ -96,7 +96,7 @@ class Modifier:
 
 
 class SentenceTable:
-    """All sentences of a domain in one language."""
+    """All sentences for a domain in one language."""
 
     def __init__(self, grammar: Grammar, facts: Facts) -> None:
         actions, fluents = _by_signature(facts.actions), _by_signature(facts.fluents)
@@ -138,7 +138,7 @@ def _from_phrase(sentence: Sentence, sources: Mapping[str, tuple[int, Way]]) -> 
 
 
 def _of_fluents(forms: FactForms, atoms: tuple[Atom, ...], given: Set[Template] | None = None) -> Iterator[Sentence]:
-    """Yield the sentences of a fluent; with `given` templates, only the others, as spare sentences."""
+    """Yield the sentences for a fluent; with `given` templates, only the other sentences, as spare ones."""
     for value, templates in ((True, forms.true), (False, forms.false)):
         for template in templates:
             if given is None or template not in given:

@@ -1,1 +1,1 @@
-"""Generation of a dataset: the run that writes it, executors that validate draws, and parts of other machines."""
+"""Generate a dataset: the run that writes it, the executors that validate draws, and the parts of other machines."""

@@ -13,14 +13,15 @@ from prag_asp.errors import QueryError
 from prag_asp.missing import require_ray
 
 CHUNK = 4
-"""Searches that are sent to a local process together: a few seconds of work, much longer than sending them takes."""
+"""The number of searches sent to a local process together: a few seconds of work, much longer than sending them takes.
+"""
 
 RAY = "ray"
 """The name of the remote executor."""
 
 
 class Executor(Protocol):
-    """Validates draws, with the same results in the same order as any other executor."""
+    """Validates draws; all executors yield the same results in the same order."""
 
     @property
     def captions(self) -> bool:
@@ -31,7 +32,7 @@ class Executor(Protocol):
         """Yield the results of jobs in order; closing the iterator ends the work at once.
 
         Raises:
-            SceneError: the scene lacks the shape of an entity of a task.
+            SceneError: the scene lacks the shape of an entity in a task.
             WorkerError: workers died repeatedly, or there are none.
         """
         ...
@@ -39,7 +40,7 @@ class Executor(Protocol):
 
 @dataclass(frozen=True)
 class LocalExecutor:
-    """Worker processes on this machine; with one worker or without physics, the current process."""
+    """Worker processes on this machine, or the current process if there is only one worker or no physics."""
 
     workers: int
     captions: bool = False
@@ -65,7 +66,7 @@ def executor_of(workers: int, on: str | None) -> Executor:
     """Return the requested executor.
 
     Raises:
-        QueryError: there is no such executor, `workers` is below 1, or above 1 for Ray, which has its own workers.
+        QueryError: there is no such executor, or `workers` is below 1 or, for Ray, which has its own workers, above 1.
         RayMissingError: Ray is not installed.
     """
     if workers < 1:

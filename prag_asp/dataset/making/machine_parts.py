@@ -1,4 +1,4 @@
-"""Read the draws that several machines have validated, each for its part of a dataset, in the order of the draws."""
+"""Read, in the order of the draws, what several machines have validated, each for its part of a dataset."""
 
 from __future__ import annotations
 
@@ -37,5 +37,5 @@ class MachineParts:
         return self._readers[name][holder.machine].draw(holder.draw)
 
     def folder(self, holder: Holder) -> Path:
-        """Return the folder of the machine part that has a draw."""
+        """Return the folder of the machine part that contains a draw."""
         return self._parts[holder.machine].folder

@@ -26,20 +26,20 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.processes.workers import WorkerEnded, WorkerGroup, uninterrupted
 
 AHEAD = 2
-"""Ray tasks submitted per processor: the running task and one more, so that no processor has to wait."""
+"""The number of Ray tasks submitted per processor: the running one and one more, so that no processor has to wait."""
 
 SECONDS = 0.5
-"""The targeted duration of a Ray task: much longer than its submission, yet cheap to repeat.
+"""The intended duration of a Ray task: much longer than its submission, yet cheap to repeat.
 
-While the last tasks run, some processors are idle, for at most this time.
+While the last tasks run, some processors are idle, but for no longer than this.
 """
 
 LARGEST, GROWTH = 512, 2
-"""The maximum number of draws of a Ray task, and the largest factor by which their number grows from one task to the
+"""The maximum number of draws in a Ray task, and the largest factor by which their number grows from one task to the
 next."""
 
 LOST = 20
-"""Retries of a Ray task whose node was lost."""
+"""The number of retries of a Ray task whose node was lost."""
 
 PARTING = 10.0
 """Seconds within which Ray has to end its processes."""
@@ -64,7 +64,7 @@ class RayExecutor:
         """Yield the results of jobs in order; closing the iterator ends the work at once.
 
         Raises:
-            SceneError: the scene lacks the shape of an entity of a task.
+            SceneError: the scene lacks the shape of an entity in a task.
             WorkerError: there is no cluster, or nodes were lost repeatedly.
         """
         from prag_asp.dataset.store.columns import RowReference, unpacked
@@ -94,10 +94,10 @@ class RayExecutor:
 
 
 def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
-    """Yield the number of jobs that the cluster can accept, and the results of jobs, pickled; None comes last.
+    """Yield the number of jobs that the cluster can accept, and the pickled results of jobs; None comes last.
 
-    The first message is the `ValidationSetup`; each number is answered by that many jobs, or fewer at the end. Results
-    are a list of `JobResult` and their rows, as pickled on the node.
+    The first message received is the `ValidationSetup`; the reply to each number is that many jobs, or fewer at the
+    end. Results are a list of `JobResult` and their rows, as pickled on the node.
 
     Raises:
         SceneError: as for `RayExecutor.run`.
@@ -149,7 +149,7 @@ def _begin(ray: Any) -> None:
 
 
 def _processors(ray: Any) -> int:
-    """Return the number of processors of the cluster, and wait for the first processor."""
+    """Return the number of processors in the cluster, after waiting for the first one."""
     until = monotonic() + PATIENCE
     while not (number := int(ray.cluster_resources().get("CPU", 0))):
         if monotonic() > until:
@@ -159,13 +159,13 @@ def _processors(ray: Any) -> int:
 
 
 def _line(error: BaseException) -> str:
-    """Return the first line of the message of an error."""
+    """Return the first line of an error's message."""
     return (str(error).strip() or type(error).__name__).splitlines()[0]
 
 
 @dataclass
 class _NodeState:
-    """The state of a Ray process between tasks of the same run."""
+    """The state that a Ray process keeps between tasks of the same run."""
 
     run: str = ""
     validate: Any = None

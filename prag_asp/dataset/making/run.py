@@ -15,8 +15,10 @@ import msgspec
 
 from prag_asp.dataset.dataset_spec import DatasetSpec
 from prag_asp.dataset.episode_files import name_of, remove_after
+from prag_asp.dataset.making.chosen_draws import FollowingOrder, ListedOrder, choice_of, record_figures
 from prag_asp.dataset.making.draw_plan import DrawPlan
 from prag_asp.dataset.making.executors import Executor
+from prag_asp.dataset.making.ordered_tasks import requested_parts
 from prag_asp.dataset.pages.dataset_card import write_card
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.domain_snapshot import MEND, DomainSnapshot, write_snapshot
@@ -31,6 +33,7 @@ from prag_asp.dataset.store.manifest import (
     request_of,
     write_manifest,
 )
+from prag_asp.dataset.store.tables import TableReader
 from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup
 from prag_asp.errors import NotFound, OutputError, QueryError
 from prag_asp.integers import digits_of, number_of
@@ -38,11 +41,12 @@ from prag_asp.output import Journal, file_in, make_folder, replace_file
 from prag_asp.processes.workers import uninterrupted
 from prag_asp.safe_reading import read_bytes
 from prag_asp.space.distinct_sampling import TaskOrder
-from prag_asp.space.without_replacement import ordered_parts, with_tasks
+from prag_asp.space.without_replacement import with_tasks
 from prag_asp.versions import versions
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.making.chosen_draws import DrawChoice
     from prag_asp.dataset.making.machine_parts import MachineParts
     from prag_asp.dataset.store.shard_writer import PartWriter
     from prag_asp.space.distinct_sampling import RankedDraw
@@ -53,7 +57,8 @@ RECORDINGS = "demonstrations"
 """The folder of the recordings in a dataset."""
 
 JOURNAL = "journal.part"
-"""The file with the results of the draws since the last shard, to resume an interrupted run; removed at the end."""
+"""The file with the results of the draws since the last shard, used to resume an interrupted run and removed at the
+end."""
 
 Progress = Callable[[str, int, int], None]
 """Reports progress: a message, the number of tasks so far, and the number requested."""
@@ -63,7 +68,7 @@ Progress = Callable[[str, int, int], None]
 class DrawRecord:
     """A draw to write: its result, with a `job_result` unless it comes from the journal.
 
-    `task` holds the task and its texts, or None if the job result has their row.
+    `task` holds the task and its texts, or is None if the job result already contains their row.
     """
 
     placed: RankedDraw
@@ -102,10 +107,7 @@ class DatasetRun:
         spec = self._spec
         self._captioner = captioner_of(self._space.domain, spec.language, spec.seed, spec.phrasings)
         DATASET.require_folder(self._folder, JOURNAL)
-        parts = ordered_parts(
-            self._space, spec.division, seed=spec.seed, weights=self._space.weights(spec.weights, spec.temperature),
-            over=spec.over or None, evenly=spec.evenly, deal=spec.deal, excluded=spec.excluded_ranks,
-        )  # fmt: skip
+        parts = requested_parts(self._space, spec)
         make_folder(self._folder)
         values, spaces = request_of(self._space, spec), {each: self._space.at(each) for each in self._space.lengths}
         request = Manifest(
@@ -129,10 +131,13 @@ class DatasetRun:
             with uninterrupted():
                 self._journal.close()
         for note in self._manifest.parts:
-            # Other machines may have the rest, and a stratum may have too few feasible tasks.
+            # Other machines may have the rest, or a stratum may have too few feasible tasks.
             exhausted = (spec.part is not None or bool(spec.strata)) and note.draws >= number_of(note.size)
             if note.tasks < note.requested and not exhausted:
-                raise NotFound(too_few(note, parts[note.name], self._limit(note.name)))
+                diverse, available = (self._manifest.diverse or {}).get(note.name), parts[note.name]
+                all_drawn = diverse is not None and note.draws >= diverse.candidates
+                candidates = spec.candidates_of(self._shares[note.name]) if all_drawn else 0
+                raise NotFound(too_few(note, available, self._limit(note.name), candidates))
         return Dataset.open(self._folder)
 
     def _limit(self, name: str) -> int:
@@ -140,19 +145,21 @@ class DatasetRun:
         return self._spec.draws_of(self._shares[name], self._max_draws)
 
     def _resumed(self, request: Manifest) -> Manifest:
-        """Return the manifest that the run continues; it is complete if there is nothing to do."""
+        """Return the manifest with which the run continues; it is complete if there is nothing to do."""
         spec, shares = self._spec, self._shares
         manifest = DATASET.read(self._folder) or request
         if manifest.identity != request.identity:
             raise OutputError(f"{self._folder}: is a dataset {manifest.difference(request)}; give a new folder")
         for note in manifest.parts:
             rows = note.rows("tasks") + (note.tail.rows("tasks") if note.tail else 0)
-            if rows > spec.tasks_of(shares[note.name]):
+            enough = spec.cover and spec.tasks >= manifest.spec.tasks
+            if rows > spec.tasks_of(shares[note.name]) and not enough:
                 has = f"has {plural(manifest.rows('tasks'), 'task')} already; ask for at least as many"
                 raise QueryError(f"{self._folder}: {has}, or give a new folder")
         for note in manifest.parts:
             note.requested = spec.tasks_of(shares[note.name])
             more = note.rows("tasks") < note.requested and note.draws < self._limit(note.name)
+            more |= bool(spec.cover) and not manifest.complete
             if more and note.draws < number_of(note.size):
                 manifest.complete = False
                 if note.shards and not note.shards[-1].full:
@@ -175,22 +182,55 @@ class DatasetRun:
                 results.append(msgspec.json.decode(line, type=DrawResult))
         for note in self._manifest.parts:
             writer = PartWriter(self._folder, note, spec.shard)
-            self._fill(writer, parts[note.name], [result for result in results if result.part == note.name])
+            choice = self._fill(writer, parts[note.name], [result for result in results if result.part == note.name])
+            note.requested = max(note.requested, writer.tasks)  # more tasks may be needed to cover combinations
             if not writer.empty:
                 writer.write()
                 write_manifest(self._folder, self._manifest)
+            if choice is not None:
+                rows = TableReader(self._folder).rows(note, "tasks", ["draw", "plan"])
+                record_figures(self._manifest, note.name, choice.figures(rows))
             remove_after(self._folder / RECORDINGS / note.name, note.rows("tasks") * spec.starts)
         write_card(self._folder, self._manifest, self._space.domain)
         self._manifest.complete = True
         write_manifest(self._folder, self._manifest)
 
-    def _fill(self, writer: PartWriter, part: TaskOrder, journaled: list[DrawResult]) -> None:
-        """Add draws to a part until it has the requested tasks, or the limit of draws is reached."""
-        note, parts = writer.note, self._parts
+    def _fill(self, writer: PartWriter, part: TaskOrder, journaled: list[DrawResult]) -> DrawChoice | None:
+        """Add draws to a part until it has the requested tasks, or the limit of draws is reached.
+
+        Returns the choice of draws, or None if all of them are sampled.
+        """
+        note, spec, limit = writer.note, self._spec, min(self._limit(writer.note.name), part.size)
+        choice = choice_of(self._space, spec, part, spec.candidates_of(self._shares[note.name]))
+        if choice is None:
+            self._add(writer, part, journaled, note.requested, limit)
+            return None
+        requested, most = note.requested, limit
+        if spec.cover:
+            requested, most = part.size, min(self._max_draws or part.size, part.size)
+        written = [*note.shards, *([note.tail] if note.tail and writer.next > note.tail.first else [])]
+        tables = TableReader(self._folder)
+        passed = {row["draw"] for shard in written for row in tables.of_shard("tasks", shard, ["draw"])}
+        while writer.tasks < requested and writer.next < most:
+            if writer.next >= len(choice.draws) and not choice.extend(passed):
+                break
+            results = [result for result in journaled if result.draw >= writer.next]
+            passed |= self._add(writer, ListedOrder(choice.draws), results, requested, min(most, len(choice.draws)))
+        rest = choice.rest
+        if rest is not None and writer.tasks < note.requested and writer.next >= len(choice.draws):
+            results = [result for result in journaled if result.draw >= writer.next]
+            order, first = FollowingOrder(rest, len(choice.draws)), len(choice.draws)
+            self._add(writer, order, results, note.requested, min(self._max_draws or limit + first, part.size))
+        return choice
+
+    def _add(
+        self, writer: PartWriter, part: TaskOrder, journaled: list[DrawResult], requested: int, limit: int
+    ) -> set[int]:
+        """Add draws of an order to a part until it has the requested tasks, or `limit` draws; return the feasible."""
+        note, parts, passed = writer.note, self._parts, set[int]()
         plan = DrawPlan(self._spec.deal) if parts is None else parts.plan(note.name)
-        limit = min(self._limit(note.name), part.size)
         with closing(self._records(writer, part, plan, journaled, limit)) as records:
-            while writer.tasks < note.requested and writer.next < limit:
+            while writer.tasks < requested and writer.next < limit:
                 holder = plan.holder(writer.next)
                 if holder is not None and parts is not None:
                     rows = parts.draw(note.name, holder)
@@ -198,6 +238,7 @@ class DatasetRun:
                     writer.take(rows._replace(recordings=copies))
                 elif (record := next(records, None)) is not None:
                     result, job_result = record.result, record.job_result
+                    passed |= {result.draw} if result.passed else set()
                     if job_result is not None:
                         for number, (start, content) in enumerate(
                             zip(result.starts, job_result.recordings, strict=False)
@@ -210,7 +251,7 @@ class DatasetRun:
                     elif job_result is not None and job_result.row is not None:
                         writer.add_row(record.placed, job_result.row, result)
                 else:
-                    return
+                    return passed
                 done = sum(each.rows("tasks") for each in self._manifest.parts if each is not note) + writer.tasks
                 words = f"{plural(done, 'task')} of {plural(writer.next, 'draw')}"
                 self._progress(words, done, sum(each.requested for each in self._manifest.parts))
@@ -218,6 +259,7 @@ class DatasetRun:
                     writer.write()
                     write_manifest(self._folder, self._manifest)
                     self._journal.clear()
+        return passed
 
     def _records(
         self, writer: PartWriter, part: TaskOrder, plan: DrawPlan, journaled: list[DrawResult], limit: int
@@ -285,24 +327,29 @@ class DatasetRun:
         return {**row, "file": self._write_recording(writer, row["start"], content)}
 
 
-def too_few(part: PartManifest, available: TaskOrder, limit: int) -> str:
-    """Return the message for a part with fewer tasks than requested, with the reason."""
+def too_few(part: PartManifest, available: TaskOrder, limit: int, candidates: int = 0) -> str:
+    """Return the message for a part with fewer tasks than requested, with the reason.
+
+    `candidates` is the number of sampled tasks among which those of the part are chosen if all of them have been drawn.
+    """
     draws = plural(part.draws, "draw")
     summary = f"only {part.tasks} of {plural(part.requested, 'task')} for {part.name} found in {draws}"
     tallies = [tally for shard in part.shards for tally in shard.tally]
     trivial = sum(tally.trivial for tally in tallies)
     if trivial and part.draws in {trivial, available.size}:
-        return f"{summary}, {trivial} of them trivial: {TRIVIAL}; keep these by --trivial"
+        return f"{summary}, {trivial} of them trivial: {TRIVIAL}; keep these with --trivial"
     if part.draws >= limit:
         proved = sum(tally.infeasible for tally in tallies)
         if proved == part.draws - trivial:
-            which = (
-                "all proved infeasible" if not trivial else f"all others than {trivial} trivial ones proved infeasible"
-            )
+            which = "all proved infeasible" if not trivial else f"all but {trivial} trivial ones proved infeasible"
             return f"{summary}, {which}; change the domain or its scene, or see prag-asp learn"
         if 2 * proved > part.draws:
             return f"{summary}, {proved} of them proved infeasible; see prag-asp learn, which excludes such tasks"
         return f"{summary}; raise --max-draws" if part.tasks else f"{summary}; raise --budget or --max-draws"
-    if part.draws >= available.size:
-        return f"{summary}, the whole space"
-    return f"{summary}; those left weigh next to nothing: give other weights, or --uniform"
+    ends = "; those left weigh next to nothing: give other weights, or --uniform"
+    if candidates:
+        few = candidates < available.size
+        ends = f", all nontrivial {'candidates; raise --candidates' if few else 'tasks of the space'}"
+    elif part.draws >= available.size:
+        ends = ", the whole space"
+    return summary + ends

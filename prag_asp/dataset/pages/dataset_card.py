@@ -1,4 +1,4 @@
-"""The card of a dataset: README.md, which hubs display, with film strips."""
+"""The card of a dataset: README.md, which dataset hubs display, with film strips."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ dataset.task(0), dataset.domain.name
 
 PICTURES = "pictures"
 STRIPS, STATES = 2, 4
-"""The number of film strips, and of states in each: rendering a state takes as long as a few dozen verdicts."""
+"""The number of film strips, and of states in each; rendering a state takes as long as a few dozen verdicts."""
 
 STRIP_SIZE = (240, 210)
 """The width and height in pixels of the picture of a state."""
@@ -63,7 +63,7 @@ def write_card(folder: Path, manifest: Manifest, domain: Domain) -> None:
 
 
 def write_strips(folder: Path, manifest: Manifest, domain: Domain) -> list[FileRecord]:
-    """Write film strips of the first tasks if the dataset has witnesses; none if Pillow is not installed.
+    """Write film strips of the first tasks if the dataset has witnesses and Pillow is installed.
 
     Raises:
         OutputError: a picture cannot be written.
@@ -131,7 +131,7 @@ def front_matter(title: str, *tags: str) -> Iterator[str]:
 
 
 def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[str]:
-    """Yield the lines for readers."""
+    """Yield the lines of the card that are meant for people."""
     spec = manifest.spec
     yield f"# {_title(manifest, domain)}"
     yield ""
@@ -144,6 +144,14 @@ def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[s
     yield f"Tasks of {lengths} actions{where}, drawn {drawn} and without replacement by seed {spec.seed}."
     if spec.strata:
         yield f"Each part is a stratum, the tasks of one {spec.strata}; `dataset.json` has the weight of its tasks."
+    if manifest.cover:
+        cover, factors = manifest.cover, plural(manifest.cover.strength, "factor")
+        yield f"The tasks cover {cover.covered} of {cover.reachable} reachable combinations of {factors}."
+    for name, figures in (manifest.diverse or {}).items():
+        yield (
+            f"Those of {name} are chosen among {figures.candidates} candidates: they are at least "
+            f"{figures.separation:.4g} apart ({figures.metric})."
+        )
     if spec.part is not None:
         yield f"This is part {spec.part} of a dataset: `prag-asp merge` makes it from all of them."
     if spec.budget:

@@ -1,6 +1,6 @@
-"""Builders of Arrow columns from rows; a task has hundreds of facts, so rows are kept as flat arrays.
+"""Build Arrow columns from rows; rows are stored as flat arrays because a task has hundreds of facts.
 
-Arrays are built from Python values through buffers, because `pyarrow.array` imports pandas if it is installed.
+Arrays are built from Python values via buffers, because `pyarrow.array` imports pandas if it is installed.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from prag_asp.dataset.store.schema import FACTS, SCHEMAS
 from prag_asp.task import FrozenDict
 
 TOGETHER = 256
-"""Rows buffered as Python lists before they are packed as Arrow, which takes much less memory."""
+"""The number of rows buffered as Python lists before they are packed as Arrow, which takes much less memory."""
 
 NUMBERS: Mapping[pa.DataType, str] = {pa.int32(): "i4", pa.int64(): "i8", pa.float64(): "f8"}
-"""The NumPy type of each numeric Arrow type in the tables."""
+"""The NumPy type for each numeric Arrow type in the tables."""
 
 LARGEST = 2**31 - 1
-"""The maximum number of bytes of text, or items of lists, in a column: Arrow's offsets have 32 bits."""
+"""The maximum number of bytes of text, or of items in lists, in a column, because Arrow's offsets have 32 bits."""
 
 State = Mapping[Atom, bool]
 
 
 class Fluents(dict[Atom, int]):
-    """Numbers for the fluents of some rows, assigned at first use: rows share most fluents."""
+    """Numbers for the fluents in some rows, assigned on first use, because rows share most fluents."""
 
     def __missing__(self, fluent: Atom) -> int:
         self[fluent] = number = len(self)
@@ -70,7 +70,7 @@ class PlainColumn:
 
 
 class FactsColumn:
-    """A column with the facts of one state per row; `fluents` are shared by all columns."""
+    """A column with the facts of one state per row; all columns share the `fluents`."""
 
     def __init__(self, fluents: Fluents) -> None:
         self._fluents, self._sizes = fluents, array("i")
@@ -82,7 +82,7 @@ class FactsColumn:
         encoding = self._encoded.get(id(state))
         if encoding is None:
             encoding = state, array("i", map(self._fluents.__getitem__, state)), bytes(state.values())
-            if isinstance(state, FrozenDict):  # an immutable state is encoded once
+            if isinstance(state, FrozenDict):  # a state is immutable, so it is encoded only once
                 self._encoded[id(state)] = encoding
         _, numbers, values = encoding
         self._sizes.append(len(values))
@@ -115,7 +115,7 @@ class StatesColumn:
 
 
 class RowReference(NamedTuple):
-    """A row of a larger table, and its position there."""
+    """A row in a larger table, and its position there."""
 
     table: pa.Table
     place: int
@@ -126,7 +126,7 @@ class TableBuilder:
 
     def __init__(self, table: str, before: pa.Table | None = None) -> None:
         self._schema = SCHEMAS[table]
-        # Tables that are read name the items of lists differently, which would change the bytes.
+        # Tables that were read name the items of lists differently, which would change the bytes.
         self._whole = [] if before is None else [before.cast(self._schema)]
         self._columns, self._waiting = self._new(), 0
         self._taken, self._numbers = list[tuple[pa.Table, int, int]](), dict[str, list[int]]()
@@ -148,7 +148,7 @@ class TableBuilder:
         if self._waiting and not self._taken:
             self._gather()
         table, first, last = self._taken[-1] if self._taken else (None, 0, 0)
-        if table is row.table and last == row.place:  # one slice of many rows costs as little as a slice of one
+        if table is row.table and last == row.place:  # a slice of many rows costs as little as a slice of one row
             self._taken[-1] = (row.table, first, last + rows)
         else:
             self._taken.append((row.table, row.place, row.place + rows))
@@ -191,7 +191,7 @@ class TableBuilder:
 
 
 def array_of(values: Sequence[Any], kind: pa.DataType) -> pa.Array:
-    """Return an Arrow array of texts, truth values, numbers of `NUMBERS`, lists or mappings of these, or None."""
+    """Return an Arrow array of texts, truth values, `NUMBERS`, lists or mappings of these, or None."""
     is_valid = [value is not None for value in values]
     validity = None if all(is_valid) else bits(is_valid)
     if pa.types.is_list(kind):
@@ -218,7 +218,7 @@ def texts_of(texts: Sequence[str], validity: pa.Buffer | None = None) -> pa.Arra
 
 
 def lists_of(sizes: Iterable[int], items: pa.Array, kind: pa.DataType, validity: pa.Buffer | None = None) -> pa.Array:
-    """Return an Arrow array of lists: consecutive runs of the items, of the given sizes."""
+    """Return an Arrow array of lists, which are consecutive runs of the items with the given sizes."""
     begins = offsets(sizes)
     return pa.Array.from_buffers(kind, begins.size // 4 - 1, [validity, begins], children=[items])
 
@@ -236,7 +236,7 @@ def offsets(sizes: Iterable[int]) -> pa.Buffer:
 
 
 def bits(truth: Sequence[Any] | NDArray[np.bool_]) -> pa.Buffer:
-    """Return truth values as an Arrow bitmap; None counts as false."""
+    """Return truth values as an Arrow bitmap, in which None counts as false."""
     return pa.py_buffer(np.packbits(np.array(truth, dtype=np.bool_), bitorder="little"))
 
 

@@ -31,12 +31,12 @@ if TYPE_CHECKING:
 
 
 SHOWN_TASKS, LARGEST_SHOWN = 5, 30_000_000
-"""Number of tasks that a notebook shows of a dataset, and the maximum size in bytes of an episode that it shows."""
+"""The number of tasks of a dataset that a notebook shows, and the maximum size in bytes of an episode that it shows."""
 
 
 @dataclass(frozen=True)
 class Dataset:
-    """The tasks in a folder that `generate` has written; tables are read lazily.
+    """The tasks in a folder written by `generate`; tables are read lazily.
 
     The tasks of all `parts` are numbered in order, from 0. `manifest` holds the contents of dataset.json; only tasks
     that satisfy the `conditions` are returned.
@@ -80,7 +80,7 @@ class Dataset:
         return load_snapshot(self.folder, self.manifest.domain, trust=self.trust)
 
     def _repr_html_(self) -> str:
-        """Return the dataset for a notebook: its parts and its first tasks, from dataset.json and one row group."""
+        """Return the dataset for a notebook: its parts and first tasks, read from dataset.json and one row group."""
         from prag_asp.html import element, fragment, scroll_table
 
         about = self.manifest
@@ -102,7 +102,7 @@ class Dataset:
         )
 
     def _strip_url(self) -> str | None:
-        """Return camera images of the first episode as a data URL; None if its file is missing, damaged or large."""
+        """Return camera images of the first episode as a data URL, or None if its file is missing, damaged or large."""
         from prag_asp.physics.demonstration.footage_strip import strip_url
 
         with suppress(PragError, OSError):
@@ -123,13 +123,13 @@ class Dataset:
         return replace(self, parts=(name,))
 
     def where(self, *conditions: str) -> Dataset:
-        """Return the tasks that satisfy all of some conditions, such as ``uses apple``.
+        """Return the tasks that satisfy all given conditions, such as ``uses apple``.
 
         Raises:
             QueryError: a condition cannot be parsed, or names something that the domain does not have.
         """
         chosen = replace(self, conditions=(*self.conditions, *conditions))
-        assert chosen._space  # report a wrong condition at once
+        assert chosen._space  # reports a wrong condition at once
         return chosen
 
     def count(self) -> int:
@@ -169,7 +169,7 @@ class Dataset:
         return (self._entry(note, row) for note, row in self._rows("rejected"))
 
     def by_rank(self, length: int, rank: int) -> DatasetEntry:
-        """Return the entry of the task with this rank among all tasks of its length.
+        """Return the entry of the task with this rank among all tasks of this length.
 
         Raises:
             QueryError: the dataset does not contain such a task.
@@ -221,7 +221,7 @@ class Dataset:
         return self._scenarios.ranked(self.manifest.where, row["length"], number_of(row["rank"]), search)
 
     def demonstration(self, number: int, start: int = 0) -> Demonstration:
-        """Return the recording of a task from one of its initial states.
+        """Return the recording of a task that starts from one of its initial states.
 
         Raises:
             IndexError: there is no such task.
@@ -235,7 +235,7 @@ class Dataset:
             yield entry, row["start"], self._recording(row["file"])
 
     def recorded_seconds(self) -> Iterator[tuple[DatasetEntry, int, float]]:
-        """Yield each recorded task, the number of an initial state, and the seconds of its episode, in order."""
+        """Yield each recorded task, the number of an initial state, and its episode's length in seconds, in order."""
         for entry, row in self._starts("recordings"):
             yield entry, row["start"], row["seconds"]
 
@@ -293,13 +293,14 @@ class Dataset:
     def _ranked(self, length: int, rank: int) -> Iterator[tuple[PartManifest, Mapping[str, Any]]]:
         """Yield the row of the task with a given rank, if the dataset has such a task.
 
-        If sampling is uniform and the split is only by tasks, the number of the draw follows from the rank.
+        If all tasks are sampled uniformly and the split is only by tasks, the number of the draw follows from the rank.
         """
         from prag_asp.space.without_replacement import order_of
 
         spec, lengths = self.manifest.spec, [space.length for space in self.manifest.spaces if space.tasks != "0"]
         divided = spec.skeletons or spec.hold_out is not None or spec.strata
-        uniform = not (spec.weights or spec.over or divided)
+        selected = spec.excluded or spec.apart or spec.cover or spec.candidates
+        uniform = not (spec.weights or spec.over or divided or selected)
         if uniform and (length not in lengths or not 0 <= rank < int(self._sizes[length])):
             return
         for note in self._notes:
@@ -319,7 +320,7 @@ class Dataset:
         return {space.length: number_of(space.tasks) for space in self.manifest.spaces}
 
     def _start(self, table: str, number: int, start: int) -> Mapping[str, Any]:
-        """Return the row of an initial state of a task."""
+        """Return the row of one of a task's initial states."""
         note, task = self._row(number)
         for row in self._tables.starts(note, table, task):
             if row["start"] == start:
@@ -327,7 +328,7 @@ class Dataset:
         raise QueryError(f"{self.folder}: task {number} has no row for the initial state {start} in {table}")
 
     def _starts(self, table: str) -> Iterator[tuple[DatasetEntry, Mapping[str, Any]]]:
-        """Yield tasks with each of their rows in a table of initial states."""
+        """Yield tasks together with each of their rows in a table of initial states."""
         for note in self._notes:
             rows = self._tables.rows(note, table)
             start = next(rows, None)

@@ -20,13 +20,13 @@ if TYPE_CHECKING:
     from prag_asp.program.sources import Source
 
 DOMAIN, ENCODINGS = "domain", "encodings"
-"""The folders in a dataset for its domain and for the encodings with which the domain was loaded."""
+"""The folders in a dataset that hold its domain and the encodings with which the domain was loaded."""
 
 MEND = "make the dataset anew, or copy it once more"
 """The remedy for a damaged file."""
 
 BLOCK = 1 << 20
-"""Bytes read at a time."""
+"""The number of bytes read at a time."""
 
 
 class FileRecord(msgspec.Struct):
@@ -38,7 +38,7 @@ class FileRecord(msgspec.Struct):
 
 
 class DomainSnapshot(msgspec.Struct):
-    """The record of a snapshot in dataset.json: its files, and the options to load the domain from them."""
+    """The record of a snapshot in dataset.json: its files, and the options for loading the domain from them."""
 
     name: str
     label: str
@@ -49,7 +49,7 @@ class DomainSnapshot(msgspec.Struct):
 
 
 def snapshot_of(domain: Domain) -> tuple[DomainSnapshot, dict[str, bytes]]:
-    """Return the snapshot of a domain, and the contents of its files by their paths in a dataset.
+    """Return the snapshot of a domain, and the contents of its files by the paths that they have in a dataset.
 
     Raises:
         OSError: a file of the domain can no longer be read.
@@ -80,7 +80,7 @@ def write_snapshot(folder: Path, files: dict[str, bytes]) -> None:
 
 
 def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False, note: str = "dataset.json") -> Domain:
-    """Load the domain of a dataset using only its folder; `note` is the file in the folder that holds the record.
+    """Load the domain of a dataset from its folder only; `note` is the file in the folder that holds the record.
 
     Raises:
         DomainError: a file is missing, differs from its record in dataset.json, or is read without a record there.
@@ -151,7 +151,7 @@ def _own_files(domain: Domain) -> Iterator[tuple[str, bytes]]:
             yield source.path.resolve().relative_to(folder).as_posix(), read_bytes(source.path)
     else:
         text, rules = "", domain.encodings.resolve()
-        for source in logic:  # the predicates of a rule of the encodings are reserved: it is included by its name
+        for source in logic:  # predicates of a rule in the encodings are reserved: it is included by name
             path = source.path.resolve()
             is_rule = path.is_relative_to(rules)
             include = f'#include "{path.relative_to(rules).as_posix()}".\n' if is_rule else ""

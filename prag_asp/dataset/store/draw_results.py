@@ -1,4 +1,4 @@
-"""Results of draws, as they are written to rows and to the journal of a run."""
+"""Results of draws, as they are stored in rows and in the journal of a run."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ TRIVIAL = "the final state is the initial state"
 
 
 class RecordingInfo(msgspec.Struct):
-    """The recording from an initial state, as in its row, with the colours of entities if these are randomized."""
+    """The recording from an initial state, as stored in its row, with the colours of entities if randomized."""
 
     file: str
     sha256: str
@@ -26,7 +26,7 @@ class RecordingInfo(msgspec.Struct):
 
 
 class StartResult(msgspec.Struct):
-    """The result from an initial state of a task: the index of the search, a witness as JSON, and a recording."""
+    """The result for an initial state of a task: the index of the search, a witness as JSON, and a recording."""
 
     index: int
     witness: msgspec.Raw = NOTHING
@@ -53,7 +53,7 @@ class DrawResult(msgspec.Struct):
 
     @property
     def passed(self) -> bool:
-        """Whether the task was accepted, not rejected."""
+        """Whether the task was accepted rather than rejected."""
         return not self.trivial and (self.verdict is None or self.verdict.feasible)
 
     @property
@@ -63,7 +63,7 @@ class DrawResult(msgspec.Struct):
 
     @property
     def colours(self) -> Mapping[str, str]:
-        """The colours in the first recording, which the texts describe; empty if they are those of the scene."""
+        """The colours in the first recording, which the texts describe; empty if the colours are those of the scene."""
         recording = self.starts[0].recording if self.starts else None
         return {} if recording is None else recording.colours
 

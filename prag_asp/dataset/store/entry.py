@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DatasetEntry:
-    """A task of a dataset: its part, its number in the part from 0 (None if it was rejected), and its draw.
+    """A task in a dataset: its part, its number in the part (from 0, or None if it was rejected), and its draw.
 
     `rank` is its position among all tasks of its length. `instruction` holds an instruction for each level of detail,
-    and `subgoals` a sentence for each action; `named` are the entities that the texts call by name because nothing
-    visible distinguishes them from others. `verdict` is None if physics was not run, as for trivial tasks. Witnesses
-    are in a separate table, with `starts` rows for the task.
+    and `subgoals` a sentence for each action; `named` are the entities to which the texts refer by name because nothing
+    visible distinguishes them from others. `verdict` is None if physics was not run, as is the case for trivial tasks.
+    Witnesses are in a separate table, with `starts` rows for the task.
     """
 
     part: str
@@ -57,7 +57,7 @@ class DatasetEntry:
 
 
 def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) -> DatasetEntry:
-    """Return the entry of a row of a table of tasks.
+    """Return the entry for a row in a table of tasks.
 
     Raises:
         QueryError: a value is missing or invalid.
@@ -86,7 +86,7 @@ def entry_of(row: Mapping[str, Any], part: str, constants: Mapping[str, str]) ->
 
 
 def task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:
-    """Return the task of a row.
+    """Return the task in a row.
 
     Raises:
         QueryError: a value is missing or invalid.
@@ -107,7 +107,7 @@ def task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:
 
 @contextmanager
 def _row_errors(row: Mapping[str, Any]) -> Iterator[None]:
-    """Report errors in a row together with its draw."""
+    """Report errors in a row, with a reference to its draw."""
     try:
         yield
     except (TypeError, ValueError, KeyError) as error:

@@ -18,7 +18,7 @@ LEVELS, PLAIN = ("vague", "default", "exact"), "plain"
 
 
 class TaskTexts(NamedTuple):
-    """The texts of a task: (level, instruction) pairs, a sentence for each action, and the entities called by name."""
+    """The texts of a task: (level, instruction) pairs, a sentence for each action, and entities referred to by name."""
 
     whole: tuple[tuple[str, str], ...]
     subgoals: tuple[str, ...]
@@ -41,7 +41,7 @@ def captioner_of(domain: Domain, language: str, seed: int, phrasings: str = "") 
 
 
 def captioner_like(domain: Domain, spec: DatasetSpec) -> Captioner:
-    """Return the captioner for the dataset that a request describes, with its language, seed and phrasings.
+    """Return the captioner for the dataset that a request specifies, with its language, seed and phrasings.
 
     Raises:
         QueryError: the domain has no sentences in the language.

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import msgspec
 
 from prag_asp.dataset.dataset_spec import DatasetSpec
+from prag_asp.dataset.store.chosen_figures import CoverFigures, DiverseFigures
 from prag_asp.dataset.store.domain_snapshot import DomainSnapshot, FileRecord
 from prag_asp.dataset.store.draw_results import TRIVIAL
 from prag_asp.dataset.store.manifest_file import ManifestFile
@@ -27,10 +28,11 @@ if TYPE_CHECKING:
 NAME = "dataset.json"
 
 FOLDERS = {"tasks": "data", "witnesses": "witnesses", "rejected": "rejected", "recordings": "recordings"}
-"""The folder of each table inside a dataset, in the order in which a hub offers the tables."""
+"""The folder for each table inside a dataset, in the order in which a hub offers the tables."""
 
 MOST_DIGITS = 1_000_000
-"""The maximum number of digits of a count of tasks: the time to parse a number grows with the square of its length."""
+"""The maximum number of digits in a count of tasks; the time for parsing a number grows with the square of its length.
+"""
 
 Decimal = Annotated[str, msgspec.Meta(pattern="^[0-9]+$", max_length=MOST_DIGITS)]
 """A whole number that may exceed 64 bits."""
@@ -70,7 +72,7 @@ class LengthTally(msgspec.Struct):
 
 
 class ShardFile(msgspec.Struct):
-    """A file of rows: its path in the folder, the number of its rows, its size in bytes, and its SHA-256."""
+    """A file of rows: its path in the folder, its number of rows, its size in bytes, and its SHA-256."""
 
     path: str
     rows: Whole
@@ -90,7 +92,7 @@ class Shard(msgspec.Struct):
     versions: str
 
     def rows(self, table: str) -> int:
-        """Return the number of its rows in a table."""
+        """Return how many rows it has in a table."""
         return self.files[table].rows if table in self.files else 0
 
 
@@ -103,10 +105,10 @@ class Share(msgspec.Struct):
 
 
 class PartManifest(msgspec.Struct):
-    """A part of the split: the numbers of its tasks in the space, in the request and in the dataset, and its shards.
+    """A part of the split: how many tasks it has in the space, in the request and in the dataset, and its shards.
 
-    `tail` is the last shard while rows are still added to it. In a complete stratified sample, `weight` is that of each
-    task in the part.
+    `tail` is the last shard while rows are still being added to it. In a complete stratified sample, `weight` is the
+    weight of each task in the part.
     """
 
     name: str
@@ -121,7 +123,7 @@ class PartManifest(msgspec.Struct):
     weight: Share | msgspec.UnsetType = msgspec.UNSET
 
     def rows(self, table: str) -> int:
-        """Return the number of its rows in a table."""
+        """Return how many rows it has in a table."""
         return sum(shard.rows(table) for shard in self.shards)
 
 
@@ -135,7 +137,8 @@ class SpaceSize(msgspec.Struct):
 class Manifest(msgspec.Struct):
     """The contents of dataset.json.
 
-    `lengths` and `where` define the space of its tasks; `spaces` holds the exact size of that space by length.
+    `lengths` and `where` define the space of its tasks; `spaces` holds the exact size of that space by length. `cover`
+    and `diverse` (by part) hold what chosen tasks reach.
     """
 
     complete: bool
@@ -149,6 +152,8 @@ class Manifest(msgspec.Struct):
     covered: Share | None = None
     pictures: list[FileRecord] = []
     versions: str = ""
+    cover: CoverFigures | msgspec.UnsetType = msgspec.UNSET
+    diverse: dict[str, DiverseFigures] | msgspec.UnsetType = msgspec.UNSET
 
     def __post_init__(self) -> None:
         names = [part.name for part in self.parts]
@@ -157,7 +162,7 @@ class Manifest(msgspec.Struct):
 
     @property
     def strata(self) -> list[StratumFigures]:
-        """The figures of the strata, or none if the parts are not the strata of a complete sample."""
+        """The figures of the strata, or nothing if the parts are not the strata of a complete sample."""
         complete = all(each.tasks == each.requested or each.draws >= number_of(each.size) for each in self.parts)
         whole = self.complete and complete and self.spec.part is None
         if not (self.spec.strata and whole and self.rows("tasks")):
@@ -170,9 +175,9 @@ class Manifest(msgspec.Struct):
         return {"lengths": self.lengths, "where": self.where, **self.spec.fixed()}
 
     def difference(self, other: Manifest, ignored: str = "") -> str:
-        """Return the difference between this dataset and another, apart from their tasks, or "" if there is none.
+        """Return how this dataset differs from another, apart from their tasks, or "" if it does not.
 
-        The text reads as a continuation of "a dataset". One entry of the requests can be `ignored`.
+        The text reads as a continuation of "a dataset". One entry in the requests can be `ignored`.
         """
         if self.domain.name != other.domain.name:
             return f"of {self.domain.name}, not of {other.domain.name}"
@@ -183,12 +188,12 @@ class Manifest(msgspec.Struct):
         return "" if self.domain == other.domain else "of a different version of the domain or of the encodings"
 
     def rows(self, table: str) -> int:
-        """Return the number of rows of a table in all parts."""
+        """Return how many rows all parts have in a table."""
         return sum(part.rows(table) for part in self.parts)
 
     @property
     def size(self) -> int:
-        """The number of tasks of the space."""
+        """The number of tasks in the space."""
         return sum(number_of(space.tasks) for space in self.spaces)
 
 
@@ -210,7 +215,7 @@ def share_of(some: int, whole: int) -> Share:
 
 
 def rate_of(some: int, whole: int) -> float:
-    """Return a share as a float; infinity if a damaged manifest claims a share that exceeds all floats."""
+    """Return a share as a float, or infinity if a damaged manifest claims a share that exceeds all floats."""
     try:
         return some / whole if whole else 0.0
     except OverflowError:
@@ -218,7 +223,7 @@ def rate_of(some: int, whole: int) -> float:
 
 
 def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
-    """Return the sum of the tallies of each length, with its pass rate."""
+    """Return the sum of the tallies for all lengths, with its pass rate."""
     sums: dict[int, LengthTally] = {}
     for each in tallies:
         into = sums.setdefault(each.length, LengthTally(each.length))
@@ -270,11 +275,11 @@ def derive(manifest: Manifest) -> None:
 
 
 DATASET = ManifestFile(NAME, Manifest, "prag_asp dataset", 1, "dataset")
-"""The file dataset.json; version 1 of it and of the tables."""
+"""The file dataset.json; both it and the tables have version 1."""
 
 
 def write_manifest(folder: Path, manifest: Manifest) -> None:
-    """Write dataset.json atomically, with the figures that follow from its shards.
+    """Write dataset.json atomically, with the figures that follow from the shards.
 
     Raises:
         OutputError: the file cannot be written.

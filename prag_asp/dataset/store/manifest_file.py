@@ -19,7 +19,7 @@ Contents = TypeVar("Contents", bound=msgspec.Struct)
 
 @dataclass(frozen=True)
 class ManifestFile(Generic[Contents]):
-    """A kind of file that describes a folder: its `name`, format and version; errors call the folder `what`."""
+    """A kind of file that describes a folder: its `name`, format and version; `what` is the folder's name in errors."""
 
     name: str
     contents: type[Contents]
@@ -41,8 +41,8 @@ class ManifestFile(Generic[Contents]):
         """Return the contents of the file in a folder, or None if there is none.
 
         Raises:
-            QueryError: the file is damaged, or written by another program or version; the message has the path to the
-            wrong value.
+            QueryError: the file is damaged, or was written by another program or version; the message gives the path to
+                the wrong value.
         """
         path = folder / self.name
         try:
@@ -66,7 +66,7 @@ class ManifestFile(Generic[Contents]):
             raise QueryError(f"{path}: {error}") from None
 
     def require_folder(self, folder: Path, *others: str) -> None:
-        """Check that a folder is new, empty, or has this file, before anything is written; `others` may be in it.
+        """Before anything is written, check that a folder is new, is empty or has this file; it may contain `others`.
 
         Raises:
             OutputError: the folder contains something else.

@@ -76,7 +76,7 @@ class PartReader:
 
 
 class _Cursor:
-    """A cursor over the rows of a table in a shard, which are sorted by a numeric column."""
+    """Moves along the rows of a table in a shard, which are sorted by a numeric column."""
 
     def __init__(self, folder: Path, table: str, shard: Shard) -> None:
         self._groups = row_groups(folder, table, shard, digest=True)
@@ -85,7 +85,7 @@ class _Cursor:
         self._place = 0
 
     def rows(self, column: str, number: int) -> pa.Table | None:
-        """Return the rows with a number, or None if there are none; callers request numbers in ascending order."""
+        """Return the rows with a number, or None if there are none; callers ask for numbers in ascending order."""
         pieces = []
         while self._forward(column):
             if self._keys[self._place] > number:

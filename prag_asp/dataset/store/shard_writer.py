@@ -29,13 +29,13 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 LIMITS: Mapping[str, int] = {"tasks": 1, "rejected": 10, "witnesses": 4}
-"""The maximum number of rows of each table in a shard, as a multiple of its maximum number of tasks."""
+"""The maximum number of rows in each table of a shard, as a multiple of the maximum number of its tasks."""
 
 TOGETHER = "; "
-"""Separates the versions of the programs that produced a shard."""
+"""The text that separates the versions of the programs that produced a shard."""
 
 SUMMED_TOGETHER = 256
-"""Tallies of single draws that are collected before they are summed."""
+"""The number of tallies of single draws that are collected before they are summed."""
 
 
 class PartWriter:
@@ -55,7 +55,7 @@ class PartWriter:
 
     @property
     def tasks(self) -> int:
-        """The number of tasks of the part."""
+        """The number of tasks in the part."""
         return self.note.rows("tasks") + self._rows["tasks"].count
 
     @property
@@ -98,7 +98,7 @@ class PartWriter:
         self._draws += 1
 
     def take(self, source: DrawRows) -> None:
-        """Add a draw of another dataset, renumbered."""
+        """Add a draw from another dataset, with a new number."""
         if source.passed:
             number = self.tasks
             self._rows["tasks"].take(RowReference(source.row, 0), task=number, draw=self.next)
@@ -112,7 +112,7 @@ class PartWriter:
         self._draws += 1
 
     def write(self) -> None:
-        """Write the shard, and add it to the part; the caller writes dataset.json next.
+        """Write the shard and add it to the part; the caller then writes dataset.json.
 
         Raises:
             OutputError: a file cannot be written.
@@ -142,7 +142,7 @@ class PartWriter:
         """Continue a shard that was not full, if its files match their records in dataset.json."""
         try:
             if any(digest_of(self._folder / file.path) != file.sha256 for file in tail.files.values()):
-                return  # a killed run has written more rows, without updating dataset.json
+                return  # a killed run may have written more rows without updating dataset.json
             before = {}
             for table, file in tail.files.items():
                 with open_shard(self._folder, table, file) as opened:
@@ -162,7 +162,7 @@ class PartWriter:
 
 
 def row_of(placed: RankedDraw, task: Task, result: DrawResult, words: TaskTexts) -> dict[str, Any]:
-    """Return the row of a draw in a table of tasks."""
+    """Return the row for a draw in a table of tasks."""
     return {
         "draw": result.draw,
         "domain": task.domain,
@@ -184,7 +184,7 @@ def row_of(placed: RankedDraw, task: Task, result: DrawResult, words: TaskTexts)
 
 
 def _verdict_row(verdict: Verdict | None) -> dict[str, Any] | None:
-    """Return a verdict as a value of its column."""
+    """Return a verdict as a value for its column."""
     if verdict is None:
         return None
     causes = [{"cause": cause, "count": count} for cause, count in verdict.causes.items()]

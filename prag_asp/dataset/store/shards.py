@@ -18,8 +18,8 @@ from prag_asp.output import file_in, make_folder, replace_file
 from prag_asp.safe_reading import is_inside, open_binary
 
 LARGEST_GROUP = 1_000_000_000
-"""The maximum number of bytes that a row group may claim to have once unpacked: a damaged file must not exhaust the
-memory."""
+"""The maximum number of bytes that a row group may claim to have once it is unpacked, so that a damaged file cannot
+exhaust the memory."""
 
 
 def shard_name(table: str, part: str, number: int) -> str:
@@ -52,7 +52,7 @@ def open_shard(folder: Path, table: str, shard: ShardFile) -> Iterator[pq.Parque
     if not is_inside(file, folder):
         raise QueryError(f"{file}: leads out of the dataset; {MEND}")
     try:
-        # Only the check for a regular file: Arrow's threads must not need the interpreter lock at exit.
+        # This only checks that the file is regular: Arrow's threads must not need the interpreter lock at exit.
         open_binary(file).close()
         with pa.OSFile(str(file)) as stream, pq.ParquetFile(stream) as opened:
             if not opened.schema_arrow.equals(SCHEMAS[table]):

@@ -1,4 +1,4 @@
-"""Read rows of the tables of a dataset from its shards."""
+"""Read rows from the tables in the shards of a dataset."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class TableReader:
         self._rank_cache: dict[str, list[tuple[int, str]]] = {}
 
     def place(self, note: PartManifest, table: str, number: int) -> tuple[Shard, int]:
-        """Return the shard of a row of a part, and the position of the row there; the row must exist."""
+        """Return the shard that contains a row of a part, and the position of the row there; the row must exist."""
         ends = list(accumulate(shard.rows(table) for shard in note.shards))
         at = bisect_right(ends, number)
         return note.shards[at], number - (ends[at - 1] if at else 0)
@@ -52,7 +52,7 @@ class TableReader:
     def by_rank(self, note: PartManifest, length: int, rank: int, draw: int | None) -> Iterator[Row]:
         """Yield the row of the task with a given rank; if its draw is known, only one shard is read.
 
-        Otherwise the ranks of the part are read once and cached: about a hundred bytes per task.
+        Otherwise, the ranks in the part are read once and cached, which takes about a hundred bytes per task.
         """
         selection = (length, str(rank))
         if draw is not None:
@@ -66,9 +66,9 @@ class TableReader:
             yield self.row("tasks", *self.place(note, "tasks", number))
 
     def _ranks(self, shards: Sequence[Shard]) -> list[tuple[int, str]]:
-        """Return the length and the rank of each task of some shards, as Python values.
+        """Return the length and the rank of each task in some shards, as Python values.
 
-        Arrow would import pandas to compare them.
+        To compare them, Arrow would import pandas.
         """
         ranks: list[tuple[int, str]] = []
         for shard in shards:

@@ -35,7 +35,7 @@ class StratifiedSample:
 
 
 def allocated(space: TaskSpace, count: int, stratification: Stratification, seed: int) -> list[tuple[Stratum, int]]:
-    """Return the strata of a space with the number of tasks of each in a sample of `count` tasks.
+    """Return the strata of a space, each with its number of tasks in a sample of `count` tasks.
 
     Raises:
         QueryError: the space is empty, or too small or too finely divided for that many tasks.
@@ -58,10 +58,10 @@ def stratified_sample(
 ) -> StratifiedSample:
     """Return distinct tasks, sampled uniformly without replacement from each stratum of a space.
 
-    With physics, the default if the domain has a scene, they are feasible tasks: each stratum is sampled until it has
-    its number of feasible tasks, or until all its tasks were drawn. The weights of all tasks sum to 1. Without physics,
-    the weighted mean of a property is an unbiased estimate of its mean over the whole space; with physics, it is a
-    nearly unbiased ratio estimate of its mean over the feasible tasks.
+    With physics, which is the default if the domain has a scene, the tasks are feasible: each stratum is sampled until
+    it has its number of feasible tasks, or until all its tasks have been drawn. The weights of all tasks sum to 1.
+    Without physics, the weighted mean of a property is an unbiased estimate of its mean over the whole space; with
+    physics, it is a nearly unbiased ratio estimate of its mean over the feasible tasks.
 
     Raises:
         QueryError: the space is empty, or too small or too finely divided for that many tasks.

@@ -24,7 +24,8 @@ class StratumFigures(msgspec.Struct, frozen=True):
     """The figures of a stratum in a sample without replacement.
 
     `size` is the number of its tasks in the space, as digits; `draws` of them were drawn, until `tasks` of these
-    counted (because they are feasible, for example): as many as `requested`, unless no more tasks were left to draw.
+    counted (because they are feasible, for example), which are as many as `requested` unless no tasks were left to
+    draw.
     """
 
     name: str
@@ -37,9 +38,9 @@ class StratumFigures(msgspec.Struct, frozen=True):
     def share(self) -> Fraction:
         """An unbiased estimate of the share of its tasks that count.
 
-        For n such tasks in d draws, of which the last one counts, it is (n - 1) / (d - 1): Haldane (1945) for draws
-        with replacement, Mikulski and Smith (1976) for draws without. If the draws ended because no task was left, the
-        share is known.
+        For n such tasks in d draws, the last of which counts, it is (n - 1) / (d - 1): see Haldane (1945) for draws
+        with replacement, and Mikulski and Smith (1976) for draws without. If the draws ended because no task was left,
+        the share is known exactly.
         """
         if self.tasks < self.requested:
             return Fraction(self.tasks, number_of(self.size))
@@ -47,7 +48,7 @@ class StratumFigures(msgspec.Struct, frozen=True):
 
     @property
     def variance(self) -> Fraction:
-        """An unbiased estimate of the variance of `share` (Salehi and Seber 2001); 0 if the share is known."""
+        """An unbiased estimate of the variance of `share` (Salehi and Seber 2001); it is 0 if the share is known."""
         if self.tasks < self.requested or self.tasks == self.draws or self.draws <= FEWEST:
             return Fraction(0)
         left = 1 - Fraction(self.draws - 1, number_of(self.size))
@@ -55,12 +56,12 @@ class StratumFigures(msgspec.Struct, frozen=True):
 
     @property
     def population(self) -> Fraction:
-        """The number of its tasks that count, or its estimate."""
+        """The number of its tasks that count, or an estimate of it."""
         return number_of(self.size) * self.share
 
 
 def stratum_weights(strata: Sequence[StratumFigures]) -> dict[str, Fraction]:
-    """Return the weight of each stratum: its share of all tasks of the space that count; the weights sum to 1.
+    """Return the weight of each stratum: its share of all tasks in the space that count; the weights sum to 1.
 
     They are exact if all draws count. The weight of a task in a sample is that of its stratum, divided by the number of
     its tasks in the sample.
@@ -77,13 +78,13 @@ def stratum_weights(strata: Sequence[StratumFigures]) -> dict[str, Fraction]:
 class StratumFeed(Generic[Item]):
     """Numbered draws of strata, one stratum after the other, until each has as many tasks as its quota.
 
-    Draws may be taken from the iterator before the results of earlier ones are known. Their results are then given to
+    Draws may be taken from the iterator before the results of earlier ones are known. The results are later given to
     `take`, in the same order; results for a stratum that is full are ignored, so that the sample does not depend on how
     many draws were taken ahead.
     """
 
     def __init__(self, strata: Sequence[tuple[str, int, int]], draws: Sequence[Iterable[tuple[int, Item]]]) -> None:
-        """`strata` has the name, the size and the quota of each stratum, and `draws` its numbered draws in order."""
+        """`strata` holds each stratum's name, size and quota, and `draws` holds its numbered draws in order."""
         self._strata, self._draws = strata, draws
         self._pending: deque[tuple[int, int]] = deque()
         self._found, self._drawn = [0] * len(strata), [0] * len(strata)
@@ -100,7 +101,7 @@ class StratumFeed(Generic[Item]):
                 self._ended.add(place)
 
     def take(self, *, counts: bool) -> str | None:
-        """Return the name of the stratum of the next result, or None if this result is ignored."""
+        """Return the name of the stratum to which the next result belongs, or None if this result is ignored."""
         place, number = self._pending.popleft()
         name, _, quota = self._strata[place]
         if self._found[place] >= quota:
@@ -121,7 +122,7 @@ class StratumFeed(Generic[Item]):
 
     @property
     def exhausted(self) -> bool:
-        """Whether each stratum is full, or all its tasks were drawn."""
+        """Whether each stratum is full or has no tasks left to draw."""
         return all(
             found >= quota or place in self._ended
             for place, (found, (_, _, quota)) in enumerate(zip(self._found, self._strata, strict=True))

@@ -1,4 +1,4 @@
-"""Count the tasks of the parts of a suite exactly, and the tasks that two parts share."""
+"""Count exactly the tasks in each part of a suite, and the tasks that two parts share."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ import msgspec
 from prag_asp.dataset.store.manifest import Decimal
 from prag_asp.errors import QueryError
 from prag_asp.integers import digits_of, number_of
+from prag_asp.processes.progress_events import report_progress
 from prag_asp.space.limits import UNLIMITED
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
+    from prag_asp.dataset.dataset_spec import ApartSpec
     from prag_asp.dataset.suites.suite_spec import Suite, SuitePart
     from prag_asp.space.limits import Limits
 
@@ -25,7 +27,7 @@ Counted = Callable[[str, int, int], None]
 
 
 class Overlap(msgspec.Struct, frozen=True):
-    """The number of tasks that two parts share, and whether one of them declares that."""
+    """The number of tasks that two parts share, and whether one of the parts declares this."""
 
     one: str
     other: str
@@ -39,7 +41,7 @@ class Overlap(msgspec.Struct, frozen=True):
 
 
 class HeldOutCount(msgspec.Struct, frozen=True):
-    """The number of tasks in a part that contain something held out from this part."""
+    """The number of tasks in a part that contain something held out from it."""
 
     what: str
     part: str
@@ -74,10 +76,8 @@ def space_of(suite: Suite, part: SuitePart, *, limits: Limits = UNLIMITED) -> Ta
     return TaskSpace(suite.domain, part.lengths, limits=limits).where(*part.where)
 
 
-def count_suite(
-    suite: Suite, *, limits: Limits = UNLIMITED, progress: Counted = lambda words, done, total: None
-) -> Figures:
-    """Count the tasks of all parts, the tasks that each pair shares, and the held-out tasks in each part.
+def count_suite(suite: Suite, *, limits: Limits = UNLIMITED, progress: Counted = report_progress) -> Figures:
+    """Count the tasks of all parts, the tasks that each pair of parts shares, and the held-out tasks in each part.
 
     Raises:
         QueryError: a part requests more tasks than its space has.
@@ -86,7 +86,7 @@ def count_suite(
     count = _SuiteCounter(suite, limits, progress)
     sizes = {}
     for name, part in suite.parts.items():
-        sizes[name] = count.by_length(name, part.where, part.lengths)
+        sizes[name] = count.by_length(name, part.where, part.lengths, [part])
         total = sum(sizes[name].values())
         if total < part.tasks:
             problem = f"{plural(part.tasks, 'task')} requested for {name}, but its space has {total}"
@@ -96,19 +96,22 @@ def count_suite(
     shared = []
     for one, other in combinations(suite.parts.values(), 2):
         both = [length for length in one.lengths if length in other.lengths]
-        tasks = count.by_length(f"{one.name} and {other.name}", (*one.where, *other.where), both)
+        if other.name in one.distance or one.name in other.distance:
+            both = []  # the same task would be at the distance 0
+        tasks = count.by_length(f"{one.name} and {other.name}", (*one.where, *other.where), both, [one, other])
         shared.append(Overlap(one.name, other.name, digits_of(sum(tasks.values())), one.declares(other)))
     unseen = []
     for held in suite.held:
         for part in suite.parts.values():
             if held.what not in part.unseen:
-                tasks = count.by_length(f"{held.what} in {part.name}", (*part.where, held.having), part.lengths)
+                what = f"{held.what} in {part.name}"
+                tasks = count.by_length(what, (*part.where, held.having), part.lengths, [part])
                 unseen.append(HeldOutCount(held.what, part.name, digits_of(sum(tasks.values()))))
     return Figures(sizes, tuple(shared), tuple(unseen))
 
 
 class _SuiteCounter:
-    """Counts tasks under conditions; each number is computed once."""
+    """Counts tasks under conditions; each number is computed only once."""
 
     def __init__(self, suite: Suite, limits: Limits, progress: Counted) -> None:
         self._suite, self._progress = suite, progress
@@ -120,21 +123,38 @@ class _SuiteCounter:
         parts = len(suite.parts)
         self._done, self._total = 0, parts + parts * (parts - 1) // 2 + parts * len(suite.held)
 
-    def by_length(self, what: str, clauses: Sequence[str], lengths: Sequence[int]) -> dict[int, int]:
-        """Return the number of tasks of each length that satisfy all of some conditions."""
+    def by_length(
+        self, what: str, clauses: Sequence[str], lengths: Sequence[int], parts: Sequence[SuitePart]
+    ) -> dict[int, int]:
+        """Return the number of tasks of each length that satisfy all of some conditions and the distances of parts."""
         self._progress(f"counting {what}", self._done, self._total)
         self._done += 1
         conditions = frozenset(clauses)
         if any({held.having, held.without} <= conditions for held in self._suite.held):
             return dict.fromkeys(lengths, 0)  # each is the negation of the other
+        if apart := [each for part in parts for each in self._suite.apart_from(part)]:
+            spaces = (self._domain.at(length).where(*dict.fromkeys(clauses)) for length in lengths)
+            return {space.length: count_apart(space, apart) for space in spaces}
         if any((conditions, length) not in self._counts for length in lengths):
-            # Exploring the longest plans covers shorter ones, including those of other parts with these conditions.
+            # Exploring the longest plans covers shorter ones, including those in other parts with these conditions.
             lengths_needed = self._lengths.get(conditions, set()).union(lengths)
             missing = sorted(length for length in lengths_needed if (conditions, length) not in self._counts)
             space = self._domain.at(missing[-1]).where(*dict.fromkeys(clauses))
             for length in reversed(missing):
                 self._counts[conditions, length] = space.at(length).count()
         return {length: self._counts[conditions, length] for length in lengths}
+
+
+def count_apart(space: TaskSpace, apart: Sequence[ApartSpec]) -> int:
+    """Return the number of tasks of a space of one length that are far from all tasks of some sets.
+
+    Raises:
+        QueryError: the space and a set have different interchangeable entities.
+        LimitReached: a limit was reached.
+    """
+    from prag_asp.analysis.distant_tasks import tasks_apart_from_all
+
+    return tasks_apart_from_all(space, [(each.space(space), each.distance) for each in apart]).count()
 
 
 def refuse_leaks(suite: Suite, figures: Figures) -> None:

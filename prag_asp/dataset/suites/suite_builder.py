@@ -26,6 +26,7 @@ from prag_asp.missing import require_pyarrow
 from prag_asp.output import file_in, make_folder, replace_file
 from prag_asp.output.digests import digest
 from prag_asp.physics import require_physics
+from prag_asp.processes.progress_events import report_progress
 from prag_asp.space.limits import UNLIMITED
 from prag_asp.versions import versions
 from prag_asp.wording import plural
@@ -41,16 +42,16 @@ def generate_suite(
     *,
     workers: int = 1,
     limits: Limits = UNLIMITED,
-    progress: Progress = lambda words, done, total: None,
+    progress: Progress = report_progress,
 ) -> SuiteManifest:
-    """Write a dataset for each part of a suite, in a folder named after it, and return the manifest of the suite.
+    """Write a dataset for each part of a suite, in a folder named after the part, and return the suite's manifest.
 
     The same call resumes an interrupted run, and more tasks for a part extend its dataset. The bytes depend only on the
     suite, not on the number of `workers`.
 
     Raises:
         QueryError: parts share tasks without declaring it, or the request for a part is wrong.
-        SceneError: the scene lacks the shape of an entity of a task.
+        SceneError: the scene lacks the shape of an entity in a task.
         OutputError: the folder contains something else, or a file cannot be written.
         NotFound: too few feasible tasks were found for some parts; all others are written.
         WorkerError: workers died repeatedly.
@@ -95,7 +96,7 @@ def generate_suite(
 
 
 def identity_of(suite: Suite) -> str:
-    """Return the digest of all inputs of the datasets of a suite, except the numbers of tasks."""
+    """Return the digest of all inputs to the datasets of a suite, except the numbers of tasks."""
     snapshot, _ = snapshot_of(suite.domain)
     parts = [[part.name, part.of, list(part.unseen), request_of(space_of(suite, part), suite.dataset_spec(part))]
              for part in suite.parts.values()]  # fmt: skip
@@ -103,5 +104,5 @@ def identity_of(suite: Suite) -> str:
 
 
 def progress_of_part(name: str, progress: Progress) -> Progress:
-    """Return a progress function that adds the name of a part to each message."""
+    """Return a progress function that puts the name of a part before each message."""
     return lambda words, done, total: progress(f"{name}: {words}", done, total)

@@ -30,7 +30,7 @@ def _front(note: SuiteManifest) -> Iterator[str]:
 
 
 def _text(note: SuiteManifest) -> Iterator[str]:
-    """Yield the lines for readers."""
+    """Yield the lines of the card that are meant for people."""
     yield f"# {note.title or note.name}"
     yield ""
     if note.description:
@@ -70,6 +70,9 @@ def _apart(note: SuiteManifest) -> Iterator[str]:
         tasks = each.tasks
         if tasks:
             yield f"{each.one} and {each.other} have {grouped(tasks)}, as {'' if each.declared else 'nobody '}said."
+    for part in note.parts:
+        for other, distance in (part.distance or {}).items():
+            yield f"Each task of {part.name} is at least {plural(distance, 'edit')} from all tasks of {other}."
     yield ""
     if note.unseen:
         yield "| held out | part | tasks of the part that have it |"

@@ -24,7 +24,10 @@ NAME, SPELLED = "suite.json", "suite.toml"
 
 
 class SuitePartManifest(msgspec.Struct):
-    """A part: its conditions, its exact size, the number of its tasks, and the record of its dataset.json."""
+    """A part: its conditions, its exact size, the number of its tasks, and the record of its dataset.json.
+
+    `distance` is its distance in edits from other parts, if it has one.
+    """
 
     name: str
     about: str
@@ -38,6 +41,7 @@ class SuitePartManifest(msgspec.Struct):
     requested: Whole
     tasks: Whole = 0
     dataset: FileRecord | None = None
+    distance: dict[str, Whole] | msgspec.UnsetType = msgspec.UNSET
 
 
 class SuiteManifest(msgspec.Struct):
@@ -75,7 +79,7 @@ def manifest_of(suite: Suite, figures: Figures, identity: str, versions: str) ->
         SuitePartManifest(
             part.name, part.about, part.of, list(part.unseen), list(part.where), part.language, part.phrasings,
             [SpaceSize(length, digits_of(tasks)) for length, tasks in figures.sizes[part.name].items()],
-            digits_of(figures.size(part.name)), part.tasks,
+            digits_of(figures.size(part.name)), part.tasks, distance={**part.distance} or msgspec.UNSET,
         )
         for part in suite.parts.values()
     ]  # fmt: skip
@@ -88,7 +92,7 @@ def manifest_of(suite: Suite, figures: Figures, identity: str, versions: str) ->
 
 
 def record_part(folder: Path, part: SuitePartManifest) -> None:
-    """Record the number of tasks of a part, and its dataset.json.
+    """Record the number of tasks in a part, and its dataset.json.
 
     Raises:
         QueryError: there is no such dataset.
@@ -106,7 +110,7 @@ def is_suite(folder: str | Path) -> bool:
 
 
 def count_tasks(folder: str | Path) -> int:
-    """Return the number of tasks of a dataset, or of all datasets of a suite.
+    """Return the number of tasks in a dataset, or in all datasets of a suite.
 
     Raises:
         QueryError: the folder contains neither, or cannot be read.

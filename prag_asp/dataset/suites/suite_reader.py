@@ -39,20 +39,20 @@ if TYPE_CHECKING:
 Kind = TypeVar("Kind")
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-"""The names of parts: they name folders, and splits for loaders."""
+"""The names that parts may have, because folders and splits for loaders are named after them."""
 
 STARTS = "starts "
 """The prefix of a condition on the initial state."""
 
 LONGEST_SIZE = 20
-"""The maximum number of characters of the size of camera images: Python does not convert arbitrarily many digits."""
+"""The maximum number of characters in the size of camera images; Python does not convert arbitrarily many digits."""
 
 
 def load_suite(name_or_path: str | Path, *, domain: Domain | None = None, trust: bool = False) -> Suite:
-    """Return a shipped suite, or the suite of a TOML file.
+    """Return a shipped suite, or the suite that a TOML file defines.
 
-    Its domain is a shipped domain, or a domain next to the file, unless another is given as `domain`. With `trust`,
-    physics may run the Python files of the domain.
+    Its domain is a shipped domain or one next to the file, unless another is given as `domain`. With `trust`, physics
+    may run the Python files of the domain.
 
     Raises:
         QueryError: there is no such suite, or the file has problems; the message has a line for each, with its place.
@@ -131,6 +131,7 @@ class _SuiteReader:
             for other in texts(table.shares):
                 if other not in others:
                     self._report.add(("parts", name, "shares"), unknown(other, others, "part"))
+            self._check_distances(name, table)
         self._raise_problems()
         return Suite(
             self._source.path.stem, self._domain, {name: parts[name] for name in self._parts}, self._table.title,
@@ -138,8 +139,18 @@ class _SuiteReader:
             self._source.path, self._source.text,
         )  # fmt: skip
 
+    def _check_distances(self, name: str, table: PartTable) -> None:
+        """Report distances from parts that do not exist, or that have no tasks of their own."""
+        others = [each for each, other in self._parts.items() if each != name and other.of is None]
+        for other in table.distance:
+            if other not in others:
+                hint = unknown(other, others, "other part with tasks of its own")
+                self._report.add(("parts", name, "distance", other), hint)
+        if table.distance and table.skeletons:
+            self._report.add(("parts", name, "skeletons"), "a part with a distance is split by tasks; leave it out")
+
     def _physics(self) -> tuple[Budget | None, Staging | None, bool]:
-        """Return the budget of physics, its staging, and whether it demonstrates; without a budget, physics is off.
+        """Return the budget of physics, its staging, and whether tasks are performed; without a budget, physics is off.
 
         By default, physics is on if the domain has a scene.
         """
@@ -239,11 +250,12 @@ class _SuiteReader:
         part = SuitePart(
             name, table.tasks, lengths, tuple(map(str, where.clauses)), own, None, texts(table.shares), table.about,
             self._table.seed if table.seed is None else table.seed, table.starts, shares, table.skeletons, table.evenly,
+            distance=table.distance,
         )  # fmt: skip
         return self._with_phrasings(part, table, self._table.language, self._table.phrasings)
 
     def _copy(self, name: str, table: PartTable, of: str, parts: Mapping[str, SuitePart]) -> Iterator[SuitePart]:
-        """Yield a part that words the tasks of another part differently, or nothing if that other part has problems."""
+        """Yield a part that words the tasks of another part differently, or nothing if the other part has problems."""
         if of not in self._parts or self._parts[of].of is not None:
             raise QueryError(f"{unknown(of, self._parts, 'part')}, with tasks of its own")
         if of not in parts:

@@ -1,4 +1,4 @@
-"""A suite as a value: its parts, each with the conditions that distinguish it from the others."""
+"""A suite as a value: its parts, with the conditions that distinguish each from the others."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from prag_asp.dataset.dataset_spec import DatasetSpec
+from prag_asp.dataset.dataset_spec import ApartSpec, DatasetSpec
 from prag_asp.errors import QueryError
 from prag_asp.grammar.phrasings import Phrasings
 from prag_asp.tables.toml_text import key_line
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class HeldOut:
-    """Something that only some parts contain: the condition that a task has it, and the negation of this condition."""
+    """Something that only some parts contain: the condition that a task has it, and the negation of that condition."""
 
     what: str
     having: str
@@ -32,6 +32,7 @@ class SuitePart:
 
     `where` holds all its conditions, including those of the suite and of everything held out. `unseen` is held out from
     the other parts, `of` is the part whose tasks it repeats, and `shares` are the parts with which it may share tasks.
+    Each task is at least as many edits as `distance` says from all tasks that satisfy the conditions of other parts.
     """
 
     name: str
@@ -49,9 +50,10 @@ class SuitePart:
     evenly: bool = False
     language: str = "en"
     phrasings: str = ""
+    distance: Mapping[str, int] = field(default_factory=dict)
 
     def apart(self, other: SuitePart) -> bool:
-        """Return whether no sentence for an action can occur in both parts."""
+        """Return whether the two parts cannot have the same sentence for an action."""
         mine, others = Phrasings.parse(self.phrasings), Phrasings.parse(other.phrasings)
         return self.language != other.language or mine.disjoint(others)
 
@@ -62,7 +64,7 @@ class SuitePart:
 
 @dataclass(frozen=True)
 class Suite:
-    """Parts over the tasks of one domain; `path` and `text` belong to the file that defines the suite."""
+    """Parts over the tasks of one domain; `path` and `text` are those of the file that defines the suite."""
 
     name: str
     domain: Domain
@@ -78,7 +80,7 @@ class Suite:
     text: str = field(default="", repr=False)
 
     def place(self, *keys: str) -> str:
-        """Return the file and line of a key, for the beginning of a message."""
+        """Return the file and the line of a key, to begin a message."""
         return f"{self.path}:{key_line(self.text, keys)}"
 
     def at_most(self, tasks: int) -> Suite:
@@ -93,11 +95,16 @@ class Suite:
             self, parts={name: replace(part, tasks=min(tasks, part.tasks)) for name, part in self.parts.items()}
         )
 
+    def apart_from(self, part: SuitePart) -> list[ApartSpec]:
+        """Return the sets of tasks from which the tasks of a part have a distance."""
+        others = ((self.parts[name], distance) for name, distance in part.distance.items())
+        return [ApartSpec(distance, [*other.lengths], [*other.where]) for other, distance in others]
+
     def dataset_spec(self, part: SuitePart) -> DatasetSpec:
         """Return the request for the dataset of a part.
 
         Raises:
-            QueryError: values of the part contradict each other; the message names the part.
+            QueryError: values of the part conflict; the message names the part.
         """
         try:
             return DatasetSpec.of(
@@ -105,6 +112,7 @@ class Suite:
                 starts=part.starts, demonstrate=self.demonstrate, evenly=part.evenly,
                 weights={} if self.uniform or part.evenly else None, physics=self.budget is not None,
                 budget=self.budget, language=part.language, phrasings=part.phrasings, staging=self.staging,
+                apart=self.apart_from(part),
             )  # fmt: skip
         except QueryError as error:
             raise QueryError(f"{self.name}: parts.{part.name}: {error}") from None

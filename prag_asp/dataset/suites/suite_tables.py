@@ -1,4 +1,4 @@
-"""The tables of the TOML file of a suite, as plain structs."""
+"""The tables in the TOML file of a suite, as plain structs."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ Words = str | list[str]
 """One text, or several texts."""
 
 LONGEST = 1000
-"""The largest length in a suite: a range such as 1..3 is expanded to all of its lengths."""
+"""The largest length in a suite, because a range such as 1..3 is expanded to all of its lengths."""
 
 
 class PhysicsTable(msgspec.Struct):
-    """``[physics]``: the budget of physics, and the options of recordings."""
+    """``[physics]``: the budget of physics, and the options for recordings."""
 
     budget: str = "10x10"
     tier: str = "kinematics"
@@ -30,7 +30,7 @@ class PhysicsTable(msgspec.Struct):
 
 
 class PartTable(msgspec.Struct):
-    """``[parts.NAME]``: the tasks of a part, and their number; missing keys default to those of the suite."""
+    """``[parts.NAME]``: the tasks of a part and their number; missing keys default to those of the suite."""
 
     tasks: Annotated[int, msgspec.Meta(ge=1, le=10**12)]
     about: str = ""
@@ -39,6 +39,7 @@ class PartTable(msgspec.Struct):
     unseen: Words = []
     of: str | None = None
     shares: Words = []
+    distance: dict[str, Annotated[int, msgspec.Meta(ge=1, le=100)]] = {}
     seed: Seed | None = None
     starts: Annotated[int, msgspec.Meta(ge=1, le=MOST_STARTS)] = 1
     split: dict[str, Any] = {}
@@ -65,7 +66,7 @@ class SuiteTable(msgspec.Struct):
 
 
 OWN_OF_COPIES = ("tasks", "about", "of", "language", "phrasings")
-"""The keys that a part with the tasks of another one may set; all other keys come from the other part."""
+"""The keys that a part with the tasks of another part may set; all other keys come from the other part."""
 
 
 def texts(value: Words) -> tuple[str, ...]:

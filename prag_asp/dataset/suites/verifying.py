@@ -20,14 +20,16 @@ from prag_asp.dataset.verification.file_checks import UNSEEN, wrong_file
 from prag_asp.dataset.verification.finding import Finding, Progress
 from prag_asp.dataset.verification.verifier import wrong_dataset
 from prag_asp.errors import DomainError, PragError, QueryError
+from prag_asp.processes.progress_events import report_progress
 from prag_asp.program.sources import Source
 from prag_asp.safe_reading import read_bytes
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.suites.suite_spec import Suite
+    from prag_asp.dataset.suites.suite_spec import Suite, SuitePart
 
 KNOWN = (NAME, SPELLED, CARD)
-"""The files of a suite next to its datasets."""
+"""The files that a suite has besides its datasets."""
 
 
 def verify(
@@ -36,18 +38,19 @@ def verify(
     trust: bool = False,
     physics: bool = True,
     workers: int = 1,
-    progress: Progress = lambda words, done, total: None,
+    progress: Progress = report_progress,
 ) -> Iterator[Finding]:
-    """Yield findings about a dataset or a suite; none if it is correct and unchanged.
+    """Yield findings about a dataset or a suite; there are none if it is correct and unchanged.
 
     Each file must match its record in dataset.json, and there must be no other files. Each exact size is counted again.
-    Each draw is sampled again with its seed and must be in exactly one row, with a task that no other row has; clingo,
-    which is independent of the sampler, must accept its plan; its instructions must parse to the plan. With `physics`,
-    each witness is simulated again, and recordings are compared with their tasks; findings and their order do not
-    depend on the number of `workers`. With `trust`, physics may run the Python files of the domain.
+    Each draw is sampled again with its seed, and must be in exactly one row, with a task that no other row has; its
+    plan must be accepted by clingo, which is independent of the sampler; and its instructions must parse to the plan.
+    With `physics`, each witness is simulated again, and recordings are compared with their tasks; findings and their
+    order do not depend on the number of `workers`. With `trust`, physics may run the Python files of the domain.
 
     For a suite, all figures are counted again from its TOML file, and each dataset has to match the request of its
-    part. Parts must not share tasks without declaring it, nor texts if their phrasings are disjoint.
+    part. Parts must not share tasks without declaring it; if their phrasings are disjoint, they must not share texts
+    either.
 
     Raises:
         QueryError: there is no dataset, its files cannot be read, or its run has not ended.
@@ -89,6 +92,7 @@ def _wrong_suite(path: Path, trust: bool, physics: bool, workers: int, progress:
             for finding in wrong_dataset(path / part.name, trust, physics, workers, report):
                 yield finding._replace(file=f"{part.name}/{finding.file}")
             yield from overlaps.wrong(part.name, data)
+            yield from _too_near(suite, own, data)
         except PragError as error:
             yield Finding(part.name, None, str(error))
 
@@ -111,7 +115,7 @@ def _wrong_files(folder: Path, note: SuiteManifest) -> Iterator[Finding]:
 
 
 def _wrong_note(suite: Suite, note: SuiteManifest, progress: Progress) -> Iterator[Finding]:
-    """Yield the figures that differ from a new count."""
+    """Yield figures that differ from those of a new count."""
     figures = count_suite(suite, progress=progress)
     right = manifest_of(suite, figures, identity_of(suite), note.versions)
     right.name = note.name  # the original name of the file, which is a copy named suite.toml here
@@ -122,7 +126,7 @@ def _wrong_note(suite: Suite, note: SuiteManifest, progress: Progress) -> Iterat
         yield Finding(NAME, None, f"parts are not those of {SPELLED}")
         return
     for part, right_part in zip(note.parts, right.parts, strict=True):
-        for field_ in ("about", "of", "unseen", "where", "language", "phrasings", "spaces", "size"):
+        for field_ in ("about", "of", "unseen", "where", "language", "phrasings", "spaces", "size", "distance"):
             if getattr(part, field_) != getattr(right_part, field_):
                 yield Finding(NAME, None, f"parts, {part.name}: {field_} is not what {SPELLED} says, counted again")
         if part.requested > right_part.requested:
@@ -131,11 +135,26 @@ def _wrong_note(suite: Suite, note: SuiteManifest, progress: Progress) -> Iterat
         yield Finding(NAME, None, f"{leak.one} and {leak.other} have {leak.digits} tasks in common")
 
 
+def _too_near(suite: Suite, part: SuitePart, data: Dataset) -> Iterator[Finding]:
+    """Yield the tasks that are too near to another part; each distance is that of a shortest path.
+
+    The automaton from which the tasks were sampled is not used.
+    """
+    from prag_asp.analysis.neighbours import nearest_task
+
+    for name, distance in part.distance.items():
+        other = space_of(suite, suite.parts[name])
+        for row, task in enumerate(data.tasks()):
+            nearest = nearest_task(other, task).distance
+            if nearest < distance:
+                yield Finding(part.name, row, f"is {plural(nearest, 'edit')} from a task of {name}, not {distance}")
+
+
 @dataclass
 class _OverlapChecks:
     """Searches for tasks and texts that occur in several parts.
 
-    `tasks` holds the part and row of each task; `texts` holds, for each part, the row of each text.
+    `tasks` holds the part and the row of each task; `texts` holds, for each part, the row of each text.
     """
 
     suite: Suite

@@ -63,7 +63,7 @@ def _wrong_shards(part: PartManifest) -> Iterator[Finding]:
 def wrong_sizes(
     manifest: Manifest, spaces: Mapping[int, TaskSpace], parts: Mapping[str, TaskOrder]
 ) -> Iterator[Finding]:
-    """Yield the exact numbers of tasks that differ from a new count."""
+    """Yield the exact numbers of tasks that differ from those of a new count."""
     for space in manifest.spaces:
         count = spaces[space.length].count()
         if number_of(space.tasks) != count:

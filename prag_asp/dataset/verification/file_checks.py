@@ -1,4 +1,4 @@
-"""Check the files of a dataset: all files that dataset.json lists exist unchanged, and there are no others."""
+"""Check the files of a dataset: all files listed in dataset.json exist unchanged, and there are no others."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def wrong_files(folder: Path, manifest: Manifest, recordings: Set[str]) -> Itera
 def wrong_file(
     folder: Path, name: str, sha256: str, size: int | None = None, note: str = "dataset.json"
 ) -> Iterator[Finding]:
-    """Yield findings about a file, given its digest and, if it is known, its size in bytes, which `note` records."""
+    """Yield findings about a file, given its digest and, if known, its size in bytes, as recorded in `note`."""
     path = folder / name
     if not is_inside(path, folder):
         yield Finding(name, None, "leads out of the dataset")
@@ -64,7 +64,7 @@ def wrong_file(
 
 
 def wrong_card(folder: Path, manifest: Manifest, domain: Domain) -> Iterator[Finding]:
-    """Yield findings about the card, which follows from dataset.json with figures derived from its shards."""
+    """Yield findings about the card, which follows from dataset.json with the figures derived from its shards."""
     try:
         card = read_bytes(folder / CARD, within=folder)
     except (OSError, PragError) as error:

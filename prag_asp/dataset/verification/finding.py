@@ -1,4 +1,4 @@
-"""A finding of the verification of a dataset."""
+"""A finding from the verification of a dataset."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Progress = Callable[[str, int, int], None]
 
 
 class Finding(NamedTuple):
-    """A defect: the file, the number of the row (from 0; None for the whole file), and a description."""
+    """A defect: the file, the number of the row (from 0, or None for the whole file), and a description."""
 
     file: str
     row: int | None

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 TRANSIT = TIERS[-2]
-"""The highest tier at which witnesses are checked: demonstrations are checked in their recordings instead."""
+"""The highest tier at which witnesses are checked; demonstrations are checked in their recordings instead."""
 
 
 class InitialStateChecks:
@@ -82,7 +82,7 @@ class InitialStateChecks:
                 )
         whole = self._manifest.spec.deal.whole
         draws = {row["task"]: whole(row["draw"]) for _, row in rows}
-        before: dict[int, tuple[int, int]] = {}  # by task: the initial state due next, and the last search
+        before: dict[int, tuple[int, int]] = {}  # for each task: the next initial state, and the last search
         for place, row in witnesses:
             file = shard.files["witnesses"].path
             if row["task"] in count:
@@ -123,7 +123,7 @@ class InitialStateChecks:
                     yield Finding(file, place, f"the witness fails: {outcome.reason}")
 
     def _wrong_recordings(self, shard: Shard, tasks: Mapping[int, Task], rows: list[Row]) -> Iterator[Finding]:
-        """Yield the recordings that have changed, or do not show their tasks."""
+        """Yield the recordings that have changed or that do not show their tasks."""
         for place, row in rows:
             table, task = shard.files["recordings"].path, tasks.get(row["task"])
             path = self._folder / row["file"]

@@ -38,8 +38,8 @@ READ_BACK = ("default", "exact")
 """The levels whose instructions determine the plan."""
 
 MISSING, UNREAD = 1_000, 100_000
-"""The maximum numbers of draws of a shard whose rows are missing, and whose rows cannot be read: if a damaged file
-claims more, they are not sampled again."""
+"""The maximum numbers of draws in a shard whose rows are missing or cannot be read; if a damaged file claims more, they
+are not sampled again."""
 
 VALUES = {
     "actions": "plan", "entities": "entities", "initial": "initial", "states": "states", "subgoals": "subgoals",
@@ -50,7 +50,7 @@ VALUES = {
 
 @dataclass
 class RowChecks:
-    """Checks the rows of the tables of tasks of a dataset, part by part.
+    """Checks the rows in a dataset's tables of tasks, part by part.
 
     `seen` holds the place of each checked task, by its length and rank; `progress` reports the number of checked tasks.
     """
@@ -137,7 +137,7 @@ class RowChecks:
     def _wrong_row(
         self, table: str, row: Mapping[str, Any], expected: tuple[RankedDraw, Task], where: str
     ) -> Iterator[str]:
-        """Yield the faults of a row, given its draw and task sampled again."""
+        """Yield the faults of a row, given its draw and its task, sampled again."""
         placed, task = expected
         key = (row["length"], row["rank"])
         if key in self.seen:
@@ -166,7 +166,7 @@ class RowChecks:
         yield from self._wrong_verdict(table, entry)
 
     def _wrong_texts(self, entry: DatasetEntry, task: Task, colours: Mapping[str, str]) -> Iterator[str]:
-        """Yield the faults of the texts: they must be those that the seed yields; instructions must parse to the plan.
+        """Yield the faults of the texts, which must be those that the seed yields; instructions must parse to the plan.
 
         The parser gets only the text and the colours; instructions too long for it are not parsed.
         """
@@ -209,12 +209,12 @@ class RowChecks:
 
 
 def _file(shard: Shard) -> str:
-    """Return the file of the tasks of a shard, or dataset.json if the shard has none."""
+    """Return the file with the tasks of a shard, or dataset.json if the shard has none."""
     return shard.files["tasks"].path if "tasks" in shard.files else NAME
 
 
 def colours_of(tables: TableReader, shard: Shard, manifest: Manifest) -> Mapping[int, Mapping[str, str]]:
-    """Return the colours in the recording of each task of a shard; other checks report unreadable recordings."""
+    """Return the colours in the recording of each task in a shard; other checks report unreadable recordings."""
     staging = manifest.spec.staging
     if staging is None or "colour" not in staging.vary:
         return {}

@@ -1,4 +1,4 @@
-"""Rows of untrusted tables, in which Parquet allows any value to be missing."""
+"""Read rows of untrusted tables, in which Parquet allows any value to be missing."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Row = tuple[int, Mapping[str, Any]]
 
 
 def whole_rows(file: str, rows: Iterable[Mapping[str, Any]]) -> tuple[list[Row], list[Finding]]:
-    """Return the complete rows of a file, and a finding for each other row."""
+    """Return the complete rows in a file, and a finding for each other row."""
     complete, wrong = list[Row](), list[Finding]()
     for place, row in enumerate(rows):
         missing = sorted({name for name, value in row.items() for _ in _missing(name, value)})

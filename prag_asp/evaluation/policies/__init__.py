@@ -1,4 +1,4 @@
-"""Policies to evaluate, one module for each kind, and `load_policy`, which selects the kind from a text."""
+"""Policies to evaluate, with one module for each kind, and `load_policy`, which recognises the kind from a text."""
 
 from __future__ import annotations
 
@@ -21,17 +21,17 @@ KINDS: Mapping[str, tuple[Callable[[str], bool], str]] = {
     "a Stable-Baselines3 zip": (lambda text: Path(text).suffix == ".zip", "stable_baselines"),
     "module:callable": (lambda text: ":" in text, "python_callable"),
 }
-"""Each kind of policy: a test of the text, and the module of this package whose function `maker` accepts the text.
+"""Each kind of policy: a test of the text, and the module in this package whose function `maker` accepts the text.
 
-A module may also have a function `environment`, which returns the options of the environment that a policy determines.
+A module may also have a function `environment`, which returns the environment options that a policy determines.
 """
 
 
 def load_policy(text: str) -> PolicyMaker:
     """Return the maker of a policy.
 
-    The text names a baseline, ``module:callable``, a Stable-Baselines3 zip, a LeRobot checkpoint, or
-    ``ws://host:port``.
+    The text is the name of a baseline, ``module:callable``, the path of a Stable-Baselines3 zip or of a LeRobot
+    checkpoint, or ``ws://host:port``.
 
     Makers can be pickled: each worker process makes its own policy.
 
@@ -39,12 +39,12 @@ def load_policy(text: str) -> PolicyMaker:
         QueryError: the text matches no kind of policy, or there is no such policy.
     """
     file = _file_of(text)
-    import_module(f"{__name__}.{file}").maker(text)  # report a wrong name before anything runs
+    import_module(f"{__name__}.{file}").maker(text)  # reports a wrong name before anything runs
     return partial(_made, file, text)
 
 
 def environment_of(text: str) -> dict[str, Any]:
-    """Return the environment options that a policy determines, such as its control; often none.
+    """Return the environment options that a policy determines, such as its control; often there are none.
 
     Raises:
         QueryError: the text matches no kind of policy, or there is no such policy.

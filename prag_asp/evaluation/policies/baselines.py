@@ -1,4 +1,4 @@
-"""Baselines: the scripted oracle, which knows the witness, random actions, and no motion."""
+"""Baselines: the scripted oracle, which knows the witness; random actions; and no motion."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class Random:
 
 
 class Zeros:
-    """Returns zero actions, and so succeeds only at tasks that are solved by waiting."""
+    """Returns zero actions, and therefore succeeds only at tasks that are solved by waiting."""
 
     def __init__(self, env: Environment) -> None:
         self._action: NDArray[Any] = np.zeros(env.action_space.shape or (), env.action_space.dtype)

@@ -1,9 +1,9 @@
 """Read a checkpoint of LeRobot 0.4 or later: the folder ``pretrained_model``, with its processors.
 
 A checkpoint contains the shapes of its inputs and actions, but not their meaning. The meaning is recorded in the
-training dataset, an export of `prag_asp.dataset.export`, whose folder the checkpoint names. The dataset determines the
-control convention, the rate and the cameras of the environment. Without the dataset, these are options of the
-evaluation, and the convention of the state follows from its shape.
+training dataset, which was exported by `prag_asp.dataset.export` and whose folder is named in the checkpoint. The
+dataset determines the control convention, the rate and the cameras of the environment. Without the dataset, these are
+options of the evaluation, and the convention of the state follows from its shape.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from prag_asp.safe_reading import read_bytes
 Content = TypeVar("Content")
 
 IMAGES = "observation.images."
-"""The prefix of the images of cameras among the inputs of a policy."""
+"""The prefix of camera images among the inputs of a policy."""
 
 EMPTY = f"{IMAGES}empty_camera"
-"""The prefix of images that a policy itself replaces by constants."""
+"""The prefix of images that a policy itself replaces with constants."""
 
 CHECK = "give the folder pretrained_model of a checkpoint"
 
@@ -69,7 +69,7 @@ class TrainingConfig(msgspec.Struct):
 
 
 class ExportedFeature(msgspec.Struct):
-    """A feature of an exported dataset: its shape, the names of its numbers, and what prag_asp adds."""
+    """A feature of an exported dataset: its shape, the names of its numbers, and what prag_asp adds to it."""
 
     shape: list[int]
     names: Any = None
@@ -77,21 +77,21 @@ class ExportedFeature(msgspec.Struct):
 
 
 class ExportInfo(msgspec.Struct):
-    """The part of info.json of an exported dataset that is used."""
+    """The part of an exported dataset's info.json that is used."""
 
     fps: float
     features: dict[str, ExportedFeature]
 
 
 class ExportLevel(msgspec.Struct):
-    """The level of detail of the instructions of an exported dataset."""
+    """The level of detail of the instructions in an exported dataset."""
 
     level: str = "default"
 
 
 @dataclass(frozen=True)
 class LeRobotCheckpoint:
-    """A checkpoint: its configuration, the names of its inputs in the dataset, and this dataset, if it is found."""
+    """A checkpoint: its configuration, the names of its inputs in the dataset, and the dataset, if it is found."""
 
     path: Path
     config: PolicyConfig
@@ -124,7 +124,7 @@ class LeRobotCheckpoint:
 
     @property
     def inputs(self) -> dict[str, ExportedFeature]:
-        """Maps the name of each input in the dataset to its shape there: (H, W, 3) for images."""
+        """Map the name of each input in the dataset to its shape there, which is (H, W, 3) for images."""
         renamed = {
             old: new
             for step in self.steps

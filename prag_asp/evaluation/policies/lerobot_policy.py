@@ -29,8 +29,8 @@ STATE, BODIES = "observation.state", "observation.environment_state"
 class LeRobotPolicy:
     """Selects actions with a LeRobot policy, on the policy's device and with its processors.
 
-    The environment may have any observation: states and poses are taken from its situation, images from its
-    observation, which has to be a dictionary.
+    The environment may have any kind of observation: states and poses are taken from its situation, and images from its
+    observation, which then has to be a dictionary.
     """
 
     def __init__(self, checkpoint: LeRobotCheckpoint, env: Environment) -> None:
@@ -46,7 +46,7 @@ class LeRobotPolicy:
         self._torch, self._policy, self._before, self._after = _loaded(checkpoint)
 
     def begin(self, seed: int) -> None:
-        """Begin an episode: forget observations and the rest of the last chunk."""
+        """Begin an episode: forget past observations and the rest of the last chunk."""
         seed_everything(seed)
         self._policy.reset()
 
@@ -61,7 +61,7 @@ class LeRobotPolicy:
 
 
 def input_functions(checkpoint: LeRobotCheckpoint, env: Environment) -> dict[str, Callable[[Any], NDArray[np.float32]]]:
-    """Return a function of an observation of the environment for each input of a policy.
+    """Return, for each input of a policy, a function that computes it from an observation of the environment.
 
     Raises:
         QueryError: the environment lacks an input, or an input has a different shape.
@@ -97,7 +97,7 @@ def input_functions(checkpoint: LeRobotCheckpoint, env: Environment) -> dict[str
 
 
 def check_actions(checkpoint: LeRobotCheckpoint, env: TaskEnv) -> None:
-    """Check that the actions of a policy are those of the control of an environment.
+    """Check that the actions of a policy are those of an environment's control.
 
     Raises:
         QueryError: the actions have a different convention, rate or size.
@@ -135,7 +135,7 @@ def maker(text: str) -> PolicyMaker:
 
 
 def _loaded(checkpoint: LeRobotCheckpoint) -> tuple[Any, Any, Any, Any]:
-    """Return the `torch` module, and the policy and two processors of a checkpoint."""
+    """Return the `torch` module, and the policy and the two processors of a checkpoint."""
     path = checkpoint.path
     try:
         with redirect_stdout(sys.stderr):
@@ -150,7 +150,7 @@ def _loaded(checkpoint: LeRobotCheckpoint) -> tuple[Any, Any, Any, Any]:
         with redirect_stdout(sys.stderr):
             config = configs.PreTrainedConfig.from_pretrained(path)
             if hasattr(config, "pretrained_backbone_weights"):
-                config.pretrained_backbone_weights = None  # the checkpoint has them; they would be downloaded
+                config.pretrained_backbone_weights = None  # they would be downloaded, but the checkpoint contains them
             policy = factory.get_policy_class(checkpoint.config.type).from_pretrained(path, config=config)
             device = {"device_processor": {"device": str(policy.config.device)}}
             moved = any(step.registry_name == "device_processor" for step in checkpoint.steps)
@@ -165,7 +165,7 @@ def _loaded(checkpoint: LeRobotCheckpoint) -> tuple[Any, Any, Any, Any]:
 
 
 def _states_of(path: Path, feature: ExportedFeature, env: TaskEnv) -> tuple[StateName, ...]:
-    """Return the conventions of the state of a policy.
+    """Return the conventions of a policy's state.
 
     Raises:
         QueryError: the states of the environment have different names or a different size.

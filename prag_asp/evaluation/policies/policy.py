@@ -15,7 +15,7 @@ Environment = gymnasium.Env[Any, Any]
 
 
 class Policy(Protocol):
-    """Chooses the actions of episodes, each of which depends only on the observations since `begin` and on the seed.
+    """Chooses the actions in episodes; each depends only on the observations since `begin` and on the seed.
 
     Its method `close`, if it has one, releases its resources at the end.
     """
@@ -28,7 +28,7 @@ class Policy(Protocol):
 
 
 PolicyMaker = Callable[[Environment], Policy]
-"""Makes a policy for an environment, a `TaskEnv` in any wrappers."""
+"""Makes a policy for an environment, which is a `TaskEnv` in any wrappers."""
 
 
 def seed_everything(seed: int) -> None:

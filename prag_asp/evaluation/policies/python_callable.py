@@ -1,4 +1,4 @@
-"""A policy as a Python callable: ``module:callable``, a function or a class."""
+"""A policy given as a Python callable, ``module:callable``, which is a function or a class."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from prag_asp.evaluation.policies.policy import Environment, PolicyMaker, seed_e
 class CallablePolicy:
     """Calls a function of the observation, and of `info` if it has a parameter with that name.
 
-    Its method `begin`, if it has one, is called before each episode. An instance of a class is made once, with the
-    environment if its constructor has a parameter `env`.
+    Its method `begin`, if it has one, is called before each episode. A class is instantiated once, with the environment
+    if its constructor has a parameter `env`.
     """
 
     def __init__(self, function: Callable[..., Any], env: Environment) -> None:
@@ -79,7 +79,7 @@ def _takes(function: Callable[..., Any], name: str) -> bool:
 
 @contextmanager
 def _current_folder() -> Iterator[None]:
-    """Also look up modules in the current folder."""
+    """Make modules in the current folder importable as well."""
     sys.path.insert(0, str(Path.cwd()))
     try:
         yield

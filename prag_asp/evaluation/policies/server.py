@@ -1,9 +1,9 @@
-"""A policy behind a websocket that speaks the protocol of openpi's policy servers.
+"""A policy behind a websocket that follows the protocol of openpi's policy servers.
 
-Messages are msgpack; an array is a map with the binary keys ``__ndarray__`` (true), ``data`` (its bytes), ``dtype``
-(NumPy's text) and ``shape``. The server begins with a map of metadata. Each request is a map with an observation, each
-response a map with ``actions``: an array of one action, or of a chunk of actions to perform in sequence. A text message
-reports an error on the server.
+Messages are encoded as msgpack; an array is a map with the binary keys ``__ndarray__`` (true), ``data`` (its bytes),
+``dtype`` (NumPy's text) and ``shape``. The server first sends a map of metadata. Each request is a map with an
+observation, and each response is a map with ``actions``: an array of one action, or of a chunk of actions to be
+performed in sequence. A text message reports an error on the server.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from prag_asp.errors import QueryError
 from prag_asp.evaluation.policies.policy import Environment, PolicyMaker
 
 WAIT = 600.0
-"""Seconds to wait for an answer: a server may load or compile its model at the first request."""
+"""Seconds to wait for an answer, because a server may load or compile its model at the first request."""
 
 CAMERA = "camera_"
-"""The prefix of the images in an observation of the environment."""
+"""The prefix of images in an observation of the environment."""
 
 ARRAY = b"__ndarray__"
 
@@ -56,11 +56,11 @@ class ServerPolicy:
         self._chunk: deque[NDArray[Any]] = deque()
 
     def begin(self, seed: int) -> None:
-        """Begin an episode: drop the rest of the last chunk."""
+        """Begin an episode: discard the rest of the last chunk."""
         self._chunk.clear()
 
     def __call__(self, observation: Any, info: Mapping[str, Any]) -> NDArray[Any]:
-        """Return the next action of the chunk, or the first action of the next chunk.
+        """Return the next action in the chunk, or the first action of the next chunk.
 
         Raises:
             QueryError: the server reports an error, disconnects, or violates the protocol.

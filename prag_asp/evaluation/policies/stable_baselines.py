@@ -1,4 +1,4 @@
-"""A policy from a zip of Stable-Baselines3 or of its contributed algorithms, used without exploration."""
+"""A policy from a zip file of Stable-Baselines3 or of its contributed algorithms, used without exploration."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ ALGORITHMS = {
     "stable_baselines3.sac": "SAC", "stable_baselines3.td3": "TD3", "stable_baselines3.dqn": "DQN",
     "sb3_contrib.tqc": "TQC", "sb3_contrib.qrdqn": "QRDQN", "sb3_contrib.crossq": "CrossQ",
 }  # fmt: skip
-"""The algorithm to which each package of policy classes in a zip belongs; DDPG uses the policies of TD3."""
+"""The algorithm to which each package of policy classes in a zip file belongs; DDPG uses the policies of TD3."""
 
 SIGNS = (("cg_max_steps", "sb3_contrib", "TRPO"), ("clip_range", "stable_baselines3", "PPO"))
-"""Parameters that only some algorithms with the shared actor-critic policies store; A2C stores none of them."""
+"""Parameters stored only by some of the algorithms that share the actor-critic policies; A2C stores none of them."""
 
 
 class StableBaselinesPolicy:

@@ -48,7 +48,8 @@ async function show() {
 function showModels(view) {
   document.title = `${view.title} - prag-asp explore`;
   fill("title", view.title);
-  const of = view.share === "" || view.decisions.length === 0 ? "" : ` of ${grouped(view.total)} (${percent(view.share)})`;
+  const share = view.count === "0" ? "" : ` (${percent(view.share)})`;
+  const of = view.share === "" || view.decisions.length === 0 ? "" : ` of ${grouped(view.total)}${share}`;
   fill("number", view.count === "" ? "The number of answer sets is not known." :
     `${grouped(view.count)} answer ${view.count === "1" ? "set" : "sets"}${of}`);
   fill("notes", view.notes.join(" "));

@@ -2,12 +2,12 @@
 
 A state is a word: the values of its digits, one per level. A diagram maps words to nonnegative integers, and is the
 minimal acyclic automaton of the words that it does not map to 0 (Bryant 1986; Clarke, Fujita and Zhao 1995 for integer
-terminals). A node maps values to nodes of the next level, or at the last level to the integers themselves; a missing
+terminals). A node maps values to nodes of the next level or, at the last level, to the integers themselves; a missing
 value leads to 0. The values of a digit therefore need not be known beforehand, no integer is ever rounded, and equal
 functions are the same node. Nodes are numbered from 1; the empty diagram is 0. A set is a diagram with values 0 and 1.
 
 No library is used, because none with a Python interface has exact integer terminals: CUDD (`dd` 0.6) has floats, OxiDD
-0.13 has only binary diagrams. With one diagram for each binary digit of a count, both are exact as well. On
+0.13 has only binary diagrams. With one diagram for each binary digit of a count, both are also exact. On
 `benchmarks/diagrams.py` (1.8 * 10^8 states, 3,024,000,000 plans), they take 7.1 s of CPU and 104 MB (CUDD), or 4.6 s
 and 298 MB (OxiDD), for hand-encoded actions; this module takes 11.3 s and 254 MB, including reading and grounding the
 domain. A factor of 1.6 to 2.4 does not justify a native dependency without wheels for every platform, whose operations
@@ -37,7 +37,7 @@ Changes = Mapping[int, tuple[int, int]]
 
 
 class Diagrams:
-    """All diagrams over words of `digits` digits, at least one.
+    """All diagrams over words of `digits` digits; there is at least one digit.
 
     `look` is called regularly during operations, and may raise an error to stop them. The recursion depth is the number
     of digits.
@@ -105,7 +105,7 @@ class Diagrams:
         return _paired(list(several), self.join)
 
     def within(self, states: Node, node: Node) -> Node:
-        """Return a diagram restricted to a set: all other words have the value 0."""
+        """Return a diagram restricted to a set, so that all other words have the value 0."""
         self._work(1)
         return self._within(0, states, node)
 
@@ -115,7 +115,7 @@ class Diagrams:
         return self._minus(0, first, second)
 
     def having(self, node: Node, level: int, mask: int) -> Node:
-        """Return a diagram restricted to the words whose digit at a level has a bit, given as a mask."""
+        """Return a diagram restricted to the words whose digit at a level has a certain bit, given as a mask."""
         self._work(1)
         return self._having(0, node, level, mask)
 
@@ -134,11 +134,11 @@ class Diagrams:
         return mapped(0, node)
 
     def everywhere(self, states: Node, number: int) -> Node:
-        """Return the diagram with one value for all words of a set."""
+        """Return the diagram that maps all words of a set to one value."""
         return states if number == 1 else self.mapped(states, lambda _: number)
 
     def image(self, states: Node, changes: Changes) -> Node:
-        """Return the image of a set under changes of digits."""
+        """Return the image of a set under changes to digits."""
         last = max(changes, default=-1)
         images: dict[Node, Node] = {EMPTY: EMPTY}
 
@@ -158,9 +158,9 @@ class Diagrams:
         return image(0, states)
 
     def before(self, states: Node, changes: Changes, node: Node) -> Node:
-        """Return the diagram that maps each word of a set to the value of the changed word in `node`.
+        """Return the diagram that maps each word of a set to the value that the changed word has in `node`.
 
-        Values of `states` other than 1 are factors of the result.
+        If `states` has values other than 1, they are factors of the result.
         """
         last = max(changes, default=-1)
         results: dict[tuple[Node, Node], Node] = {}
@@ -293,7 +293,7 @@ class Diagrams:
 
 
 def _paired(several: list[Node], both: Callable[[Node, Node], Node]) -> Node:
-    """Return the combination of diagrams by `both`, in a balanced tree of neighbours."""
+    """Return the combination of diagrams with `both`, combining neighbours in a balanced tree."""
     while len(several) > 1:
         joined = [both(*several[place : place + 2]) for place in range(0, len(several) - 1, 2)]
         several = joined + several[2 * len(joined) :]

@@ -1,7 +1,8 @@
 """Group the variables of a state into digits, and order the digits; both steps determine the size of diagrams.
 
-Mutually exclusive variables (such as the places of one object) form one digit with few values. Random walks estimate
-which variables exclude each other. A wrong estimate costs time but is not an error, because a digit may take any value.
+Mutually exclusive variables (such as the places of one object) form one digit with few values. Which variables exclude
+each other is estimated by random walks. A wrong estimate costs time but is not an error, because a digit may take any
+value.
 """
 
 from __future__ import annotations
@@ -21,11 +22,11 @@ WALKERS, STEPS = 256, 24
 """The number of random walks, and their length in steps."""
 
 EXPECTED = 5.0
-"""The expected number of states in which two independent variables are both true, above which seeing no such state
-means that they exclude each other."""
+"""The expected number of states in which two independent variables are both true, above which it is assumed, if there
+is no such state, that they exclude each other."""
 
 MOST_DIGITS = 200
-"""The largest number of digits of a state, which is the recursion depth; if there are more, neighbours are joined."""
+"""The maximum number of digits of a state, which is the recursion depth; if there are more, neighbours are joined."""
 
 ROUNDS = 30
 """The number of rounds of the FORCE heuristic."""
@@ -33,7 +34,7 @@ ROUNDS = 30
 
 @dataclass(frozen=True)
 class Digits:
-    """The variables of each digit, from the lowest bit, in order of the levels."""
+    """The variables of each digit, starting from its lowest bit, in order of the levels."""
 
     places: tuple[tuple[int, ...], ...]
 
@@ -57,7 +58,7 @@ def find_digits(transition: Transition, look: Callable[[], None]) -> Digits:
     """Return digits for the states of a step function with an initial state; `look` is called regularly."""
     if transition in _digits_of:
         return _digits_of[transition]
-    # An item is a fluent (true before false) or another variable.
+    # An item is a fluent (its true value before its false one) or another variable.
     by_fluent: dict[object, list[int]] = {}
     for place, symbol in reversed(list(enumerate(transition.variables))):
         is_fluent = symbol.match(*HOLDS.without_time)
@@ -103,7 +104,7 @@ def _walked(transition: Transition, look: Callable[[], None]) -> Rows:
 
 
 def _in_order(groups: list[tuple[int, ...]], transition: Transition, look: Callable[[], None]) -> list[tuple[int, ...]]:
-    """Return groups in an order in which the groups that an action changes are close to each other.
+    """Return the groups in an order in which those that an action changes are close to each other.
 
     This is the FORCE heuristic of Aloul, Markov and Sakallah (2003).
     """

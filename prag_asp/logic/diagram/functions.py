@@ -30,7 +30,7 @@ class TooLarge(Exception):
 
 
 class Functions:
-    """All functions of variables 0, 1, ..., with at most `most` nodes.
+    """All functions of the variables 0, 1, ..., with at most `most` nodes.
 
     The recursion depth is the number of variables of a function, which is limited to `deepest`.
 
@@ -83,7 +83,7 @@ class Functions:
         return disjunction
 
     def at_least(self, bound: int, terms: Sequence[tuple[Node, int]]) -> Node:
-        """Return the function that is true if the positive weights of the true functions reach a bound."""
+        """Return the function that is true if the positive weights of the true functions sum to at least a bound."""
         remaining = [0]
         for _, weight in reversed(terms):
             remaining.append(remaining[-1] + weight)
@@ -104,7 +104,7 @@ class Functions:
         return reached(0, bound)
 
     def where(self, function: Node, values: Mapping[int, bool]) -> Node:
-        """Return the cofactor of a function for values of variables."""
+        """Return the cofactor of a function for given values of variables."""
         results: dict[Node, Node] = {FALSE: FALSE, TRUE: TRUE}
 
         def left(node: Node) -> Node:
@@ -119,7 +119,7 @@ class Functions:
         return left(function)
 
     def composed(self, function: Node, inner: Mapping[int, Node]) -> Node:
-        """Return the composition of a function with `inner`, a function for each variable."""
+        """Return the composition of a function with `inner`, which holds a function for each variable."""
         results: dict[Node, Node] = {FALSE: FALSE, TRUE: TRUE}
 
         def outer(node: Node) -> Node:
@@ -141,7 +141,7 @@ class Functions:
         return {self._nodes[node][0] for node in seen} - {BOTTOM}
 
     def top(self, functions: Iterable[Node]) -> int:
-        """Return the first variable on which any of some functions depends, or `BOTTOM`."""
+        """Return the first variable on which any of the given functions depends, or `BOTTOM`."""
         return min((self._nodes[each][0] for each in functions), default=BOTTOM)
 
     def cubes(self, function: Node) -> tuple[Cube, ...]:

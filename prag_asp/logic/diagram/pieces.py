@@ -1,4 +1,4 @@
-"""The step function of a domain on sets of states: the valid states of each action, and its changes.
+"""The step function of a domain on sets of states: where each action is valid, and what it changes.
 
 The rules are evaluated as in `Transition`, but with sets of states instead of columns: a conjunction is an
 intersection, and a negation is the complement in the given set of states.
@@ -24,7 +24,7 @@ Read = Callable[[int], Node]
 
 @dataclass(frozen=True)
 class Piece:
-    """States in which an action, given by its number, is valid and has equal effects; `labels` are the true labels."""
+    """States in which an action, given by its number, is valid and has the same effects; `labels` are those true."""
 
     letter: int
     states: Node
@@ -117,7 +117,7 @@ class SetStep:
     def _split(
         self, valid: Node, columns: Mapping[int, Node | bool], labels: Iterable[Node | bool], own: list[Node]
     ) -> Iterator[tuple[Node, dict[int, bool], tuple[int, ...]]]:
-        """Yield the parts of a set with equal effects: the values of changed variables, and the true labels."""
+        """Yield parts of a set, each with its effects: the values of changed variables, and the true labels."""
         parts: list[tuple[Node, dict[int, bool], tuple[int, ...]]] = [(valid, {}, ())]
         within, minus = self.diagrams.within, self.diagrams.minus
         for place, column in columns.items():
@@ -152,7 +152,7 @@ class SetStep:
 
 
 class _Values:
-    """The subset of given states in which each atom is true; an atom that nothing derives is false."""
+    """For each atom, the subset of given states in which it is true; an atom that nothing derives is false."""
 
     def __init__(self, diagrams: Diagrams, states: Node, columns: dict[int, Node], under: Read | None = None) -> None:
         self._diagrams = diagrams
@@ -184,17 +184,17 @@ class _Values:
             return states
         terms, bound = [], body.bound
         for literal, weight in zip(body.literals, body.weights, strict=True):
-            if literal < 0:  # a weight that counts unless the atom is true
+            if literal < 0:  # this weight counts unless the atom is true
                 bound, weight = bound - weight, -weight  # noqa: PLW2901
             terms.append(diagrams.everywhere(self.read(abs(literal)), weight))
         total = diagrams.sum(terms)
         if bound > 0:
             return diagrams.mapped(total, lambda number: int(number >= bound))
-        # A diagram has no state with sum 0.
+        # States with sum 0 are not in a diagram.
         return diagrams.minus(states, diagrams.mapped(total, lambda number: int(number < bound)))
 
     def falsifying(self, states: Node, body: RuleBody) -> Node:
-        """Return the states of a set in which a body is false."""
+        """Return the states in a set for which a body is false."""
         if len(body.literals) == 1 and not body.weights:
             (literal,) = body.literals
             where = self.read(abs(literal))

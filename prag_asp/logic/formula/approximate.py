@@ -19,7 +19,7 @@ from prag_asp.logic.formula.counter import APPROXMC, run_counter
 LEAST_EPSILON, MOST_EPSILON = 0.01, 100.0
 LEAST_DELTA, MOST_DELTA = 0.0001, 0.9999
 LARGEST_SEED = 2**32 - 1
-"""The largest seed of ApproxMC."""
+"""The largest seed that ApproxMC accepts."""
 
 OPTION = "--approximate"
 
@@ -43,7 +43,7 @@ class Tolerance:
                 raise QueryError(f"{name} {number:g}: write a number from {least:g} to {most:g}")
 
     def __str__(self) -> str:
-        return f"within a factor {1 + self.epsilon:.10g} with probability at least {1 - self.delta:.10g}"
+        return f"within a factor of {1 + self.epsilon:.10g} with probability at least {1 - self.delta:.10g}"
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The child process of ApproxMC, native code that may end the process."""
+"""The child process for ApproxMC, whose native code may end its process."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ def answers(messages: Iterator[Any]) -> Iterator[int]:
             import pyapproxmc  # noqa: PLC0415
 
             counter = pyapproxmc.Counter(seed=seed, epsilon=epsilon, delta=delta)
-            # The package drops a variable without clauses, also after unit propagation, and with it a factor of 2. A
-            # new variable that it implies, outside the projection, keeps it and adds no model.
+            # The package drops a variable that occurs in no clause, even after unit propagation, and with it a factor
+            # of 2. A new variable outside the projection, implied by it, keeps it and adds no model.
             mentioning = ([-variable, fresh] for variable, fresh in zip(shown, count(variables + 1), strict=False))
             counter.add_clauses([*map(list, clauses), *mentioning])
             cells, parities = counter.count(list(shown))

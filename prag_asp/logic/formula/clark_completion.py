@@ -45,7 +45,7 @@ class Completion:
     """Clauses whose models are answer sets, and the literal of each atom.
 
     `loops` are the components of atoms that depend positively on themselves, each atom with its rules. With copies,
-    `copies` are the variables of the copies, each with the literal of its atom, and of gates over copies, with TRUE.
+    `copies` maps the variable of each copy to the literal of its atom, and the variables of gates over copies to TRUE.
     """
 
     clauses: ClauseBuilder

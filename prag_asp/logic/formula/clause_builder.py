@@ -13,7 +13,7 @@ TRUE: Literal = 1
 
 
 MANY = 16
-"""The number of literals from which a sum is recorded; the nodes of a shorter one are gates like others."""
+"""The number of literals from which a sum is recorded; the nodes of shorter sums are ordinary gates."""
 
 
 class Sum(NamedTuple):
@@ -28,7 +28,7 @@ class Sum(NamedTuple):
 class ClauseBuilder:
     """A growing set of clauses.
 
-    `sums` are the sums that clauses define by several nodes of a diagram; `nodes` are the variables of nodes that are
+    `sums` are the sums that clauses define with several nodes of a diagram; `nodes` are the variables of nodes that are
     not the output of a sum, so that no other clause contains them.
 
     Every method that returns a literal adds clauses that fix its value for each assignment of the given literals, so no

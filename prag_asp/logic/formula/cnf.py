@@ -21,7 +21,7 @@ from prag_asp.program.sources import Program
 
 @dataclass(frozen=True)
 class Cnf:
-    """A formula with exactly one model for each answer set of a program with some steps.
+    """A formula with exactly one model for each answer set of a program with a given number of steps.
 
     `literals` holds the literal of every atom; the first variable is true, and represents the facts. `shown` are the
     variables of the atoms ``occurs(A,t)`` or ``_step_name(N,t)``, sorted: they distinguish words. `plans` is the
@@ -44,7 +44,7 @@ _in_use: WeakValueDictionary[tuple[Program, int], Cnf] = WeakValueDictionary()
 
 
 def plan_cnf(program: Program, length: int, shown: EncodingPredicate = OCCURS) -> Cnf:
-    """Return the formula of the answer sets with a given number of steps, projected on the atoms of a predicate.
+    """Return the formula for the answer sets with a given number of steps, projected onto the atoms of a predicate.
 
     Raises:
         DomainError: clingo cannot ground the program.
@@ -63,7 +63,7 @@ def plan_cnf(program: Program, length: int, shown: EncodingPredicate = OCCURS) -
 
 
 def _unroll(program: Program, length: int) -> tuple[list[Rule], dict[clingo.Symbol, int]]:
-    """Return the ground rules of all steps of plans of a given length, and the number of each atom."""
+    """Return the ground rules for all steps of plans of a given length, and the number of each atom."""
     grounder, recorder = Grounder(program), GroundRecorder()
     grounder.control.register_observer(recorder)
     grounder.ground([("base", [])])
@@ -85,10 +85,10 @@ def _variables(literals: Mapping[clingo.Symbol, Literal], shown: EncodingPredica
 
 
 def dimacs(cnf: Cnf, comments: Sequence[str] = ()) -> Iterator[str]:
-    """Yield the lines of a formula in the format of model counters.
+    """Yield the lines of a formula in the format that model counters read.
 
     ``c t pmc`` and ``c p show`` select projected counting, as in the Model Counting Competition (2021 and later); each
-    line ``c V ATOM`` names the atom of variable V.
+    line ``c V ATOM`` gives the atom of variable V.
     """
     yield from (f"c {line}" for line in comments)
     names = {literal: symbol for symbol, literal in cnf.literals.items() if literal != TRUE and literal > 0}

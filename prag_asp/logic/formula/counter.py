@@ -44,7 +44,7 @@ POLL = 0.05
 """Seconds between two measurements of the processor time of a counter."""
 
 LARGEST = 2**24
-"""The largest number of variables of a formula: beyond it, Ganak needs unbounded memory or aborts."""
+"""The largest number of variables in a formula: beyond it, Ganak needs unbounded memory or aborts."""
 
 
 def has_counter(counter: Counter = GANAK) -> bool:
@@ -74,7 +74,7 @@ def count_models(
 ) -> int:
     """Return the number of assignments of the shown variables that extend to a model with the assumed literals.
 
-    d4 takes no projection: it counts the models of all variables. `request` names the user's request in messages.
+    d4 does not support projection: it counts models over all variables. `request` names the user's request in messages.
 
     Raises:
         EngineError: the counter is missing, cannot accept the formula, or fails.
@@ -112,7 +112,7 @@ class CountBeside:
     """A context manager that counts the models of a formula in a child process while this process does other work.
 
     `formula` returns the formula and the assumed literals. It is called when the counter starts: at the first call
-    after `patience` seconds. A failure is not an error; the count then stays unknown.
+    after `patience` seconds. A failure is not an error; the count then remains unknown.
     """
 
     def __init__(
@@ -134,7 +134,7 @@ class CountBeside:
         self._running.close()
 
     def __call__(self) -> int | None:
-        """Return the number of models once known; the first call after `patience` seconds starts the counter."""
+        """Return the number of models once it is known; the first call after `patience` seconds starts the counter."""
         due = self._due is not None and monotonic() >= self._due
         try:
             if self._child is not None and ready_workers([self._child], 0):
@@ -147,7 +147,7 @@ class CountBeside:
                 child = self._running.enter_context(WorkerGroup(self._counter.module, complaints.fileno())).start()
                 child.send(message)
                 self._child = child
-        except (EngineError, WorkerEnded, OSError, MemoryError):  # the last two errors: there is no space left
+        except (EngineError, WorkerEnded, OSError, MemoryError):  # the last two errors mean that there is no space left
             self._running.close()
             self._child = None
         if due and self._child is not None:
@@ -155,7 +155,7 @@ class CountBeside:
         return None
 
     def alone(self, seconds: float) -> int | None:
-        """Return the number of models, or None if the counter fails or takes more processor time than `seconds`."""
+        """Return the number of models, or None if the counter fails or takes more than `seconds` of processor time."""
         number = self()
         while number is None and self._child is not None and processor_time_of(self._child.process.pid) < seconds:
             ready_workers([self._child], POLL)
@@ -176,7 +176,7 @@ class CountBeside:
 def _checked_formula(
     cnf: Cnf, assumptions: Sequence[Literal], counter: Counter = GANAK, request: str = SHARP
 ) -> tuple[int, Sequence[Literal], list[tuple[Literal, ...]]]:
-    """Return the variables, the shown variables and the clauses of a formula with assumed literals, checked."""
+    """Return the variables, the shown variables and the clauses of a formula with assumed literals, after a check."""
     clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
     check_formula(cnf.variables, clauses, cnf.shown, counter, request)
     return cnf.variables, cnf.shown, clauses

@@ -1,4 +1,4 @@
-"""The child process of d4, native code that may end the process."""
+"""The child process for d4, whose native code may end its process."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from prag_asp.errors import EngineError
 def answers(messages: Iterator[Any]) -> Iterator[int]:
     """Yield the number of models of each formula, given as the number of variables, shown variables and clauses.
 
-    It counts the models of all variables, because the package does not project.
+    It counts models over all variables, because the package does not support projection.
 
     Raises:
         EngineError: d4 fails.

@@ -19,7 +19,7 @@ from prag_asp.program.predicates import OCCURS
 from prag_asp.program.sources import Program
 
 Occurring = Sequence[tuple[clingo.Symbol, int]]
-"""Actions, each with a step number, from 1."""
+"""Actions, each with the number of its step, from 1."""
 
 
 def has_plan(program: Program, length: int, occurring: Occurring | None = None) -> bool:
@@ -49,7 +49,7 @@ def has_plan(program: Program, length: int, occurring: Occurring | None = None) 
 class LiftableLines:
     """The lines of a program that restrict its plans of a given length, each of which can be lifted.
 
-    With `occurring`, only plans in which one of these actions occurs at its step count.
+    With `occurring`, a plan counts only if one of these actions occurs in it at its step.
 
     Raises:
         DomainError: clingo cannot ground the program.
@@ -82,7 +82,8 @@ class LiftableLines:
         literals, again = list(self._lines), True
         if smallest:
             literals = smallest_conflict(self._solver, [self._loose], literals)
-        # Lines are removed one by one until none can be removed. A line may become removable after others.
+        # Lines are removed one by one until none can be removed. A line may become removable once others have been
+        # removed.
         while again:
             again = False
             for each in list(literals):
@@ -95,7 +96,7 @@ class LiftableLines:
         return self._lines_of(literals)
 
     def changes(self) -> tuple[tuple[RestrictingLine, ...], ...]:
-        """Return the single lines whose removal allows a plan, or else one smallest set whose removal allows a plan.
+        """Return the single lines whose removal allows a plan, or otherwise one smallest set whose removal does.
 
         A removed line has no effect at all. The result is empty if there is no plan even without all lines. A smallest
         set hits every set of lines that excludes all plans. Therefore smallest hitting sets of the known sets are tried
@@ -122,7 +123,7 @@ class LiftableLines:
         return tuple(sorted((self._lines[each] for each in literals), key=lambda at: (at.path, at.line, at.text)))
 
     def _open(self, literals: Sequence[Literal], *, loose: bool = True) -> bool:
-        """Return whether there is a plan if only some lines hold."""
+        """Return whether there is a plan if only the given lines hold."""
         lifted = self._lines.keys() - literals
         loose_literal = self._loose if loose else -self._loose
         return self._solver.satisfiable([loose_literal, *literals, *(-each for each in lifted)])

@@ -1,4 +1,4 @@
-"""Why a sequence of actions is not a plan: the first step that cannot occur, the reasons, and the steps in conflict."""
+"""Why a sequence of actions is not a plan: the first step that cannot occur, the reasons, and conflicting steps."""
 
 from __future__ import annotations
 
@@ -24,17 +24,17 @@ EXPLAINED = ("step.lp", "invariants.lp", "goal.lp", "impossible.lp")
 
 BROKEN = "__broken"
 TIMES = {"base": "0", "step": "{}", "check": "{}+1"}
-"""The time of a violation, keyed by program part: the initial state, a step, or the time after the last step."""
+"""The time of a violation in each program part: the initial state, a step, or the time after the last step."""
 
 
 @dataclass(frozen=True)
 class Explanation:
     """The reasons why n actions are not a plan.
 
-    `step` is the number, from 1, of the first step that cannot follow the previous ones; 0 if the initial state is
-    impossible, n + 1 if all steps can occur but the goal or the final check fails. `reasons` are sentences. `conflict`
-    is a smallest set of steps that no plan of n steps has in these positions; it is empty if there is no plan of n
-    steps at all.
+    `step` is the number, from 1, of the first step that cannot follow the previous ones; it is 0 if the initial state
+    is impossible, and n + 1 if all steps can occur but the goal or the final check fails. `reasons` are sentences.
+    `conflict` is a smallest set of steps that no plan of n steps has at the same positions; it is empty if there is no
+    plan of n steps at all.
     """
 
     step: int
@@ -66,7 +66,7 @@ def explain(model: DomainLogic, plan: Sequence[clingo.Symbol]) -> Explanation | 
 class ReportingProgram:
     """A program without constraints; ``__broken(L,T)`` states that the constraint of line L is violated at time T.
 
-    `rules` holds the file, the line and the text of each L.
+    `rules` holds, for each L, the file, the line and the text of the constraint.
     """
 
     program: Program
@@ -95,7 +95,7 @@ def report_violations(program: Program) -> ReportingProgram:
 
     parse_string(program.text, collect)
     sources: list[Source] = []
-    line = 1  # clingo's text of a program has an added line before each source
+    line = 1  # in clingo's text of a program, a line is added before each source
     for source in program.sources:
         end = line + source.text.count("\n") + 2
         texts = (" ".join(statements.get(number, ())) for number in range(line + 1, end))
@@ -163,7 +163,7 @@ class _ReasonSearch:
         for fluent, value in needed:
             since = state.known_since(fluent, OPPOSITE[value], step - 1)
             if since is not None:
-                yield f"{who} {fluent} to be {value}, which is {OPPOSITE[value]} {since}"
+                yield f"{who} {fluent} to be {value}, but that has been {OPPOSITE[value]} {since}"
 
     def _contradictions(self, step: int, state: _State) -> Iterator[str]:
         time = min(step, len(self._plan))
@@ -191,7 +191,7 @@ class _State:
         return (self._values[abs(literal) - 1] > 0) == (literal > 0)
 
     def known_since(self, fluent: clingo.Symbol, value: str, step: int) -> str | None:
-        """Return the time since which a fluent is known to have a value, or None if it is not known after the step."""
+        """Return the time since which a fluent has had a known value, or None if it is not known after the step."""
         since, term = step + 1, clingo.Function(value)
         while since > 0 and self.true(self._cnf.literal(HOLDS(fluent, term, clingo.Number(since - 1)))):
             since -= 1

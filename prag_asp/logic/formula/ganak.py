@@ -1,4 +1,4 @@
-"""The child process of Ganak, native code that may end the process."""
+"""The child process for Ganak, whose native code may end its process."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """A program whose restricting lines can be lifted, one by one.
 
-A line is restricting if it only removes plans: a constraint, a precondition, an initial value, an invariant, a goal.
+A line is restricting if it only removes plans: a constraint, a precondition, an initial value, an invariant or a goal.
 Each such line holds if its atom is true. A postcondition sets a fluent to a value; if it is lifted, the atom ``LOOSE``
 decides whether the postcondition has no effect or the fluent may have any value. Composites are lifted together, as
 ``--flat`` does, because constraints test that a plan is a concatenation of composites. Declarations of entities,
@@ -30,12 +30,12 @@ RESTRICTING = frozenset([
 
 EFFECT, COMPOSITE = ("postcondition", 3), ("composite", 1)
 RULES = "rules"
-"""The folder of the optional encodings, each of which a domain includes by one line."""
+"""The folder of the optional encodings, each of which a domain includes with one line."""
 
 
 @dataclass(frozen=True)
 class RestrictingLine:
-    """An author's statement with its file, line and text; for an optional rule, the line that includes it."""
+    """An author's statement with its file, line and text or, for an optional rule, the line that includes it."""
 
     path: Path
     line: int
@@ -54,7 +54,7 @@ class LiftableProgram:
 
 
 def make_liftable(program: Program) -> LiftableProgram:
-    """Return a program with one atom for each restricting line, or one for a whole optional rule."""
+    """Return a program with one atom for each restricting line, or a single atom for a whole optional rule."""
     lines: list[RestrictingLine] = []
     sources: list[Source] = []
     for source, own in owned(program):

@@ -9,11 +9,11 @@ from typing import Any
 from prag_asp.logic.formula.clause_builder import Literal
 
 CONFLICTS = 2000
-"""The number of conflicts between two checks for signals, which take some milliseconds."""
+"""The number of conflicts between two checks for signals; they take a few milliseconds."""
 
 
 class Solver:
-    """An incremental solver of clauses under assumptions (Glucose 4.1 of python-sat)."""
+    """An incremental solver for clauses under assumptions (Glucose 4.1 from python-sat)."""
 
     def __init__(self, variables: int, clauses: Iterable[Sequence[Literal]]) -> None:
         from pysat.solvers import Glucose4  # noqa: PLC0415
@@ -66,11 +66,11 @@ class Solver:
 
 
 def smallest_conflict(solver: Solver, assumed: Sequence[Literal], literals: Sequence[Literal]) -> list[Literal]:
-    """Return a smallest subset of `literals` that contradicts the literals `assumed`; all of `literals` must do so.
+    """Return a smallest subset of `literals` that contradicts the literals `assumed`, as the whole of `literals` must.
 
     A set is in conflict if it hits the complement of every maximal satisfiable set. The smallest hitting set of the
-    complements found so far is solved again until it is in conflict itself (Ignatiev, Previti, Liffiton and
-    Marques-Silva 2015).
+    complements found so far is tested until it is itself in conflict (Ignatiev, Previti, Liffiton and Marques-Silva
+    2015).
     """
     from pysat.examples.hitman import Hitman  # noqa: PLC0415
 

@@ -1,8 +1,9 @@
 """All atoms that steps may carry along, from a single grounding of a step that follows itself.
 
-With step t-1 replaced by step t, the rules of one step derive from one another what successive steps derive, and clingo
-derives each atom once. A counter up to K takes K instances of its rule, while K successive steps take K^2. The result
-may have additional atoms, which no plan reaches, and lack atoms that depend on absent atoms.
+If step t-1 is replaced by step t, the rules of one step derive from one another what successive steps would derive, and
+clingo derives each atom once. A counter up to K thus takes K instances of its rule, whereas K successive steps take
+K^2. The result may contain additional atoms, which no plan reaches, and may lack atoms that depend on the absence of
+others.
 """
 
 from __future__ import annotations
@@ -35,9 +36,9 @@ def carried_atoms(
 
 
 def _onto_itself(source: Source) -> Source:
-    """Return a source without constraints, whose rules of a step read this step instead of the previous one.
+    """Return a source without constraints, in which the rules of a step read this step instead of the previous one.
 
-    Without a file named like the contract, the rules of encodings are bounded like those of authors.
+    The rules of encodings are bounded like those of authors, unless there is a file named like the contract.
     """
     replaced: dict[Statement, str] = {}
     for statement in parse_sources([(source, True)])[0]:

@@ -23,23 +23,22 @@ from prag_asp.program.sources import Program
 from prag_asp.program.syntax import Signature, spelled
 
 STEP = 1_000_000_000
-"""The number of the ground step; no domain uses it for anything else."""
+"""The number of the ground step, which no domain uses for anything else."""
 
 FEW_STEPS, MOST_ATOMS, MOST_SYMBOLS = 30, 1_000_000, 10_000
-"""The numbers of steps, of atoms, and of symbols in one atom above which a carried predicate counts as endless.
-
-A step may double the symbols of an atom, so that a few steps may exhaust the memory.
-"""
+"""The numbers of steps, of atoms, and of symbols in one atom above which a carried predicate counts as endless. A step
+may double the symbols of an atom, so a few steps may exhaust the memory."""
 
 MOST_GROWING, FEW_AT_ONCE = 20_000, 2
-"""The same limits of atoms and of steps between two tests for predicates whose atoms may derive one another."""
+"""The corresponding limits on atoms, and on steps between two tests, for predicates whose atoms may derive one another.
+"""
 
 FAR, MOST_FORESEEN = 32, 25_000
-"""The number of steps after which the atoms of all later steps are found at once, and their maximum number: grounding a
-step for this many atoms takes half a minute."""
+"""The number of steps after which the atoms of all later steps are found at once, and the maximum number of these
+atoms: grounding a step for this many takes half a minute."""
 
 PART = re.compile(r"(#program\s+)(base|step)\b")
-"""Pattern that finds the program parts of an extension."""
+"""The pattern that finds the program parts of an extension."""
 
 CONTRACT = {HOLDS, OCCURS}
 
@@ -57,7 +56,7 @@ class GroundStep:
     `names` holds the symbol of every named atom; `before`, `now` and `ending` hold the atoms of step t-1 and of step t
     by their symbol without its time. `initial` are the timed symbols that hold initially, without their time;
     `obstacles` are the reasons why the step is not a function of the state and the action. With `after_steps_alone`,
-    the final check is wrong for a plan without actions: clingo has simplified it by atoms that are true after every
+    the final check is wrong for a plan without actions: clingo has simplified it using atoms that are true after every
     step but not initially. `grounding` can ground more rules on top of the step (see `extend_step`).
     """
 
@@ -90,7 +89,7 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
         seeds |= dict.fromkeys(HOLDS.timeless(*each) for each in values)
     if OCCURS in reads.previous:
         seeds |= dict.fromkeys(OCCURS.timeless(action) for action in facts.tried)
-    # Later steps may add known values of this state: it stays open, so that no goal makes it a fact here.
+    # Later steps may add known values of this state, so it stays open, and no goal makes it a fact here.
     open_states = [STATE(*each, NOW) for each in values]
     complete_steps = 0
     try:
@@ -119,7 +118,7 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
 
 
 def _unforeseen(ground: GroundStep, seeds: Seeds, reads: StepReads) -> set[clingo.Symbol]:
-    """Return the atoms of the initial state and of the step that the next step reads but `seeds` lacks."""
+    """Return the atoms of the initial state and of the step that the next step reads but that `seeds` lacks."""
     new = {symbol for symbol in ground.now if symbol not in seeds and _signature(symbol) in reads.previous}
     if new:
         unsupported = _unsupported(ground, seeds)
@@ -145,7 +144,7 @@ def _unsupported(ground: GroundStep, seeds: Seeds) -> set[int]:
 
 
 class _Bounds(NamedTuple):
-    """The numbers of steps and atoms from which a predicate counts as endless, and the steps between tests."""
+    """The numbers of steps and atoms from which a predicate counts as endless, and the steps between two tests."""
 
     steps: int = MOST_ATOMS
     atoms: int = MOST_ATOMS
@@ -202,7 +201,7 @@ def _ground_until_closed(grounder: Grounder, seeds: Seeds, program: Program, rea
 
 
 def timeless(symbol: clingo.Symbol) -> clingo.Symbol:
-    """Return a timed atom without its last argument."""
+    """Return a timed atom without its last argument, the time."""
     return clingo.Function(symbol.name, symbol.arguments[:-1])
 
 
@@ -213,7 +212,7 @@ def _signature(symbol: clingo.Symbol) -> Signature:
 def extend_step(
     step: GroundStep, rules: Program, carried: Iterable[clingo.Symbol], reads: StepReads
 ) -> GroundStep | None:
-    """Return a ground step with more rules ground on top of it; None if everything has to be ground again.
+    """Return a ground step with more rules ground on top of it, or None if everything has to be ground again.
 
     A step can be extended once. `rules` may have the parts ``base`` and ``step(t)``; no rule of the step may read what
     they derive. `carried` are the atoms, without their time, that they derive at one step and read at the next. `reads`
@@ -241,7 +240,7 @@ def extend_step(
 def _ground_end(
     started: Grounding, program: Program, open_states: Sequence[clingo.Symbol], reads: StepReads
 ) -> GroundStep:
-    """Ground hindsight and the checks of the final state, which may be the initial one, on top of a step.
+    """On top of a step, ground hindsight and the checks of the final state, which may be the initial state.
 
     If no state allows a step, the checks are grounded without it, because clingo grounds nothing after a conflict.
     """
@@ -287,7 +286,7 @@ def unrolled(length: int) -> list[Part]:
 class Grounding:
     """A grounder with at least the base part of a program; `initial` are the initial atoms without their time.
 
-    Rules are recorded as those of a step unless another part is grounded by `ground`.
+    Rules are recorded as those of a step unless `ground` grounds another part.
     """
 
     grounder: Grounder
@@ -302,11 +301,11 @@ class Grounding:
 
 
 def _start(program: Program, reads: StepReads) -> Grounding:
-    """Ground the base part. Rules that are grounded afterwards are recorded as those of a step."""
+    """Ground the base part; rules that are ground afterwards are recorded as those of a step."""
     grounder, recorder = Grounder(program), GroundRecorder(base_facts=False)
     grounder.control.register_observer(recorder)
     grounder.ground([("base", [])])
-    # From here on: clingo defines the projection that `not p(_,t)` reads as soon as atoms p(X,t) exist.
+    # From here on, clingo defines the projection that `not p(_,t)` reads as soon as atoms p(X,t) exist.
     recorder.part = "step"
     initial: set[clingo.Symbol] = set()
     for name, arity in reads.timed | reads.previous:

@@ -41,7 +41,7 @@ DEPENDING = re.compile(
     r"\b_(propagates|impossible_with|ruled_out|barred|goal_fluent|forces|never_without|some_impossible|never_possible"
     r"|impossible_matters)\b"
 )
-"""A pattern of predicates that depend on how invariants are stated, or that only `closed_invariants.lp` has."""
+"""A pattern for predicates that depend on how invariants are stated, or that only `closed_invariants.lp` has."""
 
 CANONICAL = (SUCCESSOR, JOINT_UNIT, NEXT_UNIT, INTRODUCED, UNIT_INTRODUCED)
 """The predicates that the programs of tasks add."""
@@ -70,7 +70,7 @@ def weighing_program(domain: Domain, program: Program, weighed: Sequence[str]) -
 def closed_program(domain: Domain) -> Program | None:
     """Return the program of a domain with all binary invariants that its invariants entail; the plans are the same.
 
-    The result is None if a user rule has a predicate that depends on how invariants are stated.
+    The result is None if a user rule contains a predicate that depends on how invariants are stated.
     """
     if any(own and DEPENDING.search(blanked(source.text)) for source, own in owned(domain.program)):
         return None
@@ -91,8 +91,8 @@ def canonical_extension(
 ) -> tuple[Program, list[clingo.Symbol]] | None:
     """Return the rules that `canonical_program` adds to `whole_program`, and the atoms carried from step to step.
 
-    The result is None if a file of the domain reads an added predicate, because its rules have to be ground with the
-    added facts.
+    The result is None if a file of the domain reads an added predicate, because the rules of that file have to be
+    ground with the added facts.
     """
     if any(_read(domain.program, predicate) for predicate in CANONICAL):
         return None

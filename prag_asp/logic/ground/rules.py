@@ -16,7 +16,7 @@ Condition = tuple[int, ...]
 
 
 class Unsupported(Enum):
-    """Statements that rules cannot express."""
+    """Ground statements that rules cannot express."""
 
     MINIMIZE = "the program minimizes a sum"
     ACYCLIC = "the program has a graph that must stay acyclic"
@@ -24,7 +24,7 @@ class Unsupported(Enum):
 
 
 class Rule(NamedTuple):
-    """A ground rule: some head follows if the weights of the true body literals reach `bound`.
+    """A ground rule: some head follows if the weights of the true body literals sum to at least `bound`.
 
     Literals are atoms, negative if negated. Without `weights`, all literals of the body must be true.
     """
@@ -45,9 +45,9 @@ class GroundRecorder(clingo.Observer):
     """Records the ground statements of a control; its methods are called by clingo.
 
     `rules` holds the rules of each program part; the caller sets the `part` before it is grounded. Without
-    `base_facts`, facts of the base part are not recorded. `shown` are the conditions under which a symbol is shown,
-    `projected` the atoms of ``#project``, or None without such a statement. `externals` holds the last value of each
-    external atom, `minimized` the weighted literals of each priority.
+    `base_facts`, facts of the base part are not recorded. `shown` holds the conditions under which a symbol is shown;
+    `projected` holds the atoms of ``#project``, or is None if there is no such statement. `externals` holds the last
+    value of each external atom, `minimized` the weighted literals of each priority.
     """
 
     def __init__(self, *, base_facts: bool = True) -> None:
@@ -112,7 +112,7 @@ class GroundRecorder(clingo.Observer):
         self.unsupported[Unsupported.THEORY] = None
 
     def _add(self, head: Sequence[int], body: Condition, choice: bool, bound: int = 0, weights: Condition = ()) -> None:
-        """Add a rule; a disjunction may name an atom twice, and a choice without atoms has no effect."""
+        """Add a rule; a disjunction may list an atom twice, and a choice without atoms has no effect."""
         if choice and not head:
             return
         heads = tuple(head) if len(head) < 2 else tuple(dict.fromkeys(head))

@@ -1,7 +1,7 @@
 """The premise of the one-step program: the step is the same function at every time.
 
 It holds if no rule reads the number of a step, or a step other than the previous one. The ground program of a single
-step does not show this, so the syntax of the rules decides.
+step does not show this, so it is decided from the syntax of the rules.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ PARTS = ("base", "step", "check")
 class Obstacle:
     """A reason why a step is not a function of the state and the action.
 
-    `what` states the reason, and `place` is the file and the line that cause it.
+    `what` states the reason, and `place` is the file and the line that are its cause.
     """
 
     what: str
@@ -54,7 +54,7 @@ class StepReads:
     """The predicates that the rules of a step read.
 
     `timed` are the predicates with a time, `previous` the predicates read at step t-1, and `last` the predicates that
-    the check after the last step reads. `growing` are the timed predicates that may take new values without end.
+    the check after the last step reads. `growing` are the timed predicates whose arguments may take new values forever.
     `obstacles` are the reasons why the step is not a function of the state and the action.
     """
 
@@ -67,7 +67,7 @@ class StepReads:
 
 @dataclass(frozen=True)
 class _TimedRule:
-    """A rule with the text of the step number in it, the parameter of its part, and the text of the previous step."""
+    """A rule, the parameter of its part, the text of the step number in it, and the text of the previous step."""
 
     statement: Statement
     now: str
@@ -136,7 +136,7 @@ def read_step(program: Program) -> StepReads:
         timed |= {atom.signature for atom in rule.heads if _time_of(atom) == rule.now}
     obstacles = list(_acting(acting, encodings_folder(program)))
     obstacles += _numbered(rules, timed)
-    # Only base-part rules with the name of a timed predicate, or of the previous step, can have a time.
+    # A base-part rule can have a time only if it contains the name of a timed predicate or the previous step.
     rules["base"] = [
         rule
         for rule in rules["base"]
@@ -152,7 +152,7 @@ def read_step(program: Program) -> StepReads:
 
 
 def _acting(rules: Sequence[_TimedRule], encodings: Path | None) -> Iterator[Obstacle]:
-    """Yield an obstacle for each choice of actions that differs from the shipped ``step.lp``, or if there is none."""
+    """Yield an obstacle for each choice of actions that is not the shipped ``step.lp``'s, or if there is no choice."""
     remedy = "choose the engine clingo, or restore that rule"
     choices = [
         each for each in rules if not each.statement.own and each.statement.node.head.ast_type != ASTType.Literal

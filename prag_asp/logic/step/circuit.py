@@ -17,7 +17,7 @@ CONSTANTS = 2
 
 @dataclass(frozen=True)
 class Layer:
-    """Gates of one kind that read only earlier gates: their operands, and the index of the first operand of each."""
+    """Gates of one kind that read only earlier gates: their operands, and the index of each gate's first operand."""
 
     conjunctions: bool
     first: int
@@ -27,7 +27,7 @@ class Layer:
 
 @dataclass(frozen=True)
 class Circuit:
-    """Numbered gates: the constants, the inputs, then the layers."""
+    """Numbered gates: the constants, the inputs, and then the layers."""
 
     inputs: int
     gates: int
@@ -35,7 +35,7 @@ class Circuit:
 
     @property
     def widest(self) -> int:
-        """The largest number of words in use at once per input word."""
+        """The largest number of words in use at once, per input word."""
         return self.gates + max((len(layer.operands) for layer in self.layers), default=0)
 
     def evaluate(self, inputs: NDArray[np.uint64]) -> NDArray[np.uint64]:
@@ -51,7 +51,7 @@ class Circuit:
 
 
 class Gates:
-    """Builds gates: equal gates are shared, and a gate that a constant decides is that constant."""
+    """Builds gates: equal gates are shared, and a gate whose value is fixed by a constant is a constant itself."""
 
     def __init__(self, inputs: int) -> None:
         self._inputs = inputs
@@ -84,7 +84,7 @@ class Gates:
         return self._numbers[key]
 
     def circuit(self, roots: Sequence[int]) -> tuple[Circuit, Mapping[int, int]]:
-        """Return the circuit of some gates and all gates that they read, and the number of each gate in it."""
+        """Return the circuit of some gates and all gates that they read, and the number that each gate has in it."""
         before = CONSTANTS + self._inputs
         needed: set[int] = set()
         waiting = [gate for gate in roots if gate >= before]

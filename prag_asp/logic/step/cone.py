@@ -1,7 +1,7 @@
 """The cone of influence: the part of a state that decides which plans are valid.
 
-A state needs only the atoms that constraints read, directly or through rules, now or later. An invariant that no
-action can break from a state that satisfies it constrains nothing, so it adds nothing to the cone.
+A state needs only the atoms that constraints read, directly or through rules, now or later. If no action can break an
+invariant that holds, the invariant does not constrain plans, so it adds nothing to the cone.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from prag_asp.logic.step.normal import NormalStep, RuleBody
 
 @dataclass(frozen=True)
 class Cone:
-    """The state of a domain: its variables, timed atoms without their time, and the constraints that matter."""
+    """The state of a domain: its variables (timed atoms without their time), and the constraints that matter."""
 
     variables: tuple[clingo.Symbol, ...]
     constraints: tuple[RuleBody, ...]
@@ -63,7 +63,8 @@ def _atoms(bodies: Iterable[RuleBody]) -> set[int]:
 
 
 SINGLE_SOLVES = 64
-"""Answer sets that are sought before all constraints of one shape count as broken together; each takes about 10 ms."""
+"""Number of answer sets that are found before all constraints of one shape count as broken together; each takes about
+10 ms."""
 
 
 def find_breakable(step: NormalStep, invariants: list[RuleBody]) -> list[RuleBody]:
@@ -113,8 +114,8 @@ def _breaking_steps(
 ) -> tuple[clingo.Control, int, Sequence[int], Sequence[int]]:
     """Return the program whose answer sets are steps that break constraints, and its atoms.
 
-    The atoms state that some open constraint is broken and, for each constraint, that it is broken and (an external
-    atom) that it is open.
+    One atom states that some open constraint is broken; for each constraint, one atom states that it is broken, and an
+    external atom that it is open.
     """
     reached = sorted(_influence(step, _atoms(invariants)))
     control = clingo.Control(["--warn=none", "--heuristic=Domain"])
@@ -143,8 +144,8 @@ def _breaking_steps(
             backend.add_external(is_open, clingo.TruthValue.True_)
             add([breaks], body)
             backend.add_rule([some], [breaks, is_open])
-            # A model that breaks many constraints replaces as many models. Only the sign is preferred: to decide these
-            # atoms first would try every pair of constraints that cannot be broken together.
+            # A model that breaks many constraints saves as many models. Only the sign of these atoms is preferred:
+            # deciding them first would try every pair of constraints that cannot be broken together.
             backend.add_heuristic(breaks, clingo.backend.HeuristicType.Sign, 1, 1, [is_open])
     return control, some, broken, open_
 

@@ -31,7 +31,7 @@ TRUE, FALSE, UNKNOWN = 1, 0, -1
 
 @dataclass(frozen=True)
 class Hindsight:
-    """The rules of a step and of ``hindsight.lp`` as functions on columns, one column for each plan.
+    """The rules of a step and of ``hindsight.lp`` as functions of columns, one column for each plan.
 
     A *state* has the atoms of the previous step that a step reads, shape (variables, plans); *seen* has the atoms of a
     step that hindsight reads, shape (atoms, plans); *known* is the truth of each ``_state(F, V, t)``, shape (atoms,
@@ -47,7 +47,7 @@ class Hindsight:
 
     @cached_property
     def _carried(self) -> Mapping[int, int]:
-        """For each variable, an atom of step t-1: its counterpart at step t, or 0."""
+        """For each variable, an atom of step t-1: the corresponding atom of step t, or 0."""
         ground = self.step.ground
         carried = {ground.before[symbol]: atom for symbol, atom in ground.now.items() if symbol in ground.before}
         return {**{ground.before[symbol]: 0 for symbol in ground.initial if symbol in ground.before}, **carried}
@@ -78,7 +78,7 @@ class Hindsight:
         return parts
 
     def _read(self, part: str) -> list[int]:
-        """Return the atoms that a part reads and does not define, without ``state(F, V, t)``."""
+        """Return the atoms that a part reads but does not define, without ``state(F, V, t)``."""
         bodies, strata = self._parts[part]
         defined = {atom for stratum in strata for atom in stratum.atoms}
         literals = {abs(each) for atom in defined for body in bodies[atom] for each in body.literals}

@@ -1,8 +1,8 @@
 """The independent parts of a domain, which share no variable, action, rule or condition on the final state.
 
-Atoms that depend on no variable are evaluated first, so that rules that count or name the actions of a step do not join
-parts. An action then belongs to the variables that it reads or sets. A part must also remain unchanged while another
-part acts; `Transition.rests` decides this for each state.
+Atoms that depend on no variable are evaluated first, so that rules that count or name the actions of a step do not
+connect parts. After that, an action belongs with the variables that it reads or sets. A part must also remain unchanged
+while another part acts; `Transition.rests` decides this for each state.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ FREE: Node = ("actions that set and read no variable", 0)
 
 
 def independent_parts(transition: Transition, *, by_name: bool = False) -> tuple[Transition, ...]:
-    """Return parts of a step function; shuffles of their plans are its plans, if each part rests in all its states.
+    """Return parts of a step function; its plans are the shuffles of their plans, if each part rests in all its states.
 
     With `by_name`, actions of one name belong to one part. The result is empty if there is only one part, or if there
     are fewer than `FEWEST_VARIABLES`.
@@ -53,6 +53,14 @@ class _Parts:
         self._idle_nodes: dict[int, list[Node]] = {}
         self._asking: dict[int, list[Node]] = {}
         self._settled = self._decided()
+        nodes = [
+            *(("action", letter) for letter in self._moves),
+            *(("variable", place) for place in range(len(transition.variables))),
+        ]
+        for letter, move in self._moves.items():
+            self._join_effects(letter, move)
+        if len(set(map(self._root, nodes))) == 1:
+            return  # the other rules could only join more
         rules = transition.rules
         for place, atom in enumerate(rules.written):
             if atom in rules.order:
@@ -71,7 +79,7 @@ class _Parts:
                 self._join([("action", named), ("action", letter)])
 
     def step_functions(self) -> tuple[Transition, ...]:
-        """Return the parts; empty if there is only one."""
+        """Return the step functions of the parts, or nothing if there is only one part."""
         whole = self._transition
         final = [self._leaves(body) for body in whole.step.final]
         for leaves in final:
@@ -109,14 +117,18 @@ class _Parts:
                 decided |= inside
         return decided
 
+    def _join_effects(self, letter: int, move: Move) -> None:
+        """Join an action with the nodes that its guards read, and with the variables that it sets."""
+        places = self._transition.places_set(move)
+        self._join([("action", letter), *self._read(move.guards), *(("variable", place) for place in places)])
+
     def _join_action(self, letter: int, move: Move) -> None:
-        """Join an action with the nodes that it reads and sets, and record the constraints that read it."""
+        """Join an action with the other nodes that it reads, and record the constraints that read it."""
         action: Node = ("action", letter)
         own = {atom for stratum in move.strata for atom in stratum.atoms}
         for atom in own:
             self._join([action, ("atom", atom), *self._read(move.bodies[atom], own)])
-        self._join([action, *self._read(move.guards), *self._read(move.constraints, own)])
-        self._join([action, *(("variable", place) for place in self._transition.places_set(move))])
+        self._join([action, *self._read(move.constraints, own)])
         constants = {**self._transition.rules.no_action, **move.constants}
         for number in move.touched:
             simplified = simplify(self._transition.constraints[number], constants)
@@ -125,7 +137,7 @@ class _Parts:
                 self._asking.setdefault(number, []).append(action)
 
     def _concerns(self, number: int, root: Node) -> bool:
-        """Return whether a constraint belongs to a part: it reads a variable or an action of the part.
+        """Return whether a constraint belongs to a part because it reads a variable or an action of the part.
 
         A constraint that reads no variable if no action occurs belongs to all parts, unless every action decides it.
         """
@@ -135,7 +147,7 @@ class _Parts:
         return idle == [] and not all(number in move.touched for move in self._moves.values())
 
     def _read(self, bodies: Iterable[RuleBody], own: Collection[int] = ()) -> list[Node]:
-        """Return the variables that bodies read, and the derived atoms (with `own`) that depend on a variable."""
+        """Return the variables that bodies read and, with `own`, the derived atoms that depend on a variable."""
         nodes: list[Node] = []
         for atom in {abs(literal) for body in bodies for literal in body.literals}:
             if atom in self._variable:

@@ -21,8 +21,8 @@ class Move:
     """The compiled rules of one action: guards over the state, rules, constraints, and the effect on the state.
 
     `touched` are the constraints that read the action. In the packed state after a step without an action, the bits
-    `keep` are kept, the bits `put` are set, and `changed` maps other places to the atoms that decide them; likewise
-    `labels` and `fixed_labels` for labels. `constants` are the atoms whose truth only depends on the action.
+    `keep` are kept, the bits `put` are set, and `changed` maps other places to the atoms that determine them; `labels`
+    and `fixed_labels` do the same for labels. `constants` are the atoms whose truth depends only on the action.
     """
 
     guards: tuple[RuleBody, ...]
@@ -80,14 +80,14 @@ def compile_move(rules: StepRules, action: int) -> Move:
 def _left_of_rules(
     rules: StepRules, action: int, affected: set[int], constants: Constants
 ) -> tuple[dict[int, tuple[RuleBody, ...]], list[Stratum]]:
-    """Return the partially evaluated bodies of the affected atoms and their strata; extend the constants."""
+    """Return the partially evaluated bodies of the affected atoms, and their strata; extend the constants."""
     bodies: dict[int, tuple[RuleBody, ...]] = {}
     strata = []
     for place in sorted({rules.order[atom] for atom in affected}):
         stratum = rules.strata[place]
         inside = set(stratum.atoms) if stratum.recursive else set()
         for atom in stratum.atoms:
-            simplified = [simplify(body, constants) for body in rules.bodies_with(action, atom)]
+            simplified = rules.simplified_with(action, atom, affected, constants)
             if any(body is True for body in simplified):
                 constants[atom] = True
             elif atom not in inside and all(body is False for body in simplified):

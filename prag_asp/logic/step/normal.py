@@ -32,7 +32,7 @@ class NormalStep:
     """A step whose only choice is the action.
 
     `occurs` maps each action to its atom; `bodies` holds the bodies that derive an atom, `constraints` the bodies that
-    must be false in a step. `final_bodies` and `final` are the same for the check after the last step.
+    must be false in a step. `final_bodies` and `final` are the corresponding bodies for the check after the last step.
     """
 
     ground: GroundStep
@@ -139,7 +139,7 @@ def _frozen(bodies: Mapping[int, list[RuleBody]]) -> dict[int, tuple[RuleBody, .
 
 
 def _refuse_circular(allowed: Iterable[RuleBody], bodies: Mapping[int, list[RuleBody]], actions: set[int]) -> None:
-    """Check that no action is allowed by actions in the same step, because it could support itself.
+    """Check that no action depends on actions in the same step, because it could then support itself.
 
     Raises:
         EngineError: an action depends on the actions of its own step.

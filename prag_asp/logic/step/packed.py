@@ -18,7 +18,7 @@ def words_for(bits: int) -> int:
 
 
 def pack(columns: NDArray[np.bool_]) -> Rows:
-    """Return the rows of states given as columns, shape (number of variables, number of states)."""
+    """Return states, given as columns of shape (number of variables, number of states), as packed rows."""
     bits, size = columns.shape
     octets = np.zeros((size, 8 * words_for(bits)), dtype=np.uint8)
     packed = np.packbits(columns, axis=0, bitorder="little")
@@ -27,7 +27,7 @@ def pack(columns: NDArray[np.bool_]) -> Rows:
 
 
 def unpack(rows: Rows, bits: int) -> NDArray[np.bool_]:
-    """Return states as columns, shape (number of variables, number of states)."""
+    """Return packed states as columns, shape (number of variables, number of states)."""
     octets = np.ascontiguousarray(rows, dtype=LITTLE).view(np.uint8)
     return np.ascontiguousarray(np.unpackbits(octets, axis=1, count=bits, bitorder="little").T).view(np.bool_)
 

@@ -16,11 +16,11 @@ from prag_asp.program.sources import Program
 Numbers = NDArray[np.int64]
 
 ENTRIES = 1 << 15
-"""The number of entries at which a cache is emptied; with its states, it takes about 30 MB."""
+"""The number of entries at which a cache is emptied; including its states, it then takes about 30 MB."""
 
 
 LOW = 2**32 - 1
-"""The mask of the second of two numbers in one key; numbers stay below it, because caches are emptied."""
+"""The mask for the second of two numbers in one key; numbers stay below it, because caches are emptied."""
 
 
 class _Rows:
@@ -54,8 +54,8 @@ class _Rows:
 class PlanStates:
     """The known values of the states of plans, with hindsight; equal states have equal numbers.
 
-    Steps are functions of a state and an action, and hindsight is a function of a step and the known atoms of the state
-    after it. The steps of a plan are looked up forward and then backward; new ones are evaluated for all plans.
+    A step is a function of a state and an action, and hindsight is a function of a step and the known atoms of the
+    state after it. The steps of a plan are looked up forward and then backward; new ones are evaluated for all plans.
     """
 
     def __init__(self, hindsight: Hindsight) -> None:
@@ -116,7 +116,7 @@ class PlanStates:
 
 
 def _look_up(table: dict[int, Any], keys: Numbers, evaluate: Callable[[list[int]], list[Any]]) -> Numbers:
-    """Return the entries of a table for keys, after computing the missing ones."""
+    """Return the entries of a table for the given keys, after computing those that are missing."""
     different, places = np.unique(keys, return_inverse=True)
     distinct = different.tolist()
     new = [key for key in distinct if key not in table]
@@ -127,7 +127,7 @@ def _look_up(table: dict[int, Any], keys: Numbers, evaluate: Callable[[list[int]
 
 
 class SolvedPlanStates:
-    """Like `PlanStates`, but solves the unrolled program of each plan, for steps that cannot be evaluated."""
+    """Like `PlanStates`, but for steps that cannot be evaluated: it solves the unrolled program of each plan."""
 
     def __init__(self, program: Program, facts: Facts) -> None:
         self._program = program

@@ -6,7 +6,7 @@ deletes and exclusive values are ignored. The first step after which a relaxed p
 end of any plan. An unknown value is neither known to be true nor known to be false, so it needs no special case.
 
 The facts after a step are monotone in the facts before it. One step is therefore a circuit without negations, which is
-evaluated on 64 states per word.
+evaluated for 64 states at once, one per bit of a word.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from prag_asp.logic.step.strata import Stratum
 from prag_asp.logic.step.transition import Transition
 
 MOST_ROUNDS = 16
-"""The maximum size of a recursive stratum that is evaluated; atoms of larger ones may have any value."""
+"""The maximum size of a recursive stratum that is evaluated; atoms of larger strata may have any value."""
 
 ROOM = 2**23
 """The largest memory in bytes of the operands of one gate."""
@@ -43,7 +43,7 @@ ANYTHING: May = (TRUE, TRUE)
 class Relaxation:
     """One relaxed step: the gates of the variables after it, and the gate that is true if a plan may end before it.
 
-    The inputs are "may be true" and "may be false" of each variable; `after` has their gates in the same order.
+    The inputs are "may be true" and "may be false" for each variable; `after` has their gates in the same order.
     """
 
     variables: int
@@ -72,7 +72,7 @@ class Relaxation:
         return near, forever
 
     def _inputs(self, states: Rows) -> NDArray[np.uint64]:
-        """Return the inputs, 64 states per word, shape (inputs, words); padding repeats one of the states."""
+        """Return the inputs, 64 states per word, shape (inputs, words), padded by repeating one of the states."""
         columns = unpack(states, self.variables)
         columns = np.pad(columns, ((0, 0), (0, -len(states) % 64)), mode="edge")
         true = np.packbits(columns, axis=1, bitorder="little").view(np.uint64)
@@ -122,7 +122,7 @@ class _Relaxed:
         return self._gates.all(self._false(body, read) for body in final)
 
     def _add_effects(self, move: Move, true: list[list[int]], false: list[list[int]]) -> None:
-        """Add the values that an action may give to the variables that it decides."""
+        """Add the values that an action may give to the variables that it affects."""
         values: dict[int, May] = {}
 
         def value(atom: int) -> May:
@@ -152,14 +152,14 @@ class _Relaxed:
                 values |= {atom: self._value(bodies[atom], value) for atom in stratum.atoms}
                 continue
             evaluated = len(stratum.atoms) <= MOST_ROUNDS
-            # In the least model, a true atom is derived within as many rounds as there are atoms. That an atom
-            # may be false is always assumed.
+            # In the least model, a true atom is derived within as many rounds as there are atoms. It is always assumed
+            # that an atom may be false.
             values |= dict.fromkeys(stratum.atoms, NEVER if evaluated else ANYTHING)
             for _ in range(len(stratum.atoms) if evaluated else 0):
                 values |= {atom: (self._value(bodies[atom], value)[0], TRUE) for atom in stratum.atoms}
 
     def _value(self, bodies: Sequence[RuleBody], value: Callable[[int], May]) -> May:
-        """Return the gates of an atom with some bodies; a sum with a positive bound needs a true literal."""
+        """Return the gates of an atom with some bodies; a sum with a positive bound requires a true literal."""
         true = []
         for body in bodies:
             literals = [value(abs(literal))[literal < 0] for literal in body.literals]
@@ -171,7 +171,7 @@ class _Relaxed:
         return self._gates.any(true), self._gates.all(self._false(body, value) for body in bodies)
 
     def _false(self, body: RuleBody, value: Callable[[int], May]) -> int:
-        """Return the gate of "may be false" of a body; a sum may always be false."""
+        """Return the gate for "may be false" of a body; a sum may always be false."""
         if body.weights:
             return TRUE
         return self._gates.any(value(abs(literal))[literal > 0] for literal in body.literals)

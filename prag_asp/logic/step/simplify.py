@@ -12,7 +12,7 @@ Constants = dict[int, bool]
 
 
 def simplify(body: RuleBody, constants: Constants) -> RuleBody | bool:
-    """Return a body without its literals of known truth, or its truth value if these literals decide it."""
+    """Return a body without the literals whose truth is known, or its truth value if these literals determine it."""
     if body.weights:
         return _simplified_sum(body, constants)
     unknown = []

@@ -25,23 +25,23 @@ from prag_asp.logic.step.strata import Stratum, body_bits, evaluate, stratify
 from prag_asp.processes.progress_events import stage
 
 ROOM = 2**25
-"""The maximum memory in bytes of the columns of `Needs` that are tested together."""
+"""The maximum memory in bytes for the columns of `Needs` that are tested together."""
 
 WIDE, SPARSE = 2**12, 8
 """From this number of states on, an action that may occur in less than one of `SPARSE` is evaluated on these alone."""
 
 MANY = 64
-"""The number of actions from which `Needs` rules out most actions together; fewer are tried one by one."""
+"""The number of actions from which on `Needs` rules out actions together; fewer actions are tried one by one."""
 
 
 @dataclass(frozen=True)
 class Needs:
     """The constraints that forbid an action wherever one literal of the state before it is true.
 
-    They are tested for all actions at once: in most states, most actions cannot occur.
+    They are tested for all actions at once, because most actions cannot occur in most states.
 
     Action ``letters[i]`` is forbidden by the literals with the numbers ``forbidding[starts[i]:starts[i + 1]]``, which
-    index `literals`. `letters` omits actions without such constraints.
+    are indices into `literals`. `letters` omits actions without such constraints.
     """
 
     size: int
@@ -52,7 +52,7 @@ class Needs:
 
     @classmethod
     def of(cls, constraints: Iterable[RuleBody], actions: Sequence[int], before: Collection[int]) -> Needs:
-        """Return the needs that follow from constraints with one action and one atom `before` the step."""
+        """Return the needs that follow from constraints on one action and one atom `before` the step."""
         letter_of = {atom: letter for letter, atom in enumerate(actions)}
         numbers: dict[int, int] = {}
         pairs: set[tuple[int, int]] = set()
@@ -86,8 +86,9 @@ class Needs:
 class Successors:
     """The successors of a frontier under one action.
 
-    `letter` is the number of the action; `sources` are the rows of the frontier in which it is valid, shape (m,);
-    `states` holds the packed states after it, shape (m, words); `labels` the truth of each label, shape (m, labels).
+    `letter` is the number of the action; `sources` are the rows of the frontier in which the action is valid, shape
+    (m,); `states` holds the packed states after the action, shape (m, words), and `labels` the truth values of the
+    labels, shape (m, labels).
     """
 
     letter: int
@@ -100,8 +101,8 @@ class Successors:
 class Transition:
     """The step function of a domain over the states of its cone of influence; equality is identity.
 
-    `variables` are timed atoms without their time, `actions` all actions in clingo's order of terms and `labels` the
-    atoms of step t whose truth each edge carries. A move is compiled when its action is first tried.
+    `variables` are timed atoms without their time, `actions` are all actions in clingo's order of terms, and `labels`
+    are the atoms of step t whose truth values label each edge. A move is compiled when its action is first tried.
     """
 
     step: NormalStep
@@ -117,7 +118,7 @@ class Transition:
 
     @cached_property
     def initial(self) -> Rows:
-        """The initial state as a single row; no row if the initial values are contradictory."""
+        """The initial state as a single row, or no row if the initial values are contradictory."""
         ground = self.step.ground
         column = np.array([[symbol in ground.initial] for symbol in self.variables], dtype=np.bool_)
         return pack(column.reshape(len(self.variables), 1))[: 1 if ground.consistent else 0]
@@ -165,7 +166,7 @@ class Transition:
         return column_of(every ^ broken, len(states))
 
     def places_set(self, move: Move) -> list[int]:
-        """Return the variables that an action decides, in order."""
+        """Return the variables that an action determines, in order."""
         unchanged = unpack(move.keep[None], len(self.variables))[:, 0]
         return [place for place, stays in enumerate(unchanged.tolist()) if not stays]
 
@@ -202,8 +203,8 @@ class _Before:
     """A frontier with every rule evaluated for a step without an action.
 
     `values` has the truth of atoms in its `size` states, as bits. `broken` holds the constraints that are violated in
-    some state, `breaches` the number of violated ones in each state; `after` and `labels` are the states and the labels
-    after a step without an action.
+    some state, and `breaches` the number of constraints that are violated in each state; `after` and `labels` are the
+    states and the labels after a step without an action.
     """
 
     values: Mapping[int, int]

@@ -20,11 +20,11 @@ _Stated = tuple[str, Shaped, Shaped]
 
 
 def states_unevenly(facts: Facts, groups: Collection[Sequence[clingo.Symbol]]) -> bool:
-    """Return whether some entities have invariants that others of their class lack, but that may follow from the rest.
+    """Return whether some entities have invariants that others of their class lack but that may follow from the rest.
 
     The answer is no if the `groups` of interchangeable entities already are whole classes.
     """
-    # Goals with value false for fluents that are false in every state: they follow from the invariants as well.
+    # Goals that fluents that are false in every state have the value false follow from the invariants as well.
     negative = [fluent for fluent, value in facts.goal if value == "false"]
     graph = invariant_graph(facts) if negative else {}
     idle = [fluent for fluent in negative if conflict(entailed([(fluent, True)], graph))]
@@ -51,7 +51,7 @@ def states_unevenly(facts: Facts, groups: Collection[Sequence[clingo.Symbol]]) -
     for each in stated:
         for number in {*each[1][1], *each[2][1]}:
             naming.setdefault(number, []).append(each)
-    # Swaps of neighbours generate all renamings of a class.
+    # swaps of neighbours generate all renamings of a class
     return not all(_kept(*pair, stated, naming) for each in classes for pair in pairwise(each))
 
 

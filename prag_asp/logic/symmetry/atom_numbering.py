@@ -3,7 +3,7 @@
 A named atom is identified by its name. An unnamed atom is identified by its rules, in terms of the numbers of the atoms
 that they read. A rule that only copies another unnamed atom is replaced by the rules of that atom, so that chains of
 copies do not matter. The atoms of a strongly connected component are compared together: their rules are unfolded until
-one more unfolding distinguishes no further atoms (partition refinement, Paige and Tarjan 1987), and an atom is
+unfolding them once more distinguishes no further atoms (partition refinement, Paige and Tarjan 1987), and an atom is
 identified by its unfolding together with the unfoldings of the whole component. Two atoms with the same number then
 have the same rules in terms of numbers, and hence the same truth value, because they are equal at each stage of the
 least model of positive rules. Atoms that depend on themselves through a negation, and chosen atoms, have no least model
@@ -34,7 +34,7 @@ SpelledBody = tuple[bool, int, frozenset[SpelledLiteral]]
 """Whether the head is a choice, the sum that the body must reach, and the body's literals."""
 
 Key = Shaped | frozenset[SpelledBody] | int
-"""The identity of an atom: its shape with its entities, its rules if it is unnamed, or otherwise itself."""
+"""The identity of an atom: its shape with its entities, its rules if it is unnamed, or otherwise the atom itself."""
 
 MISSING = -1
 INSIDE = 0
@@ -45,7 +45,7 @@ START, COMPONENT = 2**32, 2**33
 
 
 class SpelledRule(NamedTuple):
-    """A rule in terms of atom numbers; `last` is true if it belongs to the check after the last step."""
+    """A rule in terms of atom numbers; `last` states whether it belongs to the check after the last step."""
 
     heads: frozenset[int]
     body: SpelledBody
@@ -70,7 +70,7 @@ class Atoms:
         self._of_atom = {
             atom: self._named(shapes.of(symbol))
             for atom, symbol in ground.names.items()
-            if not symbol.match(*FINDING)  # a condition may assign different numbers to alike entities in it
+            if not symbol.match(*FINDING)  # a condition may assign different numbers to interchangeable entities in it
         }
         step, facts = propagate_facts(ground.rules.get("step", ()))
         check, _ = propagate_facts(ground.rules.get("check", ()), facts)
@@ -108,7 +108,7 @@ class Atoms:
         return shaped in self._numbers
 
     def named_atoms(self, atoms: Mapping[int, int]) -> Iterator[tuple[Shaped, int]]:
-        """Yield the named atoms among some atoms, each with its value."""
+        """Yield those of some atoms that are named, each with its value."""
         for number, mark in atoms.items():
             key = self._keys[number]
             if isinstance(key, tuple):
@@ -141,7 +141,7 @@ class Atoms:
         """Return the number of each renamed atom, or `MISSING` if there is no such atom."""
         renamed = np.arange(len(self._keys))
         for number in sorted({number for entity in names for number in self._with[entity]}):
-            # Rules mention atoms with smaller numbers.
+            # rules mention only atoms with smaller numbers
             renamed[number] = self._image(number, names, lambda atom: int(renamed[atom]))
         return renamed
 
@@ -233,7 +233,8 @@ class Atoms:
 def propagate_facts(rules: Sequence[Rule], facts: Iterable[int] = ()) -> tuple[list[Rule], set[int]]:
     """Return equivalent rules without facts in their bodies, and all facts, including the given `facts`.
 
-    clingo leaves literals of facts in the rules of recursive predicates; which ones depends on its order of atoms.
+    clingo leaves facts as literals in the rules of recursive predicates; which ones it leaves depends on its order of
+    atoms.
     """
     derived = {*facts, *(rule.heads[0] for rule in rules if _states(rule))}
     remaining = dict(enumerate(rules))
@@ -255,7 +256,7 @@ def propagate_facts(rules: Sequence[Rule], facts: Iterable[int] = ()) -> tuple[l
                     waiting.append(rest.heads[0])
     simplified: list[Rule] = []
     stated = set[int]()
-    for _, rule in sorted(remaining.items()):  # each known fact is stated once and not derived
+    for _, rule in sorted(remaining.items()):  # each known fact is stated once and not derived again
         if len(rule.heads) != 1 or rule.choice or rule.heads[0] not in derived:
             simplified.append(rule)
         elif _states(rule) and rule.heads[0] not in stated:
@@ -270,7 +271,7 @@ def _states(rule: Rule) -> bool:
 
 
 def _simplified(rule: Rule, fact: int) -> Rule | None:
-    """Return a rule simplified by a fact, or None if its body is then false."""
+    """Return a rule simplified by a fact, or None if the fact makes its body false."""
     if not rule.weights:
         if -fact in rule.body:
             return None
@@ -285,7 +286,7 @@ def _simplified(rule: Rule, fact: int) -> Rule | None:
 
 
 def _below(rules: Iterable[Rule], among: Mapping[int, object]) -> list[int]:
-    """Return the atoms of `among` that rules read."""
+    """Return the atoms of `among` that the rules read."""
     return [abs(literal) for rule in rules for literal in rule.body if abs(literal) in among]
 
 

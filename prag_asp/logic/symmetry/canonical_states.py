@@ -3,18 +3,19 @@
 If permutations of some entities map a step function onto itself, they map the plans from a state onto the plans from
 the renamed state, so that only one renaming of each state is explored. To find it, entities are sorted by the bits that
 name them and by colour refinement (Weisfeiler and Leman 1968) for variables that relate several entities. If entities
-that are not twins remain tied, one of them is individualized and the rest is refined again. Two renamings of one state
-may then remain two states, which is exact but larger.
+that are not twins remain tied, one of them is individualized and the rest is refined again. As a result, two renamings
+of one state may remain two states; the automaton is then still exact, but larger.
 
 Tasks. `rules/canonical_names.lp` lets a step name an entity of a group only after the previous ones, so that the
-entities named before a state are the first ones of their group. A permutation of these maps the completions of the
-state onto those of the renamed state and does not change which entities come next. The other entities need no
+entities named before a state are the first ones of their group. A permutation of these entities maps the completions of
+the state onto those of the renamed state and does not change which entities come next. The other entities need no
 permutation, because no earlier action names them and the state does not distinguish them. The last entity of a group
 has no atom `mentioned`; it is permuted as soon as all others are mentioned, because no naming rule applies any more.
 
 Units. Units of a joint group that contain no other group are permuted like entities: here a unit *is* an entity, and an
-atom that names a member names the unit. `rules/joint_names.lp` has atoms `unit_named` for them. Units that contain
-other groups are not permuted, but those groups are, because a unit stays named once an entity of the group is named.
+atom that names a member names the unit. `rules/joint_names.lp` has atoms `unit_named` for units. Units that contain
+other groups are not permuted, but those groups are, because a unit counts as named once an entity of such a group has
+been named.
 
 Twins are entities whose swap does not change a state. An action and its renamings by twins lead to renamings of one
 state, so that one of them is expanded and counted with the number of renamings.
@@ -38,7 +39,7 @@ from prag_asp.logic.symmetry.twins import Twins
 from prag_asp.program.entity_names import mentioned_entities
 
 Orders = NDArray[np.int64]
-"""Entities in a new order: place j of row i has entity ``orders[i, j]``; shape (rows, entities)."""
+"""Entities in a new order: row i has entity ``orders[i, j]`` at place j; shape (rows, entities)."""
 
 UNTOUCHED, FIXED, LOW = np.uint64(1 << 62), np.uint64(2 << 62), np.uint64(2)
 """Sort keys within a group: entities that no bit names come after the others, and fixed entities come last."""
@@ -47,7 +48,7 @@ TOGETHER = 2**20
 """The number of pairs of a state and an entity that are sorted at once."""
 
 MARK = np.uint64(0x5851F42D4C957F2D)
-"""The colour that individualizes an entity of a tie."""
+"""The colour that individualizes one of several tied entities."""
 
 
 @dataclass(frozen=True)
@@ -55,10 +56,10 @@ class Merging:
     """The renamings of the states and the actions of a transition.
 
     `groups` are the units that may be permuted, called entities here. They are numbered consecutively across all
-    groups, which begin at `starts`. `variables` are the patterns of the variables that renamings move, with the numbers
-    `moved`; `actions` are the patterns of all actions. `guards` holds for each entity the variable that is true once it
-    may be renamed, `ALWAYS` or `NEVER`; `before` holds for each entity the entity that must be named before it, or
-    itself.
+    groups; `starts` is where each group begins. `variables` are the patterns of the variables that renamings move, with
+    the numbers `moved`; `actions` are the patterns of all actions. `guards` holds, for each entity, the variable that
+    is true once the entity may be renamed, or `ALWAYS` or `NEVER`; `before` holds, for each entity, the entity that
+    must be named before it, or the entity itself.
     """
 
     groups: tuple[tuple[Unit, ...], ...]
@@ -127,7 +128,7 @@ class Merging:
         return np.concatenate(columns)
 
     def classes(self, twins: NDArray[np.bool_]) -> Twins:
-        """Return the classes of twins in some states; `twins` marks the entities that are twins of the previous one."""
+        """Return the classes of twins in some states, given which entities are twins of the previous one."""
         return Twins.between(self.actions, twins)
 
     def free(self, states: Rows) -> NDArray[np.bool_]:
@@ -142,7 +143,8 @@ class Merging:
     def representatives(self, states: Rows, twins: Twins) -> NDArray[np.bool_]:
         """Return which actions are expanded in which states, shape (states, actions).
 
-        One of the renamings by twins is expanded; actions that name an entity before its turn are not.
+        Of actions that differ only by twins, one is expanded; actions that name an entity before its turn are not
+        expanded.
         """
         chosen = twins.representatives()
         if all(guard == ALWAYS for guard in self.guards):
@@ -195,7 +197,7 @@ class Merging:
         return bits, keys
 
     def _alike(self, bits: StateBits, keys: Colours, orders: Orders) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Return which entities in an order are twins of the previous ones, and which have the same keys as these."""
+        """Return which entities in an order are twins of the previous ones, and which have the same keys as those."""
         ties = np.zeros(keys.shape, dtype=np.bool_)
         ties[:, 1:] = (keys[:, 1:] == keys[:, :-1]) & ~self._begins[1:]
         twins: NDArray[np.bool_] = ties & (keys == UNTOUCHED)
@@ -213,8 +215,8 @@ def find_merging(
 ) -> Merging | None:
     """Return the renamings of states, given units whose permutations map the step function onto itself.
 
-    `named_in_order` holds the symmetries whose entities tasks introduce in order. The result is None if there is
-    nothing to rename, or if a table of all renamings would need too much memory.
+    `named_in_order` holds the symmetries whose entities are introduced in order by tasks. The result is None if there
+    is nothing to rename, or if a table of all renamings would need too much memory.
     """
     permuted = tuple(tuple(group) for group in groups if len(group) > 1)
     entities = {entity for group in permuted for unit in group for entity in unit}

@@ -1,7 +1,7 @@
 """Colour refinement and twins of the entities of packed states.
 
-Both work on the bits that are set, for many states at once. A colour is a hash: a collision adds a tie but no wrong
-result, because the bits themselves decide whether entities are twins.
+Both work on the bits that are set, for many states at once. A colour is a hash: a collision adds a tie but causes no
+wrong result, because twins are tested on the bits themselves.
 """
 
 from __future__ import annotations
@@ -26,8 +26,9 @@ TOGETHER = 2**22
 class StateBits:
     """The bits set in some packed states, each a term: `state` and `term` have shape (bits,), in order of the states.
 
-    `alone` holds, for each state and entity, the set of the patterns of bits that name no other entity, as words: shape
-    (states, entities, words). `related` are the indices in `state` and `term` of the bits that relate several entities.
+    `alone` holds, for each state and entity, the patterns of the bits that name only that entity, as a set packed into
+    words, shape (states, entities, words). `related` are the indices, in `state` and `term`, of the bits that relate
+    several entities.
     """
 
     rows: Rows
@@ -38,7 +39,7 @@ class StateBits:
     related: NDArray[np.intp]
 
     def entities(self, bits: NDArray[np.intp]) -> NDArray[np.int64]:
-        """Return the entities that some bits name, shape (bits, most entities in a term)."""
+        """Return the entities that the given bits name, shape (bits, most entities in a term)."""
         return self.terms.entities[self.term[bits]]
 
 
@@ -61,7 +62,7 @@ def find_bits(rows: Rows, terms: Patterns, term_of: NDArray[np.int64]) -> StateB
 
 
 def refine_colours(bits: StateBits, initial: Colours) -> Colours:
-    """Return the colours of `initial`, refined until no state distinguishes more entities."""
+    """Return the colours of entities, refined from `initial` until no state distinguishes more entities."""
     colours: Colours = initial
     for word in np.moveaxis(bits.alone, 2, 0):
         colours = _mixed(colours ^ word)
@@ -84,7 +85,7 @@ def refine_colours(bits: StateBits, initial: Colours) -> Colours:
 
 
 def _refined(bits: StateBits, colours: Colours, state: NDArray[np.intp]) -> Colours:
-    """Mix the related colours into the colour of each entity; `state` is the row of each related bit."""
+    """Mix the colours of related entities into the colour of each entity; `state` is the row of each related bit."""
     pattern = bits.terms.pattern[bits.term[bits.related]].astype(np.uint64)
     entities = bits.entities(bits.related)
     sums = np.zeros_like(colours)
@@ -114,7 +115,7 @@ def _distinct(colours: Colours) -> NDArray[np.intp]:
 def are_twins(
     bits: StateBits, variable_of: NDArray[np.int64], state: NDArray[np.intp], pairs: NDArray[np.int64]
 ) -> NDArray[np.bool_]:
-    """Return whether swapping a pair of entities of one group does not change its state.
+    """Return, for each pair of entities of one group, whether swapping them leaves its state unchanged.
 
     `state` has shape (m,), `pairs` (m, 2); `variable_of` maps a term to its variable.
     """
@@ -138,7 +139,7 @@ def _relations_agree(
     pairs: NDArray[np.int64],
     starts: NDArray[np.intp],
 ) -> NDArray[np.bool_]:
-    """Return whether each bit that relates several entities is also set with the two entities of a pair swapped."""
+    """Return whether each bit that relates several entities is also set after swapping the entities of a pair."""
     sizes = starts[state + 1] - starts[state]
     pair = np.repeat(np.arange(len(state)), sizes)
     within = np.arange(len(pair)) - np.repeat(np.cumsum(sizes) - sizes, sizes)

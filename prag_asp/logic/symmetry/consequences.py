@@ -1,4 +1,4 @@
-"""The consequences of literals under the rules of a ground step, for rules that others entail."""
+"""The consequences of literals under the rules of a ground step, to find rules that others entail."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class Consequences:
 
     The body of the rule is assumed, with negated literals as separate atoms, and the rules are applied. If its head or
     a contradiction follows, the rule is a consequence of the others in the logic of here-and-there: adding it changes
-    no answer sets of any larger program (strong equivalence; Lifschitz, Pearce and Valverde 2001). The test finds
+    the answer sets of no larger program (strong equivalence; Lifschitz, Pearce and Valverde 2001). The test finds
     consequences of chains of rules, such as those of redundant invariants.
     """
 
@@ -71,7 +71,7 @@ class Consequences:
         return self._remembered[literal]
 
     def _follow(self, literals: Iterable[SignedAtom], below: _Closure | None) -> _Closure | None:
-        """Return the consequences of some literals and of those `below`, or None if they contradict the rules."""
+        """Return the consequences of some literals and of those in `below`, or None if they contradict the rules."""
         closure = _Closure({literal for literal in literals if below is None or not below.has(literal)}, {}, below)
         waiting = list(closure.literals)
         while waiting:
@@ -93,9 +93,9 @@ class Consequences:
 
 @dataclass(frozen=True)
 class _Closure:
-    """The consequences of some literals, and the sums that they reach in rule bodies, keyed by rule number.
+    """The consequences of some literals, and the sums that they reach in the bodies of rules, by rule number.
 
-    Both hold only the differences from the closure `below`.
+    Both contain only the differences from the closure `below`.
     """
 
     literals: set[SignedAtom]

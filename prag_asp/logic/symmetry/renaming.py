@@ -1,4 +1,4 @@
-"""Terms as shapes with places for entities, and renamed terms."""
+"""Represent terms as shapes with places for entities, and rename terms."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ from collections.abc import Iterable, Mapping
 import clingo
 
 Shaped = tuple[int, tuple[int, ...]]
-"""The number of a shape, and the numbers of the entities at its places, from the left."""
+"""The number of a shape, and the numbers of the entities at its places, from left to right."""
 
 PLACE = 0
 """The shape of a single entity."""
 
 
 class Shapes:
-    """Shapes of terms: two terms have one shape if they differ only in the entities at its places.
+    """Shapes of terms: two terms have the same shape if they differ only in the entities at its places.
 
     `entities` maps each entity to its number. Each subterm is processed once, because clingo's terms are slow.
     """

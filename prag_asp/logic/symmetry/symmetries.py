@@ -1,7 +1,7 @@
 """The entities of a program that are interchangeable on their own or together with others.
 
 Two kinds of swaps generate all renamings: swaps of two entities of a group, and swaps of two aligned units of a joint
-group, which exchange the i-th entities of both for all i. Each group or joint group lies within one unit or outside all
+group, which exchange their i-th entities for all i. Each group or joint group lies within one unit or outside all
 units: a tray has its own cups, and each cup its own saucer. Hence the renamings of one joint group permute its units in
 all ways, and the renamings of all groups are a product of wreath products.
 """
@@ -22,7 +22,7 @@ Unit = tuple[clingo.Symbol, ...]
 
 @dataclass(frozen=True)
 class Symmetries:
-    """Groups of two or more interchangeable entities, and joint groups of two or more units; outer ones come first."""
+    """Groups of two or more interchangeable entities, and joint groups of two or more units, the outer ones first."""
 
     groups: tuple[tuple[clingo.Symbol, ...], ...] = ()
     joint: tuple[tuple[Unit, ...], ...] = ()
@@ -32,7 +32,7 @@ class Symmetries:
 
     @property
     def order(self) -> int:
-        """The number of renamings, which is the number of plans of a task that names all entities."""
+        """The number of renamings, which is the number of plans for a task that names all entities."""
         return prod(factorial(len(each)) for each in (*self.groups, *self.joint))
 
     @cached_property
@@ -64,7 +64,7 @@ class Symmetries:
 
     @cached_property
     def naming(self) -> dict[clingo.Symbol, Unit]:
-        """The atoms of a task step that record a named entity or unit, each with its unit."""
+        """The atoms of a task step that record that an entity or unit has been named, each with its unit."""
         atoms: dict[clingo.Symbol, Unit] = {}
         for entity in (entity for group in self.groups for entity in group):
             atoms[INTRODUCED.timeless(entity)] = (entity,)
@@ -75,7 +75,7 @@ class Symmetries:
         return atoms
 
     def is_settled(self, entity: clingo.Symbol, named: set[clingo.Symbol]) -> bool:
-        """Return whether every renaming that fixes the entities `named` fixes an entity."""
+        """Return whether every renaming that fixes the entities `named` also fixes a given entity."""
         if entity in named:
             return True
         alone = all(entity not in group for group in self.groups)
@@ -86,11 +86,11 @@ class Symmetries:
         return (unit for units in self.joint for unit in units if entity in unit)
 
     def names(self, mentioned: Iterable[clingo.Symbol]) -> dict[clingo.Symbol, clingo.Symbol]:
-        """Return the names of entities with which a plan introduces each group and each joint group in order.
+        """Return names for the entities with which a plan introduces each group and each joint group in order.
 
         `mentioned` are the entities of a plan in the order in which it names them. Exactly one renaming of a plan
-        always introduces the least entity that the previous ones allow (a chain of stabilizers, Sims 1970): the units
-        of a joint group in their order, and the groups within a unit in theirs.
+        introduces, at each point, the least entity that the previous ones allow (a chain of stabilizers, Sims 1970):
+        the units of a joint group in their order, and the groups within a unit in theirs.
         """
         names = {entity: entity for entity in mentioned if entity in self.entities}
         for alike in (*self.joint, *(tuple((entity,) for entity in group) for group in self.groups)):

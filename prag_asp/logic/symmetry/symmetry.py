@@ -30,14 +30,14 @@ from prag_asp.program.entity_names import action_name
 from prag_asp.program.facts import Facts
 
 WITNESSES = 4
-"""The maximum number of rules that are cached because swaps do not preserve them."""
+"""The maximum number of rules that are cached because some swap does not preserve them."""
 
 
 def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundStep] | None = None) -> Symmetries:
     """Return the groups of interchangeable entities, each in clingo's order of terms, and the joint groups.
 
-    With `bare`, renamings must also preserve the step that it returns; it is called only if entities are alike in
-    `ground`.
+    If `bare` is given, renamings must also preserve the step that it returns; it is called only if `ground` has
+    interchangeable entities.
     """
     entities, class_of = sorted(facts.entities), _stated(facts)
     by_class: dict[Hashable, list[int]] = {}
@@ -70,9 +70,9 @@ def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundS
 
 
 def may_interchange(facts: Facts) -> bool:
-    """Return whether some renaming maps the actions onto themselves, as the renamings of `find_symmetries` do.
+    """Return whether some renaming maps the actions onto themselves, as those of `find_symmetries` do.
 
-    A step has an atom for each action: without such a renaming, the ground program needs no search.
+    A step has an atom for each action, so if there is no such renaming, the ground program need not be searched.
     """
     names_of_classes = list(_stated(facts).values())
     shapes = Shapes({entity: number for number, entity in enumerate(facts.entities)})
@@ -80,7 +80,7 @@ def may_interchange(facts: Facts) -> bool:
     actions = _Terms(shaped, by_entity(shaped), shaped.__contains__)
 
     def spoken(entity: int) -> object:
-        """Return an invariant of swaps: the patterns of the actions that name an entity, omitting its class mates."""
+        """Return an invariant of swaps: patterns of the actions that name an entity, without others of its class."""
         own = names_of_classes[entity]
         patterns = Counter(
             (shape, tuple(-1 if each == entity else -2 if names_of_classes[each] == own else each for each in inside))
@@ -101,7 +101,7 @@ def may_interchange(facts: Facts) -> bool:
 
 
 def _stated(facts: Facts) -> dict[clingo.Symbol, Hashable]:
-    """Return the class of each entity, and its name if the entity is itself an action.
+    """Return the class of each entity, and also its name if the entity is itself an action.
 
     Skeletons consist of action names, so renamings must preserve them.
     """
@@ -145,7 +145,8 @@ class _Rules:
     others: Callable[[], _Rules] | None = None
     _consequences: dict[bool, Consequences] = field(default_factory=dict)
     _witnesses: list[tuple[SpelledRule, int, int]] = field(default_factory=list)
-    """Rules that swaps of two entities do not preserve, each with the entities; the latest useful rule comes first."""
+    """Rules that swaps of two entities do not preserve, each with the two entities; the rule that was last useful comes
+    first."""
 
     @cached_property
     def _others(self) -> _Rules | None:
@@ -154,8 +155,8 @@ class _Rules:
     def kept_by(self, first: int, second: int) -> bool:
         """Return whether the swap of two entities maps the rules onto themselves, up to entailed rules.
 
-        Most pairs differ in one of the first atoms, or in a rule like one in which an earlier pair differs, which makes
-        the test cheap.
+        The test is cheap because most pairs differ in one of the first atoms, or in a rule like one in which an earlier
+        pair differs.
         """
         names = {first: second, second: first}
         if self._differ_as_before(first, second) or next(self._terms.lacking(names, names), None) is not None:
@@ -190,7 +191,7 @@ class _Rules:
             yield from self._others.broken(names)
 
     def _broken(self, names: Mapping[int, int]) -> Iterator[SpelledRule]:
-        """Yield the rules, without `others`, whose image is neither a rule nor entailed."""
+        """Yield the rules (not the `others`) whose image is neither a rule nor entailed."""
         renamed = self.atoms.under(names)
         for table in self._tables:
             for rule, image in table.missing(renamed, names):
@@ -198,7 +199,7 @@ class _Rules:
                     yield rule
 
     def _says(self, rule: SpelledRule, names: Mapping[int, int]) -> bool:
-        """Return whether the image of a rule is a rule or entailed."""
+        """Return whether the image of a rule is either a rule or entailed."""
         image = self.atoms.renamed(rule, names)
         return image is not None and (image in self._deriving or self._entails(image))
 
@@ -221,7 +222,7 @@ class _Rules:
     def exact(self) -> list[Shaped]:
         """The atoms, each with a mark, that every symmetry maps onto themselves.
 
-        They are stated initially or chosen; other rules never entail such rules.
+        They are stated initially or chosen, and the rules for such atoms are never entailed by other rules.
         """
         stated: dict[int, int] = {}
         for heads, (choice, bound, _), _ in self.atoms.rules:
@@ -241,7 +242,7 @@ class _Rules:
 
     @cached_property
     def _tables(self) -> list[_RuleRows]:
-        """The rules, grouped by their form."""
+        """The rules, grouped by form."""
         forms: dict[tuple[int, bool, bool, int, int], list[SpelledRule]] = {}
         for rule in self._deriving:
             heads, (choice, bound, literals), last = rule
@@ -267,8 +268,8 @@ class _RuleRows:
 
     A literal is twice the number of its atom, plus 1 if it is negated.
 
-    `heads` and `literals` are the indices in a row where they end; all rules have the same `choice`, `bound` and
-    `last`. `having` are the rows that mention an entity.
+    `heads` and `literals` are the indices at which these end in a row; all rules have the same `choice`, `bound` and
+    `last`. `having` holds, for each entity, the rows that mention it.
     """
 
     rows: NDArray[np.int64]
@@ -284,7 +285,7 @@ class _RuleRows:
     ) -> Iterator[tuple[SpelledRule, SpelledRule | None]]:
         """Yield each rule whose image under a renaming of entities is not a rule, together with the image.
 
-        The image is None if it has an atom that is not in the program.
+        The image is None if it contains an atom that is not in the program.
         """
         having = sorted({row for entity in entities for row in self.having.get(entity, ())})
         if not having:
@@ -311,7 +312,7 @@ class _RuleRows:
         return SpelledRule(frozenset(row[: self.heads]), (self.choice, self.bound, literals), self.last)
 
     def _inside(self, rows: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return rows with sorted heads and sorted literals."""
+        """Return rows with their heads and their literals sorted."""
         inside: NDArray[np.int64] = rows.copy()
         inside[:, : self.heads].sort(axis=1)
         order = np.argsort(inside[:, self.heads : self.literals], axis=1, kind="stable")

@@ -20,12 +20,12 @@ NOBODY = -1
 
 @dataclass(frozen=True)
 class Patterns:
-    """Terms, each as a pattern and the distinct units that it names, from the left.
+    """Terms, each as a pattern and the distinct units that it names, from left to right.
 
     A unit is called an entity here; an entity that is interchangeable on its own is a unit of one entity. `pattern` has
     shape (terms,); `entities` has shape (terms, most entities in a term), padded with -1; `named` is the number of
-    entities that each pattern names, `places` the number of all entities. The terms are `complete` if every renaming of
-    a term that permutes the groups is a term again.
+    entities that each pattern names, and `places` is the total number of entities. The terms are `complete` if every
+    renaming of a term that permutes the groups is a term again.
     """
 
     pattern: NDArray[np.int64]
@@ -55,7 +55,7 @@ class Patterns:
 
     @cached_property
     def _table(self) -> NDArray[np.int64] | None:
-        """The term of each code, or None if there are too many codes."""
+        """The term for each code, or None if there are too many codes."""
         size = len(self.named) * (self.places + 1) ** self.entities.shape[1]
         if size > LARGEST_TABLE:
             return None
@@ -71,7 +71,7 @@ class Patterns:
 
 
 def read_patterns(terms: Sequence[clingo.Symbol], groups: Sequence[Sequence[Unit]]) -> Patterns | None:
-    """Return terms as patterns, with the units of all groups numbered in order; None if codes are too large."""
+    """Return terms as patterns, with the units of all groups numbered in order, or None if codes are too large."""
     units = [unit for group in groups for unit in group]
     group_of = [place for place, group in enumerate(groups) for _ in group]
     members = [(number, slot) for number, unit in enumerate(units) for slot in range(len(unit))]
@@ -96,7 +96,7 @@ def read_patterns(terms: Sequence[clingo.Symbol], groups: Sequence[Sequence[Unit
         table[row, : len(different)] = different
     if len(kinds) * (len(units) + 1) ** table.shape[1] > LARGEST_CODE:
         return None
-    # The number of ways to name different units, of which the i-th is from group ``signature[i]``.
+    # The number of ways to name distinct units, the i-th of which is from group ``signature[i]``.
     numbers_of_renamings = [
         prod(perm(len(group), signature.count(place)) for place, group in enumerate(groups)) for signature in signatures
     ]

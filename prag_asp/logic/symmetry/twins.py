@@ -25,7 +25,7 @@ class Twins:
 
     @classmethod
     def between(cls, actions: Patterns, twins: NDArray[np.bool_]) -> Twins:
-        """Return the classes; `twins` marks entities that are twins of the previous ones."""
+        """Return the classes, given which entities are twins of the previous ones."""
         places = np.arange(twins.shape[1])
         first = np.maximum.accumulate(np.where(twins, 0, places), axis=1)
         count = np.zeros(first.shape, dtype=np.int64)
@@ -33,7 +33,7 @@ class Twins:
         return cls(actions, first, places - first, np.take_along_axis(count, first, axis=1))
 
     def representatives(self) -> NDArray[np.bool_]:
-        """Return which actions represent their renamings by twins in which states, shape (states, actions).
+        """Return, for each state, which actions represent their renamings by twins, shape (states, actions).
 
         These are the actions that name the entities of each class in their order.
         """
@@ -62,9 +62,9 @@ class Twins:
     def _twins_before(
         self, entities: NDArray[np.int64], place: int, states: NDArray[np.intp] | slice
     ) -> NDArray[np.int64]:
-        """Return the number of twins of the entity at a place that actions name before this place.
+        """Return how many twins of the entity at a given place are named by actions before this place.
 
-        `entities` has shape (actions, most named), the result has shape (states, actions).
+        `entities` has shape (actions, most named); the result has shape (states, actions).
         """
         first = self.first[states]
         counts = np.zeros((len(first), len(entities)), dtype=np.int64)

@@ -1,9 +1,9 @@
-"""Entities that are interchangeable only together with others: each cup with its own saucer.
+"""Entities that are interchangeable only together with others, such as each cup with its own saucer.
 
 The search is for minimal renamings that swap several pairs at once. It begins with one pair, finds an atom or a rule
-without an image, and also moves the blocks that this atom or rule names, until every atom and rule has an image. Two
-units are the two sides of such a swap; further units share the first side. Each unit then becomes one block, so that
-units of units are found as well: trays, each with its own cups, each cup with its own saucer.
+without an image, and also moves the blocks that this atom or rule names, until every atom and rule has an image. The
+two sides of such a swap are two units; the swaps for further units share the first side. Each unit then becomes one
+block, so that units of units are found as well: trays with their own cups, which have their own saucers.
 
 Only groups of pairwise swappable units are found, so that the generated group is known. The rotations and reflections
 of a ring are not such a group, so a ring has at most the two sides of one reflection.
@@ -18,25 +18,26 @@ from typing import Protocol
 from prag_asp.logic.symmetry.renaming import Shaped, by_entity
 
 Block = tuple[int, ...]
-"""Entities that move together, in an order that blocks of the same kind share."""
+"""Entities that move together, in an order that is the same for blocks of the same kind."""
 
 Swap = dict[int, int]
 """Maps the place of each block that a renaming moves to the place with which it is exchanged."""
 
 FEWEST, MOST = 4, 256
-"""The smallest and the largest bound on the blocks that one swap moves; the bound is doubled in between."""
+"""The smallest and the largest bound on the number of blocks that one swap moves; between them, the bound is doubled.
+"""
 
 TRIES = 8
-"""The number of further pairs that one search tries per block that it may move."""
+"""The number of further pairs that one search tries, per block that it may move."""
 
 WORK, EACH, RULES = 300_000, 40, 8
-"""The bound on the atoms that all searches rename: a constant, plus a number for each occurrence of an entity in an
-atom. An atom whose rules are renamed counts as `RULES` atoms."""
+"""The bound on the number of atoms that all searches rename: a constant, plus a number for each occurrence of an entity
+in an atom. An atom whose rules are renamed counts as `RULES` atoms."""
 
 
 @dataclass(frozen=True)
 class MissingImage:
-    """An atom or a rule without an image under a renaming: the entities that it names, and its other content."""
+    """An atom or a rule without an image under a renaming: the entities that it names, and the rest of its content."""
 
     entities: frozenset[int]
     kept_by: Callable[[Mapping[int, int]], bool]
@@ -51,7 +52,7 @@ class Renamed(Protocol):
         ...
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[MissingImage]:
-        """Yield the atoms that name some entities and have no image."""
+        """Yield the atoms that name at least one of some entities and have no image."""
         ...
 
     def broken(self, names: Mapping[int, int]) -> Iterator[MissingImage]:
@@ -64,7 +65,7 @@ class Renamed(Protocol):
 
 
 def joint_groups(blocks: Sequence[Block], classes: Mapping[int, Hashable], rules: Renamed) -> list[list[Block]]:
-    """Return groups of aligned units, given blocks that cannot be swapped on their own; outer groups come first.
+    """Return groups of aligned units, the outer ones first, given blocks that cannot be swapped on their own.
 
     Entities of different `classes` are not interchangeable.
     """
@@ -92,11 +93,11 @@ def joint_groups(blocks: Sequence[Block], classes: Mapping[int, Hashable], rules
 
 
 def refine_partition(classes: Mapping[int, Hashable], terms: Iterable[Shaped]) -> dict[int, int]:
-    """Return the kind of each entity, a number, given its class and the terms that name entities.
+    """Return the kind of each entity as a number, given its class and the terms that name entities.
 
-    Renamings that preserve the terms preserve the kinds. The partition is refined by the kinds that terms relate. The
-    largest part of a split kind keeps its number, so that an entity is processed again only if its part has shrunk to
-    at most half the size (Hopcroft 1971).
+    Renamings that preserve the terms preserve the kinds. The partition is refined according to the kinds that terms
+    relate. When a kind is split, its largest part keeps the number, so an entity is processed again only if its part
+    has shrunk to at most half its size (Hopcroft 1971).
     """
     naming = {**{entity: [] for entity in classes}, **by_entity(dict.fromkeys(terms))}
     numbers: dict[Hashable, int] = {}
@@ -137,7 +138,7 @@ class _UnitSearch:
         self._alone: set[Block] = set()
 
     def begin(self, blocks: Sequence[Block], classes: list[list[int]]) -> None:
-        """Begin with new blocks, in classes of blocks that may be swapped."""
+        """Begin with new blocks, given in classes of blocks that may be swapped."""
         self._blocks, self._classes = blocks, classes
         self._class_of = {place: places for places in classes for place in places}
         self._rank = {place: rank for places in classes for rank, place in enumerate(places)}
@@ -145,7 +146,7 @@ class _UnitSearch:
         self._taken: set[int] = set()
 
     def groups(self) -> list[list[tuple[int, ...]]]:
-        """Return the groups of aligned units with the fewest blocks; a unit has the places of its blocks."""
+        """Return the groups of aligned units with the fewest blocks; a unit is given by the places of its blocks."""
         waiting = [[place for place in places if self._blocks[place] not in self._alone] for places in self._classes]
         while self._left > 0 and (waiting := [candidates for candidates in waiting if len(candidates) > 1]):
             most = FEWEST
@@ -158,7 +159,7 @@ class _UnitSearch:
         return []
 
     def _smallest(self, waiting: Sequence[Sequence[int]], most: int) -> list[list[tuple[int, ...]]]:
-        """Return groups of the smallest units, of at most `most` blocks, that swaps of the first blocks yield."""
+        """Return groups of the smallest units, of up to `most` blocks each, that swaps of the first blocks yield."""
         stars: list[list[Swap]] = []
         for remaining in waiting:
             if not {place for star in stars for swap in star for place in swap}.issuperset(remaining):
@@ -179,7 +180,7 @@ class _UnitSearch:
         return [place for place in places if place not in self._taken]
 
     def _star(self, places: Sequence[int], most: int) -> Iterator[Swap]:
-        """Yield a swap of the first of some blocks with each other block, if a swap moves at most `most` blocks."""
+        """Yield a swap of the first block with each of the others, if there is one that moves at most `most` blocks."""
         self._most = min(most, MOST)
         first = places[0]
         for other in places[1:]:
@@ -188,7 +189,7 @@ class _UnitSearch:
                 yield swap
 
     def _units(self, star: Sequence[Swap], size: int) -> list[tuple[int, ...]]:
-        """Return the units of swaps of one block with others, if they have `size` blocks, and mark them as used."""
+        """Return the units given by swaps of one block with others, if of `size` blocks, and mark them as used."""
         swaps = [swap for swap in star if len(swap) == size and self._taken.isdisjoint(swap)]
         if not swaps:
             return []
@@ -201,7 +202,7 @@ class _UnitSearch:
             if 2 * len(common) == size and len(apart) == 3 * len(common):
                 side = common
                 break
-        # Units of one kind share the order of their blocks.
+        # Units of the same kind have their blocks in the same order.
         unit = tuple(sorted(side, key=lambda place: (self._class_of[place], place)))
         units = [unit]
         used = set(unit)
@@ -217,7 +218,7 @@ class _UnitSearch:
     def _swap(self, moved: Swap, fixed: frozenset[int], clean: int) -> Swap | None:
         """Return a swap that extends `moved`, does not move the blocks `fixed`, and maps the rules onto themselves.
 
-        All atoms that name entities of the first `clean` blocks have images, unless further blocks move.
+        Unless further blocks move, all atoms that name entities of the first `clean` blocks have images.
         """
         self._tries -= 1
         if len(moved) > self._most or self._tries < 0 or self._left <= 0:
@@ -253,7 +254,7 @@ class _UnitSearch:
         return {entity: name for pair in pairs for entity, name in pair}
 
     def _partners(self, place: int, moved: Swap, fixed: frozenset[int]) -> Iterator[int]:
-        """Yield the blocks with which a block may be swapped, first the one at the distance of the first pair."""
+        """Yield the blocks with which a block may be swapped, starting with the one at the first pair's distance."""
         first, other = next(iter(moved.items()))
         places, step = self._class_of[place], self._rank[other] - self._rank[first]
         likely = self._rank[place] + step

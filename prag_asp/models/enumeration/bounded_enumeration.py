@@ -13,16 +13,17 @@ from prag_asp.models.ground_program import GroundModels
 from prag_asp.processes.progress_events import stage
 
 DIVES = 16
-"""The number of random searches for a model, about 20 ms; few predictions are wrong by more than a factor of four."""
+"""The number of random searches for a model, which take about 20 ms; few predictions are wrong by more than a factor of
+four."""
 
 DIVE_CONFLICTS = 200
-"""The number of conflicts after which a random search is abandoned: some milliseconds."""
+"""The number of conflicts after which a random search is abandoned, which takes a few milliseconds."""
 
 DIVE_OPTIONS = ("rand_freq", "sign_def", "restarts", "local_restarts", "seed")
-"""The options of clasp's solver that random searches change."""
+"""The options of clasp's solver that are changed for random searches."""
 
 FORGOTTEN = "3"
-"""The data that clasp resets after random searches: scores and signs of variables, which may slow down a search
+"""The data that clasp resets after random searches (scores and signs of variables), which may slow down a search
 twentyfold."""
 
 UNLIMITED = "umax"
@@ -31,7 +32,7 @@ UNLIMITED = "umax"
 
 @dataclass(frozen=True)
 class Effort:
-    """The limits of an enumeration: the numbers of models and of conflicts."""
+    """The limits on an enumeration: the numbers of models and of conflicts."""
 
     models: int
     conflicts: int
@@ -44,7 +45,7 @@ class BoundedEnumeration:
         self._control = ground.grounder.control
         configuration: Any = self._control.configuration  # attributes are created at run time
         self._solve, self._solver = configuration.solve, configuration.solver[0]
-        self._rate = 0.0  # models a second of processor time in the latest search
+        self._rate = 0.0  # models per second of processor time in the latest search
         if project:
             if ground.projected is None:
                 project_on_shown(self._control, ground.shown)
@@ -81,7 +82,7 @@ class BoundedEnumeration:
             self._search(inf)
             found = self._control.statistics["solving"]["solvers"]["extra"]
             if found["models"]:
-                depths.append(found["models_level"] - 1)  # the lowest level has no decision
+                depths.append(found["models_level"] - 1)  # there is no decision at the lowest level
         for name, value in before.items():
             setattr(self._solver, name, value)
         self._solver.forget_on_step = FORGOTTEN
@@ -100,7 +101,7 @@ class BoundedEnumeration:
         return number if exhausted else None
 
     def _search(self, seconds: float) -> bool:
-        """Search up to a limit, and return whether all models were found. Ctrl-C is handled between polls."""
+        """Search up to a limit, and return whether all models were found; Ctrl-C is handled between polls."""
         until = process_time() + seconds
         with self._control.solve(async_=True) as handle:
             try:

@@ -1,4 +1,4 @@
-"""Decide how long each engine counts before the next one starts, with a rule derived from a hundred diverse programs.
+"""Decide how long each engine counts before the next one starts, using a rule derived from a hundred diverse programs.
 
 The measurements are in ``benchmarks/model_engines.py``. The rule depends on the predicted time of an
 enumeration and on the width of the clauses.
@@ -14,28 +14,30 @@ from prag_asp.models.enumeration.bounded_enumeration import Effort
 from prag_asp.models.ground_program import GroundModels
 
 FIRST = Effort(models=30_000, conflicts=5_000)
-"""The work of the first round: at most about 0.1 s, less than a counter needs to start and to preprocess."""
+"""The work of the first round, which takes at most about 0.1 s, less than a counter needs to start and to preprocess.
+"""
 
 ASSIGNMENTS = 3_000_000
-"""The total number of atoms in the models of the first round, because the time for a model grows with its atoms."""
+"""The total number of atoms in the models of the first round, because the time for a model grows with the number of its
+atoms."""
 
 NARROW = 24
 """The width of a tree decomposition up to which counting by cases is fast for any number of models."""
 
 QUICK = 0.2
-"""The predicted seconds of an enumeration that begins at once, before clauses are written."""
+"""The predicted time, in seconds, up to which an enumeration begins at once, before clauses are written."""
 
 SOON = 0.7
-"""The predicted seconds of an enumeration that begins before a diagram is compiled."""
+"""The predicted time, in seconds, up to which an enumeration begins before a diagram is compiled."""
 
 LATER = 4.0
-"""The predicted seconds of an enumeration that begins before counters, which seldom take that long."""
+"""The predicted time, in seconds, up to which an enumeration begins before counters, which seldom take that long."""
 
 LAST = 40.0
-"""The predicted seconds above which clingo does not enumerate."""
+"""The predicted time, in seconds, above which clingo does not enumerate."""
 
 FEW = 2.0
-"""The seconds of an enumeration if too few models are known for a prediction; there may be no answer set."""
+"""The time, in seconds, of an enumeration if too few models are known for a prediction; there may be no answer set."""
 
 
 def first_effort(ground: GroundModels) -> Effort:
@@ -47,14 +49,17 @@ SLIM = 8
 """The width up to which a diagram takes at most about 2**8 nodes for each variable."""
 
 PATIENCE = 500
-"""The number of calls of `look` by the compiler, each after 64 node visits, before a counter joins: about 1 s."""
+"""The number of calls of `look` by the compiler, each after 64 node visits, before a counter joins in, which take about
+1 s."""
 
 
 COMPILATION, LONGER_COMPILATION = 0.5, 1.5
-"""The seconds of a compilation that is likely to be short, and of one if an enumeration takes longer than `LATER`."""
+"""The time, in seconds, of a compilation that is likely to be short, and that of one if an enumeration takes longer
+than `LATER`."""
 
 SWEPT = 32
-"""The width up to which the compiler sweeps over a formula faster than clingo enumerates it, unless that is `QUICK`."""
+"""The width up to which the compiler sweeps over a formula faster than clingo enumerates it, unless the latter is
+`QUICK`."""
 
 
 class OwnEngine(Enum):
@@ -67,7 +72,7 @@ class OwnEngine(Enum):
 class Turn(NamedTuple):
     """An engine, its turn in processor seconds, and the number of calls of `look` after which it runs in parallel.
 
-    With 0 seconds, it only runs in parallel; engines of this process never run in parallel.
+    With 0 seconds, it runs only in parallel; engines in this process never run in parallel.
     """
 
     engine: Counter | OwnEngine
@@ -76,7 +81,7 @@ class Turn(NamedTuple):
 
 
 def seconds_of_enumeration(predicted: float) -> float:
-    """Return the number of seconds after which the predicted time of an enumeration is evidently wrong."""
+    """Return the number of seconds after which the predicted time of an enumeration has evidently been wrong."""
     return max(0.8, 3 * predicted)
 
 
@@ -108,7 +113,7 @@ def turns_of_engines(predicted: float | None, width: int, *, tight: bool, whole:
 def _turns_of_counters(width: int, *, tight: bool, whole: bool) -> tuple[Turn, ...]:
     """Return the turns that counters get.
 
-    d4 splits clauses into parts, and counts most narrow formulas immediately; it only accepts formulas without
+    d4 splits clauses into parts, and counts most narrow formulas immediately; it accepts only formulas without
     projection.
     """
     if not tight:

@@ -1,4 +1,4 @@
-"""Enumeration by clingo for programs without a formula: cyclic disjunctions, acyclic graphs, derived externals."""
+"""Enumeration by clingo for programs without a formula: cyclic disjunctions, acyclic graphs and derived externals."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from prag_asp.logic.ground.rules import Condition, GroundRecorder
 from prag_asp.models.atom_weights import weight_of
 from prag_asp.models.ground_program import GroundModels
 from prag_asp.models.program_reader import GivenProgram
-from prag_asp.models.questions.choices import Choice, add_choices
+from prag_asp.models.questions.choices import AtomChoice, add_choices
 from prag_asp.models.questions.optimum import Optimum
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.grounding import Grounder
@@ -25,7 +25,7 @@ POLL = 0.05
 """The time between two checks for interrupts, in seconds."""
 
 PROJECT = "--project=auto"
-"""The option for projection: on the atoms of ``#project`` or, without such a statement, on the shown symbols."""
+"""The option for projection onto the atoms of ``#project`` or, without such a statement, onto the shown symbols."""
 
 Printed = tuple[clingo.Symbol, ...]
 
@@ -40,7 +40,7 @@ class Enumeration:
     stated: Mapping[clingo.Symbol, Fraction]
     optimum: Optimum | None = None
     progress: Callable[[str], None] | None = None
-    choices: tuple[Choice, ...] = ()
+    choices: tuple[AtomChoice, ...] = ()
 
     def __iter__(self) -> Iterator[Printed]:
         return (printed for printed, _ in self._enumerate())
@@ -63,7 +63,7 @@ class Enumeration:
         return int(grounder.control.statistics["summary"]["models"]["enumerated"])
 
     def total(self) -> Fraction:
-        """Return the sum of the weights of all answer sets; without weights, their number."""
+        """Return the sum of the weights of all answer sets, which is their number if there are no weights."""
         return sum((weight for _, weight in self.reported()), start=Fraction(0))
 
     def marginals(self) -> dict[clingo.Symbol, Fraction]:
@@ -75,7 +75,7 @@ class Enumeration:
         return weights
 
     def sample(self, seed: int, number: int, total: Fraction) -> list[Printed]:
-        """Return a number of answer sets, each sampled with a probability proportional to its weight.
+        """Return a given number of answer sets, each sampled with a probability proportional to its weight.
 
         Each sample is a point between 0 and the total weight; a second enumeration finds the answer sets at these
         points by cumulative weight.
@@ -96,14 +96,14 @@ class Enumeration:
 
     @cached_property
     def _projected(self) -> frozenset[clingo.Symbol]:
-        """The atoms of ``#project`` if answer sets are projected on them."""
+        """The atoms of ``#project`` if answer sets are projected onto them."""
         projected = (self.ground.projected or ()) if self.project else ()
         return frozenset(symbol for symbol, atom in self.ground.names if atom in projected)
 
     def _grounder(self, *arguments: str) -> Grounder:
         project = [PROJECT] if self.project else []
         values = [] if self.optimum is None else [str(value) for _, value in self.optimum.values]
-        mode = f"--opt-mode={','.join(['enum', *values])}"  # all answer sets at least as good
+        mode = f"--opt-mode={','.join(['enum', *values])}"  # all answer sets that are at least as good
         recorder = GroundRecorder()
         observed = self.project or self.choices
         grounder = self.given.grounder(*arguments, "0", mode, *project, observer=recorder if observed else None)
@@ -151,7 +151,7 @@ class Enumeration:
 
 
 def project_on_shown(control: clingo.Control, shown: Iterable[tuple[clingo.Symbol, Iterable[Condition]]]) -> None:
-    """Make a control with the option `PROJECT` project on shown symbols, each with the conditions that show it.
+    """Make a control with the option `PROJECT` project onto shown symbols, each with the conditions that show it.
 
     By default, clingo omits symbols whose names begin with ``_``, and distinguishes the conditions of a symbol.
     """

@@ -17,7 +17,7 @@ NOT = "not "
 
 
 @dataclass(frozen=True)
-class Choice:
+class AtomChoice:
     """A shown symbol that answer sets must have, or lack if `excluded`; its text is a literal, such as ``not a``."""
 
     symbol: clingo.Symbol
@@ -27,7 +27,7 @@ class Choice:
         return f"{NOT if self.excluded else ''}{self.symbol}"
 
 
-def parse_choice(text: str, known: Collection[clingo.Symbol]) -> Choice:
+def parse_choice(text: str, known: Collection[clingo.Symbol]) -> AtomChoice:
     """Return the choice that a literal states, such as ``queen(1,2)`` or ``not queen(1,2)``.
 
     Raises:
@@ -39,13 +39,13 @@ def parse_choice(text: str, known: Collection[clingo.Symbol]) -> Choice:
         with not_too_deep(text):
             symbol = clingo.parse_term(name, logger=lambda *_: None)
     except RuntimeError:
-        raise QueryError(f"{text[:40]!r} is no literal; write an atom, such as p(1), or not p(1)") from None
+        raise QueryError(f"{text[:40]!r} is not a literal; write an atom, such as p(1), or not p(1)") from None
     if symbol not in known:
         raise QueryError(unknown(str(symbol), map(str, known), "shown atom"))
-    return Choice(symbol, name != words)
+    return AtomChoice(symbol, name != words)
 
 
-def only_chosen(ground: GroundModels, choices: Sequence[Choice], *, project: bool) -> GroundModels:
+def only_chosen(ground: GroundModels, choices: Sequence[AtomChoice], *, project: bool) -> GroundModels:
     """Return a ground program with constraints for choices, which are also added to its control."""
     rules = add_choices(ground.grounder.control, choices, conditions_of_symbols(ground, project=project))
     return replace(ground, rules=(*ground.rules, *rules))
@@ -62,9 +62,9 @@ def conditions_of_symbols(ground: GroundModels, *, project: bool) -> Mapping[cli
 
 
 def add_choices(
-    control: clingo.Control, choices: Sequence[Choice], conditions: Mapping[clingo.Symbol, Sequence[Condition]]
+    control: clingo.Control, choices: Sequence[AtomChoice], conditions: Mapping[clingo.Symbol, Sequence[Condition]]
 ) -> tuple[Rule, ...]:
-    """Add the constraints of choices to a control, and return them."""
+    """Add the constraints for choices to a control, and return them."""
     with control.backend() as backend:
         rules = tuple(
             rule
@@ -76,7 +76,7 @@ def add_choices(
     return rules
 
 
-def rules_of_choice(choice: Choice, conditions: Sequence[Condition], fresh: Callable[[], int]) -> Iterator[Rule]:
+def rules_of_choice(choice: AtomChoice, conditions: Sequence[Condition], fresh: Callable[[], int]) -> Iterator[Rule]:
     """Yield rules that exclude the answer sets against a choice, without changing the others."""
     if choice.excluded:
         yield from (Rule((), tuple(condition)) for condition in conditions)

@@ -23,7 +23,7 @@ from prag_asp.logic.ground.rules import Condition, GroundRecorder
 from prag_asp.models.aspif import is_aspif
 from prag_asp.models.ground_program import GroundModels, ground_models
 from prag_asp.models.program_reader import GivenProgram, read_program
-from prag_asp.models.questions.choices import Choice, conditions_of_symbols, parse_choice, rules_of_choice
+from prag_asp.models.questions.choices import AtomChoice, conditions_of_symbols, parse_choice, rules_of_choice
 from prag_asp.models.questions.ground_lines import liftable_text
 from prag_asp.processes.progress_events import stage
 from prag_asp.program.constants import Constant
@@ -36,19 +36,19 @@ POLL = 0.05
 """The time between two checks for interrupts, in seconds."""
 
 CONFLICTS = 100_000
-"""The number of conflicts after which the solver gives up on a line: some seconds, but deterministic."""
+"""The number of conflicts after which the solver gives up on a line: this takes a few seconds, but is deterministic."""
 
 CONSTANT = re.compile(r"-?\d+|_*[a-z][\w']*")
 """An argument that is a number or a name."""
 
 
 CHOICES = Path("<where>")
-"""The path of choices, whose lines are numbered from 1."""
+"""The path that stands for choices, whose lines are numbered from 1."""
 
 
 @dataclass(frozen=True)
 class Conflict:
-    """Lines of a program that together exclude every answer set; if `minimal`, no proper subset does.
+    """Lines of a program that together exclude every answer set; if `minimal` is true, no proper subset does.
 
     A set is not known to be minimal if the solver gave up on one of its subsets.
     """
@@ -60,7 +60,7 @@ class Conflict:
 def explain_program(
     files: Sequence[str | Path | Source], constants: Mapping[str, Constant], where: Sequence[str] = ()
 ) -> Conflict | None:
-    """Return lines that exclude every answer set of a program, or None if it has one; the program may optimise.
+    """Return lines that exclude every answer set of a program, or None if it has one; optimisation is ignored.
 
     The literals `where` choose and exclude shown symbols, and count as lines.
 
@@ -75,7 +75,7 @@ def explain_program(
 
 
 def find_conflict(
-    given: GivenProgram, ground: GroundModels, choices: Sequence[Choice] = (), *, project: bool = False
+    given: GivenProgram, ground: GroundModels, choices: Sequence[AtomChoice] = (), *, project: bool = False
 ) -> Conflict | None:
     """Return lines of a program and choices that exclude every answer set, or None if one agrees with the choices."""
 
@@ -139,7 +139,7 @@ def _liftable_lines(given: GivenProgram, ground: GroundModels, data: Container[S
 class _LiftableLines:
     """Lines of a program that restrict answer sets, each with the literal that keeps it.
 
-    `_shown` are the conditions under which answer sets show a symbol.
+    `_shown` holds the conditions under which answer sets show a symbol.
     """
 
     _control: clingo.Control
@@ -147,7 +147,7 @@ class _LiftableLines:
     _literals: Sequence[int]
     _shown: Mapping[clingo.Symbol, Sequence[Condition]]
 
-    def with_choices(self, choices: Sequence[Choice], ground: GroundModels, *, project: bool) -> _LiftableLines:
+    def with_choices(self, choices: Sequence[AtomChoice], ground: GroundModels, *, project: bool) -> _LiftableLines:
         """Return these lines and choices of the symbols of a ground program; a choice can be lifted like a line."""
         if not choices:
             return self
@@ -185,7 +185,7 @@ class _LiftableLines:
         return Conflict(tuple(self._lines[place] for place in conflict), minimal)
 
     def _core(self, places: Sequence[int]) -> list[int] | None:
-        """Return a subset of lines that excludes every answer set while all other lines are lifted, or None.
+        """Return a subset of the lines that excludes every answer set while all other lines are lifted, or None.
 
         Raises:
             _GivenUp: the solver reached its limit.
@@ -204,16 +204,16 @@ class _LiftableLines:
                 core = set(handle.core())
             finally:
                 handle.cancel()
-        # Lines lifted in the core restrict nothing: lifting them only adds answer sets.
+        # Lines that are lifted in the core restrict nothing, because lifting them only adds answer sets.
         return [place for place in sorted(chosen) if self._literals[place] in core]
 
 
 class _GivenUp(Exception):
-    """The solver reached its limit."""
+    """Raised when the solver reaches its limit."""
 
 
 def _is_liftable(statement: Statement, data: Container[Signature]) -> bool:
-    """Return whether a statement restricts answer sets, and is not data."""
+    """Return whether a statement restricts answer sets and does not merely state data."""
     if not statement.is_rule or statement.part != "base":
         return False
     heads = _derived(statement)
@@ -221,7 +221,7 @@ def _is_liftable(statement: Statement, data: Container[Signature]) -> bool:
 
 
 def _derived(statement: Statement) -> list[AtomNode]:
-    """Return the atoms that a rule derives; a negated head restricts like a constraint."""
+    """Return the atoms that a rule derives; a negated head restricts answer sets like a constraint."""
     return [head for head in statement.heads if not head.negated]
 
 
@@ -265,7 +265,7 @@ def _signature(symbol: clingo.Symbol) -> Signature:
 
 
 def _written(source: Source, statement: Statement) -> str:
-    """Return the original text of a statement in one line."""
+    """Return the original text of a statement on one line."""
     begin, end = statement.node.location.begin, statement.node.location.end
     lines = source.text.encode().split(b"\n")[begin.line - 1 : end.line]  # clingo counts columns in bytes
     lines[-1] = lines[-1][: end.column - 1]

@@ -18,7 +18,7 @@ from prag_asp.models.diagram import Diagram
 
 @dataclass(frozen=True)
 class Narrowing:
-    """The numbers of answer sets and facets that remain if an atom is chosen or excluded, and their reductions.
+    """The numbers of answer sets and facets that remain if an atom is chosen or excluded, and the reductions.
 
     `of_answer_sets` and `of_facets` are the reductions as shares of the original numbers, from 0 to 1. The latter is
     the significance of the facet.
@@ -34,8 +34,8 @@ class Narrowing:
 class Facet:
     """The share of answer sets that contain a shown atom, and the results of choosing and of excluding the atom.
 
-    An atom in no or in all answer sets is not a facet: choosing or excluding it leaves nothing or changes nothing, and
-    both are None.
+    An atom that is in no or in all answer sets is not a facet: choosing or excluding it leaves nothing or changes
+    nothing, and both results are None.
     """
 
     share: Fraction
@@ -90,7 +90,7 @@ def facets_of_diagram(
 def facets_of_lists(
     symbols: Sequence[clingo.Symbol], found: Iterable[tuple[clingo.Symbol, ...]]
 ) -> dict[clingo.Symbol, Facet]:
-    """Return the facets of listed answer sets; without answer sets, no atom is a facet, and all shares are 0."""
+    """Return the facets of listed answer sets; if there are none, no atom is a facet and all shares are 0."""
     places = {symbol: place for place, symbol in enumerate(symbols)}
     whole = (1 << len(symbols)) - 1
     numbers, total = [0] * len(symbols), 0
@@ -111,8 +111,8 @@ def facets_of_lists(
 
 
 def _together(diagram: Diagram, bits: Mapping[Literal, int]) -> dict[Literal, int]:
-    """Return, for each literal, the bits of all literals that occur in models together with it."""
-    below: list[int] = []  # the bits of the literals in models of a node
+    """Return, for each literal, the bits of all literals that occur together with it in models."""
+    below: list[int] = []  # for each node, the bits of the literals in its models
     for branches in diagram.nodes:
         union = 0
         for branch in branches:

@@ -43,7 +43,7 @@ class _Rule(NamedTuple):
 
 
 def liftable_text(source: Source, *, facts: bool) -> LiftableText:
-    """Return a checked program whose lines can be lifted, including facts if `facts` is true."""
+    """Return a checked program with lines that can be lifted, including facts if `facts` is true."""
     lines = source.text.split("\n")
     statements = list(enumerate(lines[1 : lines.index("0")], 2))
     names = dict(_names(text for _, text in statements))
@@ -80,7 +80,7 @@ def _rule(fields: Sequence[str]) -> _Rule:
 
 
 def _lifted(rule: _Rule, kept: int, fresh: Iterator[int]) -> Iterator[str]:
-    """Yield the lines of a rule that holds if an atom is true, and allows its heads otherwise."""
+    """Yield the lines of a rule that holds if an atom is true, and that allows its heads otherwise."""
     body = rule.literals
     if rule.weights is not None:
         body = (next(fresh),)
@@ -109,7 +109,7 @@ def _as_text(rule: _Rule, names: Mapping[int, str]) -> str:
 
 
 def _names(statements: Iterator[str]) -> Iterator[tuple[int, str]]:
-    """Yield the atoms that are the only condition of an output, with the output's name, in reverse order."""
+    """Yield the atoms that are the only condition of an output, with the name of the output, in reverse order."""
     for text in reversed(list(statements)):
         name, condition = _output(text)
         if len(condition) == 1 and condition[0] > 0:
@@ -127,7 +127,7 @@ def _output(text: str) -> tuple[str, tuple[int, ...]]:
 
 
 def _atoms(text: str) -> Iterator[int]:
-    """Yield the atoms of a statement, as negative numbers if negated."""
+    """Yield the atoms in a statement, as negative numbers if they are negated."""
     kind, *fields = text.split(" ")
     if kind == str(RULE):
         rule = _rule(fields)
@@ -141,7 +141,7 @@ def _atoms(text: str) -> Iterator[int]:
 ATOMS_FROM: Mapping[str, slice] = {
     "3": slice(1, None), "5": slice(0, 1), "6": slice(1, None), "7": slice(1, 2), "8": slice(3, None),
 }  # fmt: skip
-"""The fields with atoms of other statements, by kind: projection, externals, assumptions, heuristics, edges.
+"""The fields with atoms in other statements, by kind: projection, externals, assumptions, heuristics, edges.
 
-Conditions of heuristics are irrelevant, and minimize statements have only atoms of rules.
+Conditions of heuristics are irrelevant, and minimize statements contain only atoms of rules.
 """

@@ -17,14 +17,14 @@ POLL = 0.05
 """The time between two checks for interrupts, in seconds."""
 
 LARGEST = 2**31 - 1
-"""The largest sum of weights: clasp merges the weights of equivalent literals in 32 bits."""
+"""The largest sum of weights, because clasp merges the weights of equivalent literals in 32 bits."""
 
 
 @dataclass(frozen=True)
 class Optimum:
-    """The best values that answer sets reach, each with its priority, highest priority first.
+    """The best values that answer sets reach, each with its priority, the highest priority first.
 
-    Values are minimized, as clingo prints them: ``#maximize`` subtracts its weights.
+    Values are minimized, as clingo prints them; the weights of ``#maximize`` are subtracted.
     """
 
     values: tuple[tuple[int, int], ...]
@@ -80,7 +80,7 @@ def only_optimal(ground: GroundModels, optimum: Optimum) -> GroundModels:
 
 
 def _optimal_rules(ground: GroundModels, optimum: Optimum) -> Iterator[Rule]:
-    """Yield constraints that the optimal answer sets satisfy, and no others.
+    """Yield constraints that only the optimal answer sets satisfy.
 
     An answer set with no value above the optimum is optimal, because the optimum is minimal in the lexicographic order.
     """

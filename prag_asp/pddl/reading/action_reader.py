@@ -22,7 +22,7 @@ PARTS: Mapping[str, tuple[str, ...]] = {
     ":action": (":parameters", ":vars", ":precondition", ":effect"),
     ":durative-action": (":parameters", ":vars", ":duration", ":condition", ":effect"),
 }
-"""The parts of an action, each at most once and in any order."""
+"""The parts of an action, each of which may occur at most once, in any order."""
 
 START, END, OVER = ("at", "start"), ("at", "end"), ("over", "all")
 
@@ -40,7 +40,7 @@ class ActionReader:
         self._assigned: list[tuple[ObjectFunction, int]] = []
 
     def schemas(self, action: Expression) -> Iterator[Schema]:
-        """Yield an action, or an action for each of its outcomes. The variables of ``:vars`` are further parameters."""
+        """Yield an action, or an action for each of its outcomes; the variables of ``:vars`` are further parameters."""
         if action.head == ":durative-action" and not self._untimed:
             hint = "give --untimed to import it as an instantaneous action"
             self._source.refuse(action.line, f"{action.head}: actions that take time cannot be imported; {hint}")
@@ -171,7 +171,7 @@ class ActionReader:
         condition: Formula,
         time: tuple[str, str] | None,
     ) -> Iterator[Effect]:
-        """Yield the effects that change a function. A numeric change without a time specifier applies at the end."""
+        """Yield the effects that change a function; a numeric change without a time specifier applies at the end."""
         target, value = tree.rest
         if scope.is_object_function(target):
             if time or tree.head != "assign":
@@ -185,7 +185,7 @@ class ActionReader:
     def _assignment(
         self, tree: Expression, scope: Scope, outer: tuple[Variable, ...], condition: Formula
     ) -> Iterator[SchemaEffect]:
-        """Yield the effects that give an object function a different value, or none."""
+        """Yield the effects that give an object function a different value, or no value."""
         target, value = self._source.list_of(tree.rest, tree.line), tree.rest[1]
         function = scope.function_value(target)
         if any(variable not in function.terms.terms for variable in outer):
@@ -202,7 +202,7 @@ class ActionReader:
             yield SchemaEffect((*outer, *function.terms.new, *new.new), guard, function.literal(new.terms[0]))
 
     def _check_assigned(self, precondition: Formula) -> None:
-        """Refuse two simultaneous changes of an object function, and reset the recorded changes."""
+        """Check that no object function gets two values at once, and reset the recorded changes."""
         for (one, _), (other, line) in combinations(self._assigned, 2):
             if one.predicate == other.predicate and not certainly_unlike(
                 one.terms.terms, other.terms.terms, precondition
@@ -248,7 +248,7 @@ def fixed_duration(tree: Expression) -> Expression | Word | None:
 
 
 def time_of(tree: Expression) -> tuple[str, str] | None:
-    """Return the time specifier of a part of a durative action, if any."""
+    """Return the time specifier of a part of a durative action, if it has one."""
     words = tree.parts[:2]
     if len(tree.parts) == 3 and all(isinstance(each, Word) for each in words) and isinstance(tree.parts[2], Expression):
         return next((each for each in (START, END, OVER) if each == tuple(map(str, words))), None)

@@ -1,4 +1,4 @@
-"""Numbers that actions change and conditions read, as predicates: one for each possible value of a function.
+"""Numbers that actions change and conditions read, as predicates, one for each possible value of a function.
 
 The values are a least fixpoint within the bounds of `number_bounds`: the values of the initial state, and those that an
 action computes from them if its own comparisons hold. It contains all reachable values, because objects are ignored. If
@@ -36,13 +36,14 @@ from prag_asp.pddl.reading.number_bounds import SIGNS, is_unconditional, value_b
 from prag_asp.pddl.reading.pddl_source import PddlSource
 
 MOST_VALUES = 200
-"""The maximum number of values of a function: each becomes a predicate."""
+"""The maximum number of values of a function, because each becomes a predicate."""
 
 MOST_ROWS = 20_000
-"""The maximum number of combinations of values in a comparison or effect: each becomes a condition. They take 20 ms."""
+"""The maximum number of combinations of values in a comparison or an effect, because each becomes a condition. They
+take 20 ms."""
 
 MOST_TRIED = 300_000
-"""The maximum number of computed combinations in total. They take 5 s."""
+"""The maximum number of combinations that are computed in total. They take 5 s."""
 
 Row = dict[FunctionTerm, Fraction]
 
@@ -53,8 +54,8 @@ def bounded(
     """Return a domain and a problem in which no condition reads a function that an action changes.
 
     Raises:
-        DomainError: such a function has too many values, has no value in the initial state, or is changed twice by one
-        action.
+        DomainError: such a function has too many values, has no value in the initial state, or is changed twice by the
+            same action.
     """
     read = read_functions(domain, problem)
     domain = replace(domain, actions=tuple(joined(each, read) for each in domain.actions))
@@ -76,8 +77,8 @@ def bounded(
 def joined(action: Schema, functions: Collection[str]) -> Schema:
     """Return an action that changes each term of the given functions once, by summing its unconditional changes.
 
-    A change that another change cancels is dropped, but the action still requires that every function that it reads has
-    a value.
+    If two changes cancel each other, they are dropped, but the action still requires that every function that they read
+    has a value.
     """
     groups: dict[FunctionTerm, list[NumericEffect]] = {}
     for each in action.numeric:
@@ -144,7 +145,7 @@ def _changed(effect: NumericEffect, row: Row) -> Fraction | None:
 
 
 class _FunctionValues:
-    """The possible values of functions, keyed by name."""
+    """The possible values of functions, by name."""
 
     def __init__(
         self,
@@ -177,7 +178,7 @@ class _FunctionValues:
                     source.refuse(effect.line, f"{text}; bound its changes by conditions, or write predicates")
 
     def of(self, term: FunctionTerm) -> list[Fraction]:
-        """Return the values of a function in ascending order."""
+        """Return the values of a function, in ascending order."""
         return sorted(self._values.get(term.function, ()))
 
     def rows(self, effect: NumericEffect, action: Schema) -> list[Row]:

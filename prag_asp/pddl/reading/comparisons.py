@@ -28,7 +28,7 @@ COMPARE: Mapping[str, Callable[[Fraction, Fraction], bool]] = {
 }  # fmt: skip
 
 MOST_ROWS = 10**6
-"""The maximum number of rows of values for a comparison. A row takes 1 kB and 10 microseconds."""
+"""The maximum number of rows of values for a comparison; a row takes 1 kB and 10 microseconds."""
 
 Values = Mapping[tuple[str, tuple[str, ...]], Fraction]
 
@@ -36,7 +36,7 @@ Values = Mapping[tuple[str, tuple[str, ...]], Fraction]
 def settled(
     source: PddlSource, problem_source: PddlSource, domain: DomainFile, problem: ProblemFile
 ) -> tuple[DomainFile, ProblemFile]:
-    """Return a domain and a problem with each comparison replaced; none may read a function that an action changes.
+    """Return a domain and a problem with all comparisons replaced; none may read a function that an action changes.
 
     Raises:
         DomainError: a comparison has too many values.

@@ -23,11 +23,11 @@ REQUIREMENTS = frozenset([
     ":derived-predicates", ":domain-axioms", ":action-costs", ":fluents", ":numeric-fluents",
     ":object-fluents",
 ])  # fmt: skip
-"""The supported requirements. They need not be declared."""
+"""The supported requirements, which need not be declared."""
 
 
 class DomainReader:
-    """Reads a domain. `objects` are added by `constants`, and by the reader of the problem before actions are read."""
+    """Reads a domain; `constants` adds to `objects`, and so does the reader of the problem before actions are read."""
 
     def __init__(self, source: PddlSource, definition: Definition) -> None:
         self._source = source
@@ -104,7 +104,7 @@ class DomainReader:
             self._source.refuse(lines[first], f"types form a cycle, {' - '.join(path)}; remove one of them")
 
     def _read_functions(self, parts: Iterable[Expression | Word]) -> None:
-        """Read numeric functions, which may name the type `number`, and object functions."""
+        """Read numeric functions, which may be declared with the type `number`, and object functions."""
         waiting: list[Expression | Word] = []
         each_part = iter(parts)
         for part in each_part:
@@ -191,9 +191,9 @@ def check_requirements(source: PddlSource, section: Expression | None) -> None:
 def object_types(
     source: PddlSource, section: Expression, types: dict[str, tuple[str, ...]], objects: dict[str, str]
 ) -> dict[str, int]:
-    """Add the objects of a list, and return the lines of new ones; redeclaring an object with the same type is allowed.
+    """Add the objects in a list, and return the lines of new ones; redeclaring an object with the same type is allowed.
 
-    An object of several types (``either``) gets a new type, a subtype of each of them.
+    An object of several types (``either``) gets a new type, which is a subtype of each of them.
     """
     lines: dict[str, int] = {}
     for name, kinds in source.typed_words(section.rest, types):
@@ -208,7 +208,7 @@ def object_types(
 
 
 def _with_unique_names(schemas: Iterable[Schema]) -> Iterator[Schema]:
-    """Yield schemas; of those that share a name, all but the first get a number."""
+    """Yield schemas with unique names; of those that share a name, all but the first get a number."""
     schemas = list(schemas)
     names = {each.given_name for each in schemas}
     used: set[str] = set()
@@ -221,7 +221,7 @@ def _with_unique_names(schemas: Iterable[Schema]) -> Iterator[Schema]:
 
 
 def _reached(predicate: str, rule_literals: Mapping[str, list[Literal]]) -> set[str]:
-    """Return a predicate, and all predicates that its rules read directly or indirectly."""
+    """Return a predicate and all predicates that its rules read, directly or indirectly."""
     predicates, waiting = {predicate}, [predicate]
     while waiting:
         new = {each.predicate for each in rule_literals.get(waiting.pop(), ())} - predicates

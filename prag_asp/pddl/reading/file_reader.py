@@ -19,10 +19,10 @@ from prag_asp.program.problem import Problem
 def read_files(
     domain: Path, problem: Path, *, untimed: bool = False
 ) -> tuple[DomainFile, ProblemFile, tuple[Problem, ...]]:
-    """Read a domain and its problem, and return them with warnings about their ignored or undeclared parts.
+    """Read a domain and its problem, and return them with warnings about ignored or undeclared parts.
 
-    The result has literals of static predicates in place of comparisons of numbers. With `untimed`, durative actions
-    are read as instantaneous ones.
+    In the result, comparisons of numbers are replaced by literals of static predicates. With `untimed`, durative
+    actions are read as instantaneous ones.
 
     Raises:
         DomainError: a file is not PDDL, or uses something undeclared or unsupported.
@@ -42,7 +42,7 @@ def read_files(
 
 
 def _ignored(domain: DomainFile, read: Collection[str]) -> Iterator[tuple[int, str]]:
-    """Yield the functions that actions change and no condition reads, each once, except the costs of actions."""
+    """Yield the functions that actions change but no condition reads, each once, except the costs of actions."""
     changed = [effect for action in domain.actions for effect in action.numeric]
     for name in dict.fromkeys(each.function.function for each in changed):
         if name not in read and name != TOTAL:

@@ -2,7 +2,7 @@
 
 If each action that decreases f(z) by w(y) requires and deletes p(y,z), and each action that adds p(y,z) increases f(z)
 by w(y), then f(z) minus the sum of w over the true atoms p(_,z) never decreases. The sum is not negative, so f(z) never
-falls below the initial difference. The same holds for upper bounds with the signs exchanged.
+falls below the initial difference. With the signs exchanged, the same holds for upper bounds.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ SIGNS: Mapping[str, int] = {"increase": 1, "decrease": -1}
 
 
 class ValueBounds(NamedTuple):
-    """The least and the greatest value of a function, each None if unknown."""
+    """The least and the greatest value of a function, each of which is None if it is unknown."""
 
     least: Fraction | None
     most: Fraction | None
@@ -31,7 +31,7 @@ class ValueBounds(NamedTuple):
 
 @dataclass(frozen=True)
 class _RememberedChange:
-    """A predicate that records changes of a function, and the positions of the function's terms in its arguments.
+    """A predicate that records changes to a function, and the positions of the function's terms in its arguments.
 
     `weight` is the size of a change: a number, or a function and the arguments of the predicate that are its terms.
     """
@@ -77,7 +77,7 @@ def is_unconditional(effect: NumericEffect | SchemaEffect) -> bool:
 
 
 def _is_positive(value: Quantity, problem: ProblemFile, changing: set[str]) -> bool:
-    """Return whether a quantity is a number or the value of a constant function, and not negative."""
+    """Return whether a quantity is a nonnegative number, or a constant function with a nonnegative value."""
     if isinstance(value, Fraction):
         return value >= 0
     if not isinstance(value, FunctionTerm) or value.function in changing:
@@ -141,7 +141,7 @@ def _lost(action: Schema, predicate: str) -> Iterator[Literal]:
 
 
 def _remembered(memory: _RememberedChange, terms: tuple[str, ...], problem: ProblemFile) -> Fraction:
-    """Return the sum of the changes of a function term that the initial atoms record."""
+    """Return the sum of the changes to a function term that the initial atoms record."""
     total = Fraction(0)
     for atom in {tuple(map(str, each.terms)) for each in problem.initial if each.predicate == memory.predicate}:
         if tuple(atom[place] for place in memory.function_terms) == terms:

@@ -1,7 +1,7 @@
-"""Represent functions whose values are objects as predicates with the value as last argument, at most one value each.
+"""Represent functions with objects as values by predicates whose last argument is the value; at most one is true.
 
-``undefined`` is a value like any other (PDDL 3.1): two functions without a value are equal. A literal that contains a
-function without a value is false.
+``undefined`` is a value like any other (PDDL 3.1), so two functions without a value are equal. A literal that contains
+a function without a value is false.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ UNDEFINED = "undefined"
 
 @dataclass(frozen=True)
 class Terms:
-    """Terms of a formula. The `new` variables stand for functions; the literals in `values` define their values."""
+    """The terms of a formula; `new` variables stand for functions, whose values the literals in `values` define."""
 
     terms: tuple[Variable | str, ...]
     new: tuple[Variable, ...]
@@ -47,5 +47,5 @@ class ObjectFunction:
     line: int
 
     def literal(self, value: Variable | str, *, positive: bool = True) -> Literal:
-        """Return the literal which states that the function has a value."""
+        """Return the literal that states that the function has a value."""
         return Literal(self.predicate, (*self.terms.terms, value), positive, self.line)

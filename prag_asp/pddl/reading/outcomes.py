@@ -1,6 +1,6 @@
 """Turn nondeterministic effects (``oneof``) into separate actions, one for each outcome.
 
-This is the all-outcomes determinization (Yoon, Fern and Givan 2007): its plans are sequences of actions with outcomes
+This is the all-outcomes determinization (Yoon, Fern and Givan 2007), whose plans are sequences of actions with outcomes
 that lead to the goal.
 """
 
@@ -17,11 +17,11 @@ from prag_asp.wording import plural
 ONE_OF = "oneof"
 
 MOST_OUTCOMES = 1000
-"""The maximum number of outcomes of an action: each becomes a separate action."""
+"""The maximum number of outcomes of an action, because each becomes a separate action."""
 
 
 def outcomes(source: PddlSource, effect: Expression) -> list[Expression]:
-    """Return the outcomes of an effect, as effects without ``oneof``: the effect itself if it has no ``oneof``.
+    """Return the outcomes of an effect, as effects without ``oneof``, or the effect itself if it has no ``oneof``.
 
     Raises:
         DomainError: there are too many outcomes, or their number depends on objects or on the state.

@@ -19,7 +19,7 @@ from prag_asp.wording import did_you_mean, nearest, plural
 NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)")
 LIKE_NUMBER = re.compile(r"[-+]?[\d.]+")
 ATTACHED = re.compile(r"-([^\W\d][^?:]*)?")
-"""The sign before a type; some files omit the blank after it."""
+"""The sign that precedes a type; some files omit the blank after it."""
 
 
 @dataclass
@@ -30,7 +30,7 @@ class PddlSource:
     warnings: list[Problem] = field(default_factory=list)
 
     def refuse(self, line: int, text: str) -> NoReturn:
-        """Raise a DomainError that names a line."""
+        """Raise a DomainError that gives a line."""
         raise DomainError(f"{self.path}:{line}: {text}")
 
     def warn(self, line: int, text: str, name: str) -> None:
@@ -80,10 +80,10 @@ class PddlSource:
     def typed_words(
         self, parts: Iterable[Expression | Word], types: dict[str, tuple[str, ...]] | None, *, variables: bool = False
     ) -> Iterator[tuple[Word, tuple[str, ...]]]:
-        """Yield the words of a typed list, each with its alternative types; a word without a type has none.
+        """Yield the words of a typed list, each with its alternative types, of which there may be none.
 
-        An unknown type is added to `types` with a warning, unless it is a misspelling; if `types` is None, any type is
-        valid.
+        An unknown type is added to `types` with a warning, unless it seems to be misspelt; if `types` is None, any type
+        is valid.
         """
         waiting: list[Word] = []
         each_part = iter(parts)

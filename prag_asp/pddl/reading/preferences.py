@@ -1,4 +1,4 @@
-"""Preferences: conditions that a plan need not satisfy. They are dropped, because they restrict no plans."""
+"""Preferences: conditions that a plan need not satisfy, and which are dropped because they exclude no plans."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ PREFERENCE = "preference"
 
 
 def without_preferences(source: PddlSource, tree: Expression) -> Expression:
-    """Return a condition without its preferences, which may be nested in ``and`` and ``forall``, with a warning."""
+    """Return a condition without its preferences, which may be nested in ``and`` and ``forall``; warn about them."""
     if tree.head == PREFERENCE:
         source.warn(tree.line, "preferences are ignored: plans need not meet them", "ignored")
         return Expression((), tree.line, tree.end)

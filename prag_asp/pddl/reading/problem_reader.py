@@ -16,7 +16,7 @@ from prag_asp.pddl.syntax.sections import Definition
 
 
 class ProblemReader:
-    """Reads a problem. Its objects are read before the actions of the domain, which may name them."""
+    """Reads a problem; its objects are read before the actions of the domain, which may name them."""
 
     def __init__(self, source: PddlSource, definition: Definition, *, untimed: bool) -> None:
         self._source = source
@@ -75,7 +75,7 @@ class ProblemReader:
             self._initial.append(literal)
 
     def _read_at_time(self, tree: Expression, scope: Scope, derived: frozenset[str]) -> None:
-        """Read a timed initial literal, which is true in the initial state if its time is 0, and otherwise ignored."""
+        """Read a timed initial literal, which is true in the initial state if its time is 0 and ignored otherwise."""
         time, literal = tree.rest
         if not self._untimed:
             text = "(at TIME ...): literals that become true at a time cannot be imported"

@@ -33,7 +33,7 @@ OPERATORS = ("+", "-", "*", "/")
 
 @dataclass(frozen=True)
 class Declared:
-    """The declarations of a domain and its problem. `types` are the direct supertypes of each type.
+    """The declarations of a domain and its problem; `types` maps each type to its direct supertypes.
 
     If predicates are `undeclared`, the domain has no list of them, and each is added on its first use.
     """
@@ -44,11 +44,11 @@ class Declared:
     functions: Mapping[str, Declaration]
     undeclared: bool = False
     object_functions: dict[str, str] = field(default_factory=dict)
-    """The predicates of the object functions; the value is the last argument."""
+    """The predicates of the object functions, whose last argument is the value."""
 
 
 class Scope:
-    """The names in scope at a place of a file."""
+    """The names in scope at a place in a file."""
 
     def __init__(self, source: PddlSource, declared: Declared, *, in_domain: bool = True) -> None:
         self._source = source
@@ -59,7 +59,7 @@ class Scope:
         self._duration: tuple[Scope, Expression | Word] | None = None
 
     def within(self) -> Scope:
-        """Return a nested scope. The clingo names of variables are unique in both."""
+        """Return a nested scope; the clingo names of variables are unique in both scopes together."""
         inner = Scope(self._source, self._declared, in_domain=self._in_domain)
         inner._variables, inner._taken, inner._duration = dict(self._variables), self._taken, self._duration
         return inner
@@ -76,7 +76,7 @@ class Scope:
         return inner
 
     def declare(self, parts: Iterable[Expression | Word], *, named: bool = True) -> tuple[Variable, ...]:
-        """Declare the variables of a typed list, and return them. If `named`, a repeated name is an error."""
+        """Declare the variables of a typed list, and return them; with `named`, a repeated name is an error."""
         variables: list[Variable] = []
         seen: set[str] = set()
         for name, types in self._source.typed_words(parts, self._declared.types, variables=True):
@@ -92,8 +92,8 @@ class Scope:
     def signature(self, name: Word, arity: int) -> Declaration:
         """Return the declaration of a predicate used with `arity` arguments.
 
-        An undeclared predicate is declared by its first use in a domain, with a warning, unless it is a misspelling. If
-        the domain declares no predicate at all, its first use in a problem also declares it.
+        An undeclared predicate is declared by its first use in a domain, with a warning, unless it seems to be
+        misspelt. If the domain declares no predicate at all, its first use in a problem also declares it.
         """
         predicates = self._declared.predicates
         if name not in predicates and (
@@ -136,7 +136,7 @@ class Scope:
         return ObjectFunction(predicate, terms, types, part.line)
 
     def check_value(self, function: ObjectFunction, value: Variable | str) -> None:
-        """Refuse a value whose type may not be among the types of a function's values."""
+        """Refuse a value whose type cannot be among the types of a function's values."""
         for kind in value.types if isinstance(value, Variable) else (self._declared.objects[value],):
             above, waiting = {kind, OBJECT}, [kind]
             while waiting:
@@ -148,7 +148,7 @@ class Scope:
                 self._source.refuse(function.line, f"{text}; give it this type")
 
     def terms(self, parts: Iterable[Expression | Word]) -> Terms:
-        """Return terms; each object function among them is replaced by a variable for its value."""
+        """Return terms in which each object function is replaced by a variable that stands for its value."""
         terms: list[Variable | str] = []
         new: list[Variable] = []
         values: list[Literal] = []
@@ -168,7 +168,7 @@ class Scope:
         return Junction(True, (), line)
 
     def literal(self, expression: Expression, *, positive: bool = True) -> Literal:
-        """Return a literal of a predicate with variables and objects as terms."""
+        """Return a literal of a predicate whose terms are variables and objects."""
         found = self.atom(expression)
         if found.terms.new:
             self._source.refuse(expression.line, "a function is not expected here; write its value")
@@ -192,7 +192,7 @@ class Scope:
         return tuple(parts)
 
     def formula(self, expression: Expression, *, positive: bool = True) -> Formula:  # noqa: PLR0911 - one for each word
-        """Return a formula, or its negation, in negation normal form. An empty list is true."""
+        """Return a formula, or its negation, in negation normal form; an empty list is true."""
         word, line = expression.head, expression.line
         if not expression.parts:
             return Junction(positive, (), line)
@@ -217,7 +217,7 @@ class Scope:
         return whole if positive else negated(whole)
 
     def _object_equality(self, left: Expression, right: Expression | Word) -> Formula:
-        """Return the formula which states that an object function and a term have the same value or both have none."""
+        """Return the formula that an object function and a term have the same value, or that both have none."""
         one, line = self.function_value(left), left.line
         if right == UNDEFINED and UNDEFINED not in self._declared.objects:
             return one.terms.bound(self._has_no_value(one))
@@ -268,7 +268,7 @@ class Scope:
         return self.function_term(part)
 
     def function_term(self, part: Expression | Word) -> FunctionTerm:
-        """Return a declared function applied to terms; parentheses are optional without terms."""
+        """Return a declared function applied to terms; without terms, parentheses are optional."""
         head, terms = (part, ()) if isinstance(part, Word) else (part.head, part.rest)
         if not head:
             self._source.refuse(part.line, "a function is expected here; write one, or a number")
@@ -280,4 +280,4 @@ class Scope:
 TOTAL = "total-cost"
 DURATION = "?duration"
 TIMES = (DURATION, "#t", "total-time")
-"""The duration of an action, and time, which have no value."""
+"""The words for the duration of an action and for time, which have no value."""

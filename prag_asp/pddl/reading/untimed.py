@@ -1,8 +1,8 @@
-"""Turn durative actions into instantaneous ones, whose effect is that of running from start to end without overlap.
+"""Turn durative actions into instantaneous ones, with the effect of running from start to end without overlap.
 
-The effects at the start come first. The conditions over all and at the end are read in the state after these, so they
-are regressed over the effects at the start (Reiter 1991). The effects at the end come last, and override the other
-effects.
+The effects at the start come first. The conditions over all and at the end are read in the state after these effects,
+so they are regressed over the effects at the start (Reiter 1991). The effects at the end come last, and override the
+other effects.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def untimed_schema(
     conditions: tuple[Formula, Formula],
     effects: Sequence[Sequence[SchemaEffect | NumericEffect]],
 ) -> Schema:
-    """Return an instantaneous action, given the conditions and effects of a durative one at its start and its end.
+    """Return an instantaneous action, given a durative one's conditions and effects at its start and its end.
 
     Raises:
         DomainError: a condition at the end reads a derived predicate, although there are effects at the start.
@@ -89,7 +89,7 @@ def _made(literal: Literal, effect: SchemaEffect) -> Formula:
 
 
 def _regressed(literal: Literal, effects: Iterable[SchemaEffect]) -> Formula:
-    """Return the condition that must hold before some effects for a literal to hold after these effects."""
+    """Return the condition that must hold before some effects for a literal to hold after them."""
     same = [each for each in effects if each.literal.predicate == literal.predicate]
     if not same:
         return literal

@@ -1,8 +1,8 @@
-"""Parse a PDDL file into nested expressions, whose words carry their lines.
+"""Parse a PDDL file into nested expressions, whose words carry their line numbers.
 
 PDDL is a language of nested lists, but the files of many projects deviate from its grammar: names that begin with a
-digit, arbitrarily nested effects, requirements of other dialects. This parser only reads lists, and leaves all further
-checks to `file_reader`, which reports problems with their lines.
+digit, arbitrarily nested effects, and requirements of other dialects. This parser only reads lists, and leaves all
+further checks to `file_reader`, which reports problems with their lines.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ COMMENT = (";", "//")
 
 
 class Word(str):
-    """A word of a file, with its line number."""
+    """A word in a file, with its line number."""
 
     line: int
 
@@ -46,7 +46,7 @@ class Expression:
 
     @property
     def head(self) -> Word:
-        """The first word; an empty word if the list is empty or begins with a list."""
+        """The first word, or an empty word if the list is empty or begins with a list."""
         return self.parts[0] if self.parts and isinstance(self.parts[0], Word) else Word("", self.line)
 
     @property
@@ -65,7 +65,7 @@ class Expression:
 
 
 def parse_expressions(path: Path, text: str, *, keep_case: bool = False) -> tuple[Expression, ...]:
-    """Return the lists of a text without its comments, in lower case unless `keep_case`.
+    """Return the lists in a text without its comments, in lower case unless `keep_case` is true.
 
     Raises:
         DomainError: parentheses do not match or are nested more than `DEEPEST` deep, or a word is outside of them.

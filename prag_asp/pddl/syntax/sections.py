@@ -1,4 +1,4 @@
-"""The definition of a domain or a problem in a file, as its sections."""
+"""The definition of a domain or a problem in a file, divided into sections."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ UNSUPPORTED = {
 
 @dataclass(frozen=True)
 class Definition:
-    """A domain or a problem: its name, its sections, and the rules and actions, in the order of the file."""
+    """A domain or a problem: its name, its sections, and its rules and actions, in the order of the file."""
 
     name: Word
     sections: Mapping[str, Expression]
@@ -119,5 +119,5 @@ def unexpected(word: str) -> str:
 
 
 def unsupported(word: str) -> str:
-    """Return the message about a word of `UNSUPPORTED`."""
+    """Return the message about a word in `UNSUPPORTED`."""
     return f"{word}: {UNSUPPORTED[word]} cannot be imported; remove them"

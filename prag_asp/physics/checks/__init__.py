@@ -1,1 +1,1 @@
-"""Checks of a witness that are independent of the search: its states, its motions, and settling."""
+"""Check a witness independently of the search: its states, its motions, and whether it settles."""

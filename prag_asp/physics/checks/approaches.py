@@ -21,7 +21,7 @@ from prag_asp.scene.robots import Joints
 
 
 class Stop(NamedTuple):
-    """A stop of an arm: its joints and tool pose, whether it is at an object, and whether it pulls a handle."""
+    """A stop of an arm: its joints, the pose of its tool, whether it is at an object, and whether it pulls a handle."""
 
     joints: Joints
     tool: Pose
@@ -41,7 +41,7 @@ def approach_problems(
 ) -> Iterator[str]:
     """Yield grasps and releases of objects that are not at the gripper, and curved motions to or from an object.
 
-    `tools` are the poses of the tool at the waypoints. Grips of handles are left to `handling_problems`.
+    `tools` are the poses of the tool at the waypoints. `handling_problems` checks how handles are gripped.
     """
     for robot, arm in before.moment.arms.items():
         arms = (arm, after.moment.arms[robot])
@@ -75,7 +75,7 @@ def approach_problems(
 def _end(end: End, robot: str, simulator: Simulator) -> Stop:
     """Return the stop of an arm in a state.
 
-    The arm is down if a fact states that it is at an object, or if the object that it holds is supported.
+    The arm is at an object if a fact says so, or if the object that it holds is supported.
     """
     situation = situation_of(simulator, end.moment.poses, end.moment.openings, end.moment.arms)
     arm = end.moment.arms[robot]
@@ -103,5 +103,5 @@ def _not_above(passed: Sequence[Stop]) -> Iterator[str]:
 
 
 def _straight_off(off: Pose, low: Pose) -> bool:
-    """Return whether a tool pose is `LIFT` metres straight above another, or as far behind it along the fingers."""
+    """Return whether a tool pose is `LIFT` metres straight above another, or that far behind it along the fingers."""
     return near(off, raised(low, LIFT)) or near(off, backed(low))

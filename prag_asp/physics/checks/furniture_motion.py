@@ -1,4 +1,4 @@
-"""Check how a witness moves furniture between its states: by the handle, and without jumps."""
+"""Check how a witness moves furniture between its states: by the handle, without jumps."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Openings = Mapping[str, float]
 
 
 def opening_problems(moment: Moment, physical: PhysicalTask, scene: Scene) -> Iterator[str]:
-    """Yield furniture whose opening is missing or out of range, and other entities for which an opening is given."""
+    """Yield furniture whose opening is missing or out of range, and other entities that are given an opening."""
     furniture = {entity for entity in physical.objects if scene.shapes[entity].traits.furniture}
     for entity in sorted(furniture):
         opening = moment.openings.get(entity, math.nan)
@@ -48,7 +48,7 @@ def carried_along(poses: Mapping[str, Pose], before: Openings, after: Openings, 
 def handling_problems(
     motion: Sequence[Waypoint], tools: Sequence[Pose], before: Moment, after: Moment, scene: Scene
 ) -> Iterator[str]:
-    """Yield waypoints at which the gripper is off the handle or furniture jumps, and wrong final openings.
+    """Yield waypoints where the gripper is off the handle, waypoints where furniture jumps, and wrong final openings.
 
     `tools` are the poses of the tool at the waypoints.
     """

@@ -1,4 +1,4 @@
-"""Check a motion of a witness: its waypoints, and that only the bodies that the action moves have moved."""
+"""Check a motion of a witness: its waypoints, and that only the bodies that its action moves have moved."""
 
 from __future__ import annotations
 

@@ -24,12 +24,12 @@ from prag_asp.task import Task
 
 TIME_STEP = 1 / 240
 STEPS = 60
-"""A quarter of a second, in which a 5 cm cube with its centre of mass 2 mm beyond an edge tips over."""
+"""A quarter of a second, during which a 5 cm cube with its centre of mass 2 mm beyond an edge tips over."""
 
 LARGEST_MOVE = 0.003
 LARGEST_TURN = math.radians(3)
 LARGEST_SPEED = 0.03
-"""The largest displacement of a stable object in metres and radians, and its largest final speed in m/s."""
+"""The largest displacement of a stable object, in metres or radians, and its largest final speed in m/s."""
 
 
 Rest = tuple[Mapping[str, Pose], Mapping[str, float], tuple[str, ...]]
@@ -37,7 +37,7 @@ Rest = tuple[Mapping[str, Pose], Mapping[str, float], tuple[str, ...]]
 
 
 class Settling:
-    """Settles witnesses in a PyBullet world that contains only objects; use `open_settling`, which closes it."""
+    """Settles witnesses in a PyBullet world of objects alone; `open_settling` creates one and closes it."""
 
     def __init__(self, scene: Scene, client: int):
         self._scene = scene
@@ -46,8 +46,8 @@ class Settling:
     def fault(self, physical: PhysicalTask, witness: Witness) -> PhysicsFault | None:
         """Return the reason why a state of a witness is not stable, or None if all states are stable.
 
-        An object may move by `LARGEST_MOVE`, turn by `LARGEST_TURN` and end with a speed of `LARGEST_SPEED`;
-        afterwards, the predicate of every fact in the state has to confirm that fact.
+        An object may move by up to `LARGEST_MOVE`, turn by up to `LARGEST_TURN` and have a final speed of up to
+        `LARGEST_SPEED`; afterwards, every fact of the state must still hold according to its predicate.
         """
         scene = self._scene.with_sizes(witness.sizes)
         start_world(self._client)
@@ -73,7 +73,7 @@ class Settling:
         return None
 
     def _settle(self, scene: Scene, bodies: Mapping[str, int], moment: Moment) -> Rest:
-        """Return the state after settling."""
+        """Return the state after its objects have settled."""
         client = self._client
         for entity, body in bodies.items():
             put_body(client, scene, entity, body, moment.poses[entity])
@@ -101,7 +101,7 @@ class Settling:
 
 @contextmanager
 def open_settling(scene: Scene) -> Iterator[Settling]:
-    """Open a world to settle witnesses in, and close it afterwards."""
+    """Open a world in which witnesses settle, and close it afterwards."""
     with open_client() as client:
         yield Settling(scene, client)
 

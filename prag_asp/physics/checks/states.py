@@ -1,4 +1,4 @@
-"""Check a state of a witness: facts, collisions, stability and grasps."""
+"""Check a state of a witness: its facts, collisions, stability and grasps."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]
 
 
 def tilt(quaternion: Quaternion, direction: Vector) -> float:
-    """Return the angle between the z axis of a frame and a direction, a unit vector, in radians."""
+    """Return the angle, in radians, between the z axis of a frame and a direction given as a unit vector."""
     along = sum(a * b for a, b in zip(rotate(quaternion, UP), direction, strict=True))
     return math.acos(max(-1.0, min(1.0, along)))
 

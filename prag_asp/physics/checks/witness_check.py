@@ -18,11 +18,11 @@ from prag_asp.task import Task
 
 
 def check_witness(task: Task, witness: Witness, scene: Scene) -> list[str]:
-    """Return the problems of a task's witness, or none if it passes; use `open_witness_check` for many witnesses.
+    """Return the problems of a task's witness, or nothing if it passes; use `open_witness_check` for many witnesses.
 
     Every state is loaded into a fresh simulator. A witness passes if all numbers are finite, joints are within their
     limits, facts have their required truth values, nothing collides or falls, the simulator's forward kinematics agrees
-    with the grasp of the held object, and only the bodies that an action moves have moved.
+    with the grasp of the held object, and the only bodies that move are those that the action is meant to move.
 
     Raises:
         SceneError: the task names an entity that has no shape.
@@ -33,13 +33,13 @@ def check_witness(task: Task, witness: Witness, scene: Scene) -> list[str]:
 
 @contextmanager
 def open_witness_check(scene: Scene) -> Iterator[Callable[[Task, Witness], list[str]]]:
-    """Yield a function like `check_witness`, which checks all tasks of one scene in one simulator."""
+    """Yield a function like `check_witness` that checks all tasks of one scene in a single simulator."""
     with open_simulator(scene) as simulator:
         yield lambda task, witness: witness_problems(task, witness, simulator, scene)
 
 
 def witness_problems(task: Task, witness: Witness, simulator: Simulator, scene: Scene) -> list[str]:
-    """Return the problems of a task's witness, or none if it passes, like `check_witness`.
+    """Return the problems of a task's witness, or nothing if it passes, as `check_witness` does.
 
     Afterwards, the bodies in the `simulator` of the scene have the sizes of the witness.
     """

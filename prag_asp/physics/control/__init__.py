@@ -1,1 +1,1 @@
-"""Control conventions: the meaning of the actions of robots, and the conversion of motor commands to them and back."""
+"""Control conventions: what the actions of robots mean, and how motor commands are converted to them and back."""

@@ -1,6 +1,6 @@
-"""Convert the actions of an agent to motor commands of an arm.
+"""Convert the actions of an agent to motor commands for an arm.
 
-Actions are limited by the speeds and the ranges of the robot's joints, so none is refused.
+Actions are clipped to the speeds and ranges of the robot's joints, so none is refused.
 """
 
 from __future__ import annotations
@@ -19,11 +19,10 @@ from prag_asp.scene.geometry import matrix, rotate
 from prag_asp.scene.robots import Robot
 
 LEASH = 0.1
-"""The maximum difference between a motor's target and its joint, in radians: it bounds the force of a blocked arm."""
+"""The maximum difference between a motor's target and its joint, in radians; it bounds the force of a blocked arm."""
 
 LEAD, LEAD_TURN = 0.1, 0.5
-"""The largest distance in metres and in radians between the target pose of the tool and the pose that the motors aim
-at.
+"""The largest distance in metres and in radians between the tool's target pose and the pose at which the motors aim.
 
 Beyond it, the target is discarded, so an arm that was blocked does not have to catch up.
 """
@@ -84,12 +83,12 @@ class ArmMotors:
         return track_joints(self._robot, joints, self._to_base @ self._goal)
 
     def ee_delta_upright(self, joints: Floats, values: Floats) -> Floats:
-        """Return joint angles that move the upright tool as an action states; the fingertips stay above the table."""
+        """Return joint angles that move the upright tool as an action says; the fingertips stay above the table."""
         robot = self._robot
         here = robot.solver.forward(joints)
         x, y, z, yaw, *_ = values.tolist()
         lowest = robot.fingertip + GAP - float(here[2, 3])
-        # The cross product of the tool's direction and straight down: it rotates the tool to point down.
+        # The cross product of the tool's direction and straight down is the rotation that makes the tool point down.
         leaning, rolling, _ = rotate(robot.base.quaternion, (-float(here[1, 2]), float(here[0, 2]), 0.0))
         return nudge_joints(robot, joints, here, np.array((x, y, max(z, lowest), leaning, rolling, yaw)))
 

@@ -1,4 +1,4 @@
-"""The control conventions: names, units and scales of the numbers in an action."""
+"""The control conventions: the names, units and scales of the numbers in an action."""
 
 from __future__ import annotations
 
@@ -20,25 +20,26 @@ from prag_asp.wording import unknown
 Floats = NDArray[np.float64]
 
 TOOL_SPEED, TOOL_TURN = 2.0, 10.0
-"""The speed of the tool along and about an axis at the end of the range of `ee_delta`, in m/s and rad/s.
+"""The greatest speed of the tool along and about an axis in `ee_delta`, in m/s and rad/s.
 
 Recordings, whose joints move at up to nine tenths of their speed limits, stay below these speeds.
 """
 
 STRIDE, TURN = 1.0, 5.0
-"""The same speeds of `ee_delta_upright`, which are lower so that agents learn."""
+"""The corresponding speeds in `ee_delta_upright`, which are lower so that agents can learn."""
 
 FINGERS = 0.2
 """The maximum speed of opening or closing a gripper, in metres per second."""
 
 FARTHEST = 1.5
-"""A distance in metres from the base that no tool of a robot can exceed along an axis."""
+"""A distance in metres from the base, along an axis, that no robot's tool can exceed."""
 
 
 class Convention(NamedTuple):
-    """The numbers that control one robot in an action, with their units.
+    """The numbers for one robot in an action, with their units.
 
-    Actions of an `absolute` convention have these units; others are scaled to -1 to 1.
+    Actions in an `absolute` convention have these units; in other conventions, they are scaled to the range from -1 to
+    1.
     """
 
     numbers: tuple[str, ...]
@@ -64,15 +65,15 @@ class Control:
     ``joint_position`` contains the target angle of each joint, ``ee_position`` the target pose of the tool: its
     position in the scene, and the rotation vector, along the axes of the scene, from the orientation in which the tool
     points straight down and its x axis is parallel to the x axis of the scene. ``joint_delta`` and ``ee_delta`` contain
-    the changes of these targets in a step; the change of the pose consists of a translation and of a rotation vector
-    applied after the current rotation, both along the axes of the scene. Changes add up on the targets, not on the
-    measured state. All four conventions contain the target opening of the gripper. ``ee_delta_upright`` contains a
-    translation and a turn about the vertical of a tool that points down, and the change of the opening.
+    the changes to these targets in a step; the change of the pose consists of a translation and of a rotation vector
+    applied after the current rotation, both along the axes of the scene. Changes are added to the targets, not to the
+    measured state. All four conventions contain the target opening of the gripper. ``ee_delta_upright`` contains, for a
+    tool that points down, a translation, a turn about the vertical, and the change of the opening.
 
     An action contains the numbers of each robot in turn; there are `rate` actions per second. `names` (N,) are names
     like ``panda/joint_1``, `units` (N,) are ``m`` or ``rad``. `lower` and `upper` (N,) are the smallest and largest
     values in these units; `low` and `high` (N,) are the corresponding values of an action: the same in absolute
-    conventions, else -1 and 1.
+    conventions, and -1 and 1 in the others.
     """
 
     name: ControlName
@@ -83,7 +84,7 @@ class Control:
 
     @classmethod
     def of(cls, name: str, scene: Scene, rate: int = USUAL_RATE, *, scale: float = 1.0) -> Control:
-        """Return the convention with a given name; `scale` multiplies its changes, except those of the gripper opening.
+        """Return the convention with a given name; `scale` multiplies its changes, except those to the gripper opening.
 
         Raises:
             QueryError: there is no such convention or rate, or absolute values are scaled.
@@ -104,7 +105,7 @@ class Control:
 
     @property
     def convention(self) -> Convention:
-        """The numbers of one robot."""
+        """The convention for a single robot."""
         return CONVENTIONS[self.name]
 
     @property
@@ -128,19 +129,19 @@ class Control:
         return self.upper if self.convention.absolute else np.full(len(self.upper), 1.0)
 
     def values(self, action: Floats) -> Floats:
-        """Return the numbers of actions in their units; the last axis has length N."""
+        """Return the numbers of actions in the units of the convention; the last axis has length N."""
         return action if self.convention.absolute else self.from_unit(action)
 
     def actions(self, values: Floats) -> Floats:
-        """Return the actions whose numbers are given in their units; the last axis has length N."""
+        """Return the actions for numbers in the units of the convention; the last axis has length N."""
         return values if self.convention.absolute else self.to_unit(values)
 
     def from_unit(self, shares: Floats) -> Floats:
-        """Return numbers in their units from numbers between -1 and 1, which stand for `lower` and `upper`."""
+        """Return numbers in their units, given numbers between -1 and 1, which stand for `lower` and `upper`."""
         return (self.lower + self.upper) / 2 + (self.upper - self.lower) / 2 * shares
 
     def to_unit(self, values: Floats) -> Floats:
-        """Return numbers between -1 and 1, which stand for `lower` and `upper`, from numbers in their units."""
+        """Return numbers between -1 and 1, which stand for `lower` and `upper`, given numbers in their units."""
         result: Floats = (values - (self.lower + self.upper) / 2) / ((self.upper - self.lower) / 2)
         return result
 

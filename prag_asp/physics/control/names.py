@@ -11,16 +11,16 @@ ControlName = Literal["joint_position", "joint_delta", "ee_position", "ee_delta"
 CONTROLS: tuple[ControlName, ...] = get_args(ControlName)
 
 UPRIGHT: ControlName = "ee_delta_upright"
-"""The convention of agents that move an upright tool, with the fewest numbers."""
+"""The convention for agents that move an upright tool; it has the fewest numbers."""
 
 RECORDED = CONTROLS[:4]
 """The conventions that can express recordings, in which tools tilt."""
 
 STATES: tuple[StateName, ...] = get_args(StateName)
-"""The conventions that describe a state: those of absolute numbers."""
+"""The conventions in which a state can be described: those with absolute numbers."""
 
 RATES = tuple(rate for rate in range(1, STEPS_A_SECOND + 1) if STEPS_A_SECOND % rate == 0)
-"""The possible numbers of actions per second: those that last a whole number of simulation steps."""
+"""The possible numbers of actions per second: those for which an action lasts a whole number of simulation steps."""
 
 USUAL_RATE = 20
 """The default number of actions per second, the same as in recordings."""

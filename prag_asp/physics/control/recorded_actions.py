@@ -1,4 +1,4 @@
-"""Express the motor commands and the states of recordings in a control convention."""
+"""Express the motor commands and the states in recordings in a control convention."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from prag_asp.scene.scene import Scene
 Numbers = NDArray[np.floating[Any]]
 
 EXCESS = 1e-6
-"""The share by which an action may exceed its range because of rounding."""
+"""The share of its range by which an action may exceed the range because of rounding."""
 
 
 def recorded_actions(control: Control, scene: Scene, commands: Numbers) -> Floats:
@@ -79,7 +79,7 @@ def states_in(names: Iterable[ControlName], scene: Scene, arms: Numbers) -> Floa
 
 
 def tool_poses(robot: Robot, joints: Floats) -> Floats:
-    """Return the poses of a tool in the scene, shape (N, 4, 4), from joint angles (N, 7)."""
+    """Return the poses of a tool in the scene, shape (N, 4, 4), for joint angles (N, 7)."""
     base = matrix(robot.base)
     return np.array([base @ robot.solver.forward(row) for row in joints])
 

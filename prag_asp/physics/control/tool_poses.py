@@ -1,7 +1,7 @@
 """Tool poses as six numbers: a position, and a rotation vector relative to a tool that points straight down.
 
-A rotation vector relative to the scene would be useless: for a tool that points down, its length is near pi, where the
-vector jumps between opposite directions.
+A rotation vector relative to the scene would be useless: for a tool that points down, its length would be close to pi,
+where the vector jumps between opposite directions.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ DOWN = np.diag((1.0, -1.0, -1.0))
 """The rotation of a tool that points straight down, with its x axis along that of the scene."""
 
 TINY = 1e-12
-"""The angle in radians below which a rotation has no axis."""
+"""The angle in radians below which a rotation is taken to have no axis."""
 
 
 def vector_of_pose(pose: Floats) -> Floats:
@@ -42,7 +42,7 @@ def moved_pose(pose: Floats, motion: Floats) -> Floats:
 
 
 def motion_between(one: Floats, two: Floats) -> Floats:
-    """Return the motion that `moved_pose` needs to get from one pose to another; shape (6,)."""
+    """Return the motion with which `moved_pose` gets from one pose to another; shape (6,)."""
     return np.concatenate([two[:3, 3] - one[:3, 3], rotation_vector(two[:3, :3] @ one[:3, :3].T)])
 
 

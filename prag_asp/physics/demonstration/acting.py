@@ -20,10 +20,10 @@ from prag_asp.physics.world.time_step import TIME_STEP
 from prag_asp.scene.robots import robot_of
 
 SQUEEZE = 0.008
-"""The difference in metres between the width of a held object and the target opening of the gripper."""
+"""By how much the target opening of the gripper is smaller than the width of a held object, in metres."""
 
 LONGEST_REST = 0.5
-"""The longest time to wait for objects to come to rest, in seconds: a ball may keep rolling."""
+"""The longest time to wait for objects to come to rest, in seconds, because a ball may keep rolling."""
 
 FINGER_SPEED = 0.16
 """The speed of opening or closing a gripper, in metres per second."""
@@ -50,7 +50,7 @@ class Actor:
         recorder.frame(self._commands)
 
     def rest(self) -> None:
-        """Simulate until nothing moves, for at most `LONGEST_REST`, and stop at the end of a frame."""
+        """Simulate until nothing moves, but for at most `LONGEST_REST`, and stop at the end of a frame."""
         for _ in range(round(LONGEST_REST / TIME_STEP / FRAME_STEPS)):
             self._step()
             while self._steps % FRAME_STEPS:
@@ -89,7 +89,7 @@ class Actor:
         return self._arms[waypoint.robot].held is None and waypoint.width != self._commands[waypoint.robot].opening
 
     def _drive(self, robot: str, ways: list[Angles]) -> None:
-        """Move an arm along paths without a stop between them, and clear the list."""
+        """Move an arm along paths without stopping between them, and clear the list."""
         if ways:
             start, opening = self._commands[robot]
             angles = blend_paths(ways, start, TIME_STEP, joint_limits(robot_of(self._world.scene, robot)))
@@ -104,7 +104,7 @@ class Actor:
         """Return the joint angles of every time step on the path to a waypoint, shape (steps, 7).
 
         Raises:
-            PerformanceFailed: no such path is found.
+            PerformanceFailed: no such path was found.
         """
         waypoint, world = leg.waypoint, self._world
         self._planner.turn_to(waypoint.robot)

@@ -1,7 +1,7 @@
 """The contacts that a task intends, and the unintended contacts in an episode.
 
-The check covers the contacts of robots and of moved bodies: bodies that a finger touches, and bodies that rest on them.
-A task intends contacts between
+The check covers the contacts of robots and of moved bodies, which are the bodies that a finger touches and the bodies
+that rest on these. A task intends contacts between
 
 - the fingers of a gripper and the object that it holds, grasps, releases or is at, before or after the action, or the
   furniture that the action opens or closes;
@@ -32,9 +32,10 @@ GENTLE = 1.0
 """The largest force of an unintended contact, in newtons."""
 
 FIRM, FACTOR = 20.0, 10.0
-"""The largest force of an intended contact: newtons, plus a multiple of the weight of the moved object.
+"""The largest force of an intended contact: a number of newtons, plus a multiple of the weight of the moved object.
 
-A stiff arm that puts down 50 g a millimetre too low presses with 25 N; heavy objects press with their weight alone.
+A stiff arm that puts down 50 g a millimetre too low presses with 25 N; heavy objects press even with nothing but their
+weight.
 """
 
 DEEPEST = 0.002
@@ -46,7 +47,7 @@ Pair = tuple[str, str]
 
 
 class Touch(NamedTuple):
-    """A contact of two bodies in a frame: the largest force (newtons) and depth (metres) since the previous frame.
+    """A contact of two bodies in a frame, with the largest force (newtons) and depth (metres) since the previous frame.
 
     The depth is 0 if it is unknown, as in recordings.
     """
@@ -127,7 +128,7 @@ class HandledContact(NamedTuple):
 
 
 def handled_contacts(touches: Iterable[Touch], intended: IntendedContacts) -> Iterator[HandledContact]:
-    """Yield the contacts of robots and moved bodies: bodies that fingers touch, and bodies that rest on these."""
+    """Yield the contacts of robots and of moved bodies: the bodies that fingers touch, and those that rest on them."""
     frames: dict[int, list[Touch]] = {}
     for touch in touches:
         frames.setdefault(touch.frame, []).append(touch)

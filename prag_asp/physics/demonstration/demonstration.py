@@ -1,4 +1,4 @@
-"""Episodes: the arrays that are recorded while robots execute a task, which round-trip to a file."""
+"""Episodes: the arrays that are recorded while robots execute a task, and how they are saved and loaded."""
 
 from __future__ import annotations
 
@@ -41,27 +41,27 @@ ARRAYS: Mapping[str, type[np.number[Any]]] = {
 LISTS, TEXTS = ("robots", "bodies", "objects", "furniture"), ("cause", "detail")
 
 VARIED = "varied"
-"""The name of the array with the variation as text, which most episodes lack."""
+"""The name of the array that holds the variation as text, which most episodes lack."""
 
 LARGEST_FILE, LARGEST = 1_000_000_000, 256_000_000
-"""The largest size in bytes of an episode's file, and of its arrays without camera images, which stay compressed."""
+"""The largest size in bytes of an episode's file, and of its arrays without camera images, which remain compressed."""
 
 FRAMES_A_SECOND = 20
 
 
 @dataclass(frozen=True, eq=False)
 class Demonstration:
-    """An episode at 20 Hz: T frames of the execution of a task with O objects, F of them furniture, and R robots.
+    """An episode at 20 Hz: T frames of the execution of a task with O objects (F of them furniture) and R robots.
 
-    `times` (T,) are in seconds; `joints` (T, R, 7) in radians, in the order of `robots`; `widths` (T, R) the openings
-    of their grippers in metres; `commands` (T, R, 8) the targets of the motors, joint angles and opening. `sizes` (O,
-    3) are the sides in metres of the bounding boxes of `objects`, `poses` (T, O, 7) their x, y, z in metres and a
-    quaternion x, y, z, w; `openings` (T, F) are the openings of `furniture` in metres or radians. Each row of
-    `contacts` (C, 3) is a frame and the indices of two bodies in `bodies`, `forces` (C,) the largest normal force
-    between them since the previous frame, in newtons. `ends` holds, for each state of the task that was reached, the
-    frame in which its facts were checked, the initial state first. `cause` is empty if the task succeeded, otherwise
-    one of `CAUSES`, and `detail` describes the fault and its time. `footage` holds the camera images, if there were
-    cameras, and `variation` the changes of the world, if it was varied.
+    `times` (T,) are in seconds; `joints` (T, R, 7) in radians, in the order of `robots`; `widths` (T, R) are the
+    openings of their grippers in metres; `commands` (T, R, 8) are the targets of the motors: joint angles and opening.
+    `sizes` (O, 3) are the dimensions in metres of the bounding boxes of `objects`; `poses` (T, O, 7) are their x, y, z
+    in metres and a quaternion x, y, z, w; `openings` (T, F) are the openings of `furniture` in metres or radians. Each
+    row of `contacts` (C, 3) is a frame and the indices of two bodies in `bodies`; `forces` (C,) are the largest normal
+    forces between them since the previous frame, in newtons. `ends` holds, for each state of the task that was reached,
+    the frame in which its facts were checked, the initial state first. `cause` is empty if the task succeeded and one
+    of `CAUSES` otherwise, and `detail` describes the fault and its time. `footage` holds the camera images, if there
+    were cameras, and `variation` the changes of the world, if it was varied.
     """
 
     robots: tuple[str, ...]
@@ -95,7 +95,7 @@ class Demonstration:
     __hash__ = None  # type: ignore[assignment]
 
     def sized_scene(self, scene: Scene) -> Scene:
-        """Return a scene with the sizes of the objects and the variation of the episode.
+        """Return a scene with the sizes of the episode's objects and with its variation.
 
         Raises:
             SceneError: the scene does not allow a size or the variation.
@@ -115,7 +115,7 @@ class Demonstration:
         )
 
     def arms(self, frame: int) -> dict[str, Arm]:
-        """Return the states of the arms in a frame, by robot name."""
+        """Return the states of the arms in a frame, by name of robot."""
         rows = zip(self.robots, self.joints[frame].tolist(), self.widths[frame].tolist(), strict=True)
         return {name: Arm(tuple(angles), width) for name, angles, width in rows}
 
@@ -163,7 +163,7 @@ class Demonstration:
     def load(cls, path: str | Path, *, within: str | Path | None = None) -> Demonstration:
         """Return the episode that `save` wrote.
 
-        If the path comes from an untrusted source, `within` is the folder in which the file has to lie.
+        If the path comes from an untrusted source, `within` is the folder that has to contain the file.
 
         Raises:
             QueryError: the file cannot be read, is not an episode, is too large, or lies outside `within`.
@@ -202,7 +202,7 @@ def _open_episode(path: str | Path, within: str | Path | None) -> Iterator[Binar
 
 
 def read_variation(path: str | Path, *, within: str | Path | None = None) -> Variation | None:
-    """Return the variation of the episode in a file, or None if it has no variation, without reading anything else.
+    """Return the variation of the episode in a file, or None if it has none, without reading anything else.
 
     Raises:
         QueryError: the file cannot be read, or is not an episode.
@@ -230,7 +230,7 @@ def _variation(text: NDArray[Any] | None) -> Variation | None:
 def situation_of(
     scene: Scene, objects: Sequence[str], poses: Floats, openings: Mapping[str, float], arms: Mapping[str, Arm]
 ) -> Situation:
-    """Make a situation from the poses of objects, shape (O, 7), and the states of the arms.
+    """Return the situation given by the poses of objects, shape (O, 7), and the states of the arms.
 
     `openings` are the openings of furniture, in metres or radians.
     """

@@ -1,4 +1,4 @@
-"""Check an episode with the predicates, and for contacts that its task does not intend."""
+"""Check an episode with the predicates, and check it for contacts that its task does not intend."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from prag_asp.task import Task
 
 
 def check_demonstration(task: Task, demonstration: Demonstration, scene: Scene) -> list[str]:
-    """Return the facts of the task that do not hold in the episode, and the faults of its contacts and motions.
+    """Return the facts of the task that do not hold in the episode, and the faults in its contacts and motions.
 
     Faults are unintended and excessive contacts, objects that slip or turn in the hand, and accelerations beyond the
-    limits of joints. The result is empty if the episode passes.
+    limits of the joints. The result is empty if the episode passes.
 
     Raises:
         SceneError: the task names an entity that has no shape.

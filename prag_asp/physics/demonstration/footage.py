@@ -13,7 +13,8 @@ from prag_asp.array_archive import BadArchive, read_arrays
 from prag_asp.physics.demonstration.packed_arrays import Packed, read_packed
 
 RGB, DEPTH = "u1", "<f2"
-"""The types of stored images: a depth has eleven significant bits, a precision of half a millimetre at 1 m."""
+"""The types of stored images: a depth has eleven significant bits, which give a precision of half a millimetre at 1 m.
+"""
 
 BYTES = 256
 
@@ -26,18 +27,18 @@ PIXEL_LIMIT = 4096
 
 
 def segmentation_type(legend: Sequence[str]) -> str:
-    """Return the data type for indices into a legend."""
+    """Return the data type of indices into a legend."""
     return "u1" if len(legend) <= BYTES else "<u2"
 
 
 def are_equal(one: Any, other: Any) -> bool:
-    """Return whether two instances of a dataclass have equal fields, arrays bit by bit."""
+    """Return whether all fields of two instances of a dataclass are equal, with arrays compared bit by bit."""
     pairs = ((getattr(one, each.name), getattr(other, each.name)) for each in fields(one))
     return all(np.array_equal(a, b) if isinstance(a, np.ndarray) else bool(a == b) for a, b in pairs)
 
 
 class CameraImage(NamedTuple):
-    """A camera image: `rgb` (H, W, 3), `depth` (H, W) in metres, `segmentation` (H, W).
+    """A camera image: `rgb` (H, W, 3), `depth` (H, W) in metres, and `segmentation` (H, W).
 
     The depth is measured along the axis of the camera, and is 0 for the background. The segmentation consists of
     indices into the legend.
@@ -50,10 +51,11 @@ class CameraImage(NamedTuple):
 
 @dataclass(frozen=True)
 class CameraVideo:
-    """The video of one camera: N images of H x W pixels, see `CameraImage`.
+    """The video from one camera: N images of H x W pixels; see `CameraImage`.
 
-    `intrinsics` (3, 3) contains fx, fy, cx and cy in pixels; `extrinsics` (N, 4, 4) the pose of the camera in the scene
-    in metres, with x to the right, y down and z ahead; `limits` (2,) the near and far plane in metres.
+    `intrinsics` (3, 3) contains fx, fy, cx and cy in pixels; `extrinsics` (N, 4, 4) contains the poses of the camera in
+    the scene in metres, with x to the right, y down and z ahead; `limits` (2,) are the distances of the near and far
+    planes in metres.
     """
 
     intrinsics: NDArray[np.float32]
@@ -63,7 +65,7 @@ class CameraVideo:
 
     @property
     def size(self) -> tuple[int, int]:
-        """Width and height of an image in pixels."""
+        """The width and height of an image in pixels."""
         _, height, width = self.packed[1].shape
         return width, height
 
@@ -98,10 +100,11 @@ class CameraVideo:
 class Footage:
     """The videos of an episode by camera name, and the motion of its R robots at each of the N images.
 
-    `frames` (N,) are the recorded frames of the episode; `tools` (N, R, 7) the tool poses as x, y, z in metres and a
-    quaternion x, y, z, w; `deltas` (N, R, 6) the motion of the tools until the next image: a translation in metres and
-    a rotation vector in radians, both along the axes of the scene; `grippers` (N, R) the openings in metres; `subgoals`
-    (N,) the index of the current subgoal. `legend` holds the names for the numbers in the segmentation.
+    `frames` (N,) are the frames of the episode of which images were taken; `tools` (N, R, 7) are the tool poses as x,
+    y, z in metres and a quaternion x, y, z, w; `deltas` (N, R, 6) are the motions of the tools until the next image: a
+    translation in metres and a rotation vector in radians, both along the axes of the scene; `grippers` (N, R) are the
+    openings in metres; `subgoals` (N,) are the indices of the current subgoals. `legend` holds the names that the
+    numbers in the segmentation stand for.
     """
 
     frames: NDArray[np.int32]
@@ -138,7 +141,7 @@ class Footage:
 def read_footage(file: BinaryIO, frames: int, robots: int, at_most: int) -> Footage | None:
     """Return the footage of an episode with the given numbers of frames and robots, or None if it has no footage.
 
-    `at_most` limits the size in bytes of the arrays without images.
+    `at_most` limits the size in bytes of the arrays that contain no images.
 
     Raises:
         OSError: the file cannot be read.
@@ -174,7 +177,7 @@ def read_footage(file: BinaryIO, frames: int, robots: int, at_most: int) -> Foot
 
 
 def _video(file: BinaryIO, camera: str, count: int, segmented: str, at_most: int) -> CameraVideo:
-    """Return the video of one camera.
+    """Return the video from one camera.
 
     Raises:
         BadArchive: an array of the video is missing or has a wrong format.

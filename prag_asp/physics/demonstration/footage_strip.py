@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from prag_asp.physics.demonstration.footage import Footage
 
 MOST_IMAGES, WIDTH = 8, 160
-"""Maximum number of images of a strip, and the maximum width of an image in pixels."""
+"""Maximum number of images in a strip, and the maximum width of an image in pixels."""
 
 
 def strip_url(footage: Footage) -> str | None:
-    """Return the strip from the first camera as a data URL of a PNG image; None if there is no video or no Pillow."""
+    """Return the strip for the first camera as a data URL of a PNG image, or None without a video or Pillow."""
     if not footage.videos or find_spec("PIL") is None:
         return None
     from PIL import Image  # noqa: PLC0415 - an optional dependency

@@ -27,7 +27,8 @@ MOST_SLIP, MOST_TURN = 0.005, math.radians(5.0)
 """The maximum slip and rotation of an object in the hand, in metres and radians."""
 
 STANDSTILL = 1e-6
-"""The largest difference between two commands that counts as zero: of a joint in radians, of the fingers in metres."""
+"""The largest difference between two commands that counts as zero: in radians for a joint, in metres for the fingers.
+"""
 
 
 class HandlingFault(NamedTuple):
@@ -53,7 +54,7 @@ def handling_faults(episode: Demonstration, scene: Scene) -> Iterator[HandlingFa
 
 
 def _in_hand(episode: Demonstration, robot: str) -> Iterator[tuple[int, int, str]]:
-    """Yield the periods in which both fingers of a robot press on an object: first frame, last frame and object."""
+    """Yield the periods in which both fingers of a robot press on an object: the first frame, last frame and object."""
     left, right = (episode.bodies.index(f"{part} of {robot}") for part in ROBOT_PARTS[1:])
     first_object = len(episode.bodies) - len(episode.objects)
     fingers: dict[tuple[int, int], set[int]] = {}

@@ -23,10 +23,10 @@ from prag_asp.array_archive import SUFFIX, BadArchive
 from prag_asp.errors import QueryError
 
 LEVEL = 1
-"""The level of compression: level 6 makes images a fifth smaller, but takes four times as long."""
+"""The compression level: level 6 makes images a fifth smaller, but takes four times as long."""
 
 RAW = -15
-"""The window size for a raw zlib stream without a header, as in archives."""
+"""The window size that selects a raw zlib stream without a header, as used in archives."""
 
 LOCAL, CENTRAL, END = struct.Struct("<4s5H3L2H"), struct.Struct("<4s6H3L5H2L"), struct.Struct("<4s4H2LH")
 VERSION, UTF8, DEFLATED, FIRST_DAY = 20, 1 << 11, 8, 33
@@ -103,7 +103,7 @@ class Packer:
 
 
 def with_packed(archive: bytes, arrays: Mapping[str, Packed]) -> bytes:
-    """Return an archive with further arrays added; they are given by name.
+    """Return an archive with further arrays, given by name, added to it.
 
     Raises:
         ValueError: the archive would exceed 4 GB, the limit of the format.
@@ -167,7 +167,7 @@ def _head(shape: tuple[int, ...], kind: np.dtype[Any]) -> bytes:
 
 
 def _unpacked(packed: Packed, head: int, length: int) -> Iterator[bytes]:
-    """Yield the header of an array's stream, then the rows of the array, each with a given length in bytes.
+    """Yield the header of an array's stream, then the rows of the array, each of which has a given length in bytes.
 
     Raises:
         QueryError: the stream is truncated or has changed.

@@ -26,7 +26,7 @@ from prag_asp.task import Task
 
 
 class Performer:
-    """Executes witnesses in one dynamic simulation; use `open_performer`, which closes it."""
+    """Executes witnesses in one dynamic simulation; to create one, use `open_performer`, which closes it."""
 
     def __init__(self, world: Dynamics, planner: Simulator):
         self._scene = world.scene
@@ -34,7 +34,7 @@ class Performer:
         self._planner = planner
 
     def perform(self, physical: PhysicalTask, witness: Witness, variation: Variation | None = None) -> Demonstration:
-        """Return the episode of executing a task from the initial state of a witness, in a varied world if requested.
+        """Execute a task from the initial state of a witness, in a varied world if requested, and return the episode.
 
         There must be no unintended or excessive contacts, and after every action each fact of the state has to hold;
         otherwise the episode ends there, with the cause. A complete episode fails if an object slips or turns in the
@@ -78,13 +78,13 @@ class Performer:
 
 @contextmanager
 def open_performer(scene: Scene, planner: Simulator) -> Iterator[Performer]:
-    """Open a simulation to execute witnesses, and close it afterwards; `planner` plans the paths."""
+    """Open a simulation in which witnesses are executed, and close it afterwards; `planner` plans the paths."""
     with open_dynamics(scene) as world:
         yield Performer(world, planner)
 
 
 def demonstrate(task: Task, witness: Witness, scene: Scene, variation: Variation | None = None) -> Demonstration:
-    """Return the episode of executing a task from the initial state of a witness, in a varied world if requested.
+    """Execute a task from the initial state of a witness, in a varied world if requested, and return the episode.
 
     Raises:
         SceneError: the task names an entity that has no shape.

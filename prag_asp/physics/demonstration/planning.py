@@ -1,7 +1,7 @@
 """Plan the paths of an arm between the waypoints of a witness from the actual poses of the objects.
 
 The robot knows where the objects are: it grasps an object as in the witness, but at the object's actual pose, and
-places the object at its pose in the witness, whatever the actual grasp. Small errors therefore do not accumulate.
+places the object at its pose in the witness, whatever the actual grasp is. Small errors therefore do not accumulate.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class Leg:
 
 
 def action_legs(action: Action) -> Iterator[Leg]:
-    """Yield the parts of an action."""
+    """Yield the legs of an action."""
     way: list[Joints] = []
     planned = {name: arm.joints for name, arm in action.before.arms.items()}
     for i, waypoint in enumerate(action.motion):
@@ -73,10 +73,10 @@ def action_legs(action: Action) -> Iterator[Leg]:
 
 
 def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, action: Action) -> Angles | None:
-    """Return the joint angles of every time step on a path, shape (steps, 7); None if no free path is found.
+    """Return the joint angles at every time step on a path, shape (steps, 7), or None if no free path is found.
 
-    The path is straight (up, down or along the fingers), the path in the witness, or another free path; heavy objects
-    are accelerated less. `situation` is the actual situation, `arm` the target of the motors.
+    The path is a straight one (up, down or along the fingers), the path in the witness, or another free path; heavy
+    objects are accelerated less. `situation` is the actual situation, and `arm` holds the targets of the motors.
     """
     robot, waypoint = planner.robot, leg.waypoint
     most = MOST if arm.held is None else bearable_acceleration(situation.scene, arm.held, waypoint.robot)
@@ -89,7 +89,7 @@ def plan_path(planner: Simulator, situation: Situation, arm: Arm, leg: Leg, acti
     tool = _corrected(leg, tool_pose(robot, waypoint.joints), situation, action)
     goal = adjust_joints(robot, tool, waypoint.joints) or waypoint.joints
     if leg.way:
-        # The path of the witness, shifted by the interpolated differences between its ends and the actual ones.
+        # The path in the witness, shifted by the interpolated differences between its ends and the actual ends.
         first, last = np.subtract(arm.joints, leg.start), np.subtract(goal, waypoint.joints)
         shares = np.linspace(0.0, 1.0, len(leg.way) + 2)[1:-1, None]
         between = np.array(leg.way) + (1 - shares) * first + shares * last
@@ -113,7 +113,7 @@ def _moved_on(robot: Robot, leg: Leg, joints: Joints) -> Pose:
 
 
 def plan_pull(planner: Simulator, situation: Situation, arm: Arm, furniture: str, opening: float) -> Angles:
-    """Return the joint angles of every time step of a motion that moves furniture to an opening, shape (steps, 7).
+    """Return the joint angles, shape (steps, 7), at every time step of a motion that moves furniture to an opening.
 
     `opening` is in metres or radians.
     """
@@ -128,7 +128,7 @@ def _measured_grasp(situation: Situation, robot: str, held: str | None) -> Pose 
 
 
 def _corrected(leg: Leg, planned: Pose, situation: Situation, action: Action) -> Pose:
-    """Return a tool pose corrected for the actual poses of objects; `planned` is the tool pose in the witness.
+    """Return the tool pose `planned` in the witness, corrected for the actual poses of objects.
 
     A held object is moved to its pose in the witness; a free tool is moved to its pose in the witness relative to the
     object that it approaches.

@@ -15,11 +15,11 @@ from prag_asp.physics.world.dynamics import NO_PRESSING, ArmCommand, Dynamics, P
 from prag_asp.physics.world.time_step import TIME_STEP
 
 FRAME_STEPS = 6
-"""Time steps per frame, for 20 frames per second."""
+"""Time steps per frame, which give 20 frames per second."""
 
 
 class Recorder:
-    """Collects the frames of one episode, as the numbers that the file will contain."""
+    """Collects the frames of an episode, as the numbers that its file will contain."""
 
     def __init__(self, world: Dynamics, objects: Sequence[str]):
         self._world = world
@@ -42,7 +42,7 @@ class Recorder:
                 self._pressing[pair] = Pressing(max(force, before.force), max(depth, before.depth))
 
     def frame(self, commands: Mapping[str, ArmCommand]) -> None:
-        """Record a frame, with the targets of the motors of each arm."""
+        """Record a frame, including the targets of each arm's motors."""
         arms = self._world.arms()
         rows = [[*pose.position, *pose.quaternion] for pose in self._world.poses().values()]
         for (one, two), (force, depth) in sorted(self._pressing.items()):
@@ -56,7 +56,7 @@ class Recorder:
         self._openings.append(list(self._world.openings().values()))
 
     def touches(self) -> list[Touch]:
-        """Return the contacts recorded between the ends of the last two states."""
+        """Return the contacts recorded since the end of the state before the latest one."""
         first = self._ends[-2] + 1 if len(self._ends) > 1 else 0
         begun = bisect_left(self._contacts, (first, 0, 0))
         forces = np.array(self._forces[begun:], dtype=np.float32).tolist()
@@ -69,7 +69,7 @@ class Recorder:
         ]
 
     def end_state(self) -> Situation:
-        """Mark the last frame as the end of a state of the task, and return its situation as recorded."""
+        """Mark the last frame as the end of a state of the task, and return the recorded situation."""
         self._ends.append(len(self._arms) - 1)
         rows, poses = np.array(self._arms[-1], dtype=np.float32), np.array(self._poses[-1], dtype=np.float32)
         arms = {

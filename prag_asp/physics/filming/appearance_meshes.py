@@ -1,8 +1,8 @@
-"""Simplified visual meshes of the robots, because TinyRenderer's time depends on the number of triangles.
+"""Simplified visual meshes of the robots, because TinyRenderer's speed depends on the number of triangles.
 
 The Panda's meshes have 102,000 triangles; an image of 128 x 128 pixels takes 21 ms. Vertex clustering (Rossignac and
 Borrel, "Multi-resolution 3D approximations for rendering complex scenes", 1993) leaves 3,000 triangles with the same
-appearance. Pictures for people use smaller cells.
+appearance. Pictures intended for people use smaller cells.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from prag_asp.scene.robots import ROBOTS
 class Fineness(NamedTuple):
     """How finely robots and shadows are rendered.
 
-    `cell` and `finest` are the largest and the smallest side of a cluster of vertices in metres, `cells` is the least
-    number of clusters along a part, and `shadow_texels` is the side of the light's image in pixels.
+    `cell` and `finest` are the largest and the smallest side of a cluster of vertices in metres, `cells` is the minimum
+    number of clusters along a part, and `shadow_texels` is the width of the light's image in pixels.
     """
 
     name: str
@@ -40,7 +40,7 @@ class Fineness(NamedTuple):
 COARSE = Fineness("coarse", 0.026, 0.006, 6, 144)
 MIDDLE = Fineness("middle", 0.016, 0.005, 10, 256)
 FINE = Fineness("fine", 0.011, 0.004, 16, 512)
-"""For camera images of episodes, animations, and still pictures."""
+"""For the camera images of episodes, for animations, and for still pictures."""
 
 SMALLEST = 0.012
 """The size in metres below which parts of a mesh are omitted: screws and lamps."""
@@ -50,7 +50,7 @@ DARK, WHITE = (0.25, 0.26, 0.28), (0.93, 0.94, 0.95)
 """The colours of the Panda, which are in a texture of its URDF."""
 
 TEXTURE_AND_NORMAL = re.compile(r"/\S*")
-"""What follows the number of a vertex in a face of an .obj file."""
+"""What follows the number of a vertex in a face in an .obj file."""
 
 Colour = tuple[float, float, float]
 
@@ -66,7 +66,7 @@ class Mesh(NamedTuple):
 def low_files(kind: str, fineness: Fineness = COARSE) -> Mapping[str, bytes]:
     """Return the files of a robot that has simplified meshes and no collision shapes: its URDF, then its meshes.
 
-    They are made once per process, which takes half a second.
+    The meshes are made once per process, which takes half a second.
 
     Raises:
         SceneError: the robot's files cannot be read.
@@ -142,7 +142,7 @@ def _by_colour(source: Path, default: Colour, fineness: Fineness) -> dict[Colour
 
 
 def read_parts(text: str) -> dict[str, Mesh]:
-    """Return the triangles of an .obj file by material; all share the vertices of the file.
+    """Return the triangles in an .obj file by material; all of them share the vertices of the file.
 
     Raises:
         ValueError: the text is not in the format of .obj files.
@@ -162,7 +162,7 @@ def read_parts(text: str) -> dict[str, Mesh]:
 
 
 def _triangles(lines: Sequence[str]) -> NDArray[np.int64]:
-    """Return the triangles (F, 3) of the faces of an .obj file, whose other corners form a fan around the first."""
+    """Return the triangles (F, 3) of the faces in an .obj file; each face is split as a fan around its first corner."""
     numbers = np.array(TEXTURE_AND_NORMAL.sub("", " ".join(lines)).split(), dtype=np.int64) - 1
     if len(numbers) == 3 * len(lines):
         return numbers.reshape(-1, 3)
@@ -176,7 +176,7 @@ def _triangles(lines: Sequence[str]) -> NDArray[np.int64]:
 
 
 def _colours(text: str) -> Mapping[str, Colour]:
-    """Return the colours of a material library by name."""
+    """Return the colours in a material library by name."""
     colours: dict[str, Colour] = {}
     name = ""
     for line in text.splitlines():
@@ -190,7 +190,7 @@ def _colours(text: str) -> Mapping[str, Colour]:
 
 
 def cluster_corners(mesh: Mesh, cell: float) -> Mesh:
-    """Merge the vertices of a mesh in each grid cell at their mean; `cell` is the side of a grid cell in metres.
+    """Merge the vertices of a mesh that lie in the same grid cell into their mean; `cell` is a cell's side in metres.
 
     Degenerate and duplicate triangles are removed.
     """

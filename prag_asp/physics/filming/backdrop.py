@@ -1,6 +1,6 @@
 """Render the table, its zones and the room with one ray per pixel.
 
-They are large, and TinyRenderer's time grows with the number of pixels in a triangle.
+They are large, and the time that TinyRenderer takes grows with the number of pixels in a triangle.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ AROUND = 0
 
 
 class Backdrop(NamedTuple):
-    """The image behind the robots and the objects: colours (H, W, 3), depths in metres and entity numbers (H, W).
+    """The image behind robots and objects: colours (H, W, 3), depths in metres (H, W) and entity numbers (H, W).
 
     The depth of the background is infinite. `level` (H, W) marks the horizontal surfaces on which shadows fall, and
     `shade` is their brightness in the light.
@@ -83,7 +83,7 @@ def floors(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
 
 
 def _patch(scene: Scene, entity: str, numbers: Mapping[str, int], wall: float = 0.0) -> LevelPatch:
-    """Return the floor of a fixed entity: a rectangle as high as the walls are thick, which extends to their middle."""
+    """Return the floor of a fixed entity as a rectangle, as high as the walls are thick, that ends in their middle."""
     (x, y, yaw), (half_x, half_y, _) = scene.fixed[entity], scene.shapes[entity].half
     half = (half_x - wall / 2, half_y - wall / 2)
     return LevelPatch(x, y, half, yaw, scene.color(entity), numbers[entity], wall)
@@ -98,20 +98,22 @@ def backdrop(
     light: Vector,
     raised: Sequence[LevelPatch] = (),
 ) -> Backdrop:
-    """Return an image, from a camera pose, of table, zones, the rectangles `raised` above the table, and background.
+    """Return the image from a camera pose of the table, zones, rectangles `raised` above the table, and background.
 
     `table` is the number of the table; `light` is the direction to the light.
     """
-    (x, y), turn = rays(camera), pose[:3, :3].astype(np.float32)
-    ahead = [turn[axis, 0] * x + turn[axis, 1] * y + turn[axis, 2] for axis in range(3)]
-    colors = np.zeros((*ahead[0].shape, 3), dtype=np.uint8)
-    numbers, level = np.full(ahead[0].shape, AROUND, dtype=np.int32), np.zeros(ahead[0].shape, dtype=np.bool_)
+    (width, height), turn = camera.size, pose[:3, :3].astype(np.float32)
+    across, down = rays(camera)
+    ahead = [(turn[axis, 0] * across + turn[axis, 1] * down + turn[axis, 2]).ravel() for axis in range(3)]
+    # Flat arrays and indices, because masks of images take several times as long.
+    colors = np.zeros((width * height, 3), dtype=np.uint8)
+    numbers, level = np.full(len(colors), AROUND, dtype=np.int32), np.zeros(len(colors), dtype=np.bool_)
     focal = float(camera.intrinsics[0, 0])
-    depth = np.full(ahead[0].shape, np.inf, dtype=np.float32)
+    depth = np.full(len(colors), np.inf, dtype=np.float32)
     eye, half = pose[:3, 3].astype(np.float32), np.array([*scene.table.size, TABLE_THICKNESS], dtype=np.float32) / 2
     centre = np.array([*scene.table.centre, -TABLE_THICKNESS / 2], dtype=np.float32)
     for axis in range(3):
-        # The camera sees one of two opposite faces, and no other face of a convex body hides it.
+        # The camera sees at most one of two opposite faces, and no other face of a convex body hides it.
         away = float(eye[axis] - centre[axis])
         if abs(away) <= half[axis]:
             continue
@@ -119,39 +121,49 @@ def backdrop(
         far = np.float32(math.copysign(half[axis], away) - away) / falling
         one, two = (other for other in range(3) if other != axis)
         points = [eye[other] - centre[other] + far * ahead[other] for other in (one, two)]
-        seen = (far >= camera.near) & (far <= camera.far)
-        seen &= (np.abs(points[0]) <= half[one]) & (np.abs(points[1]) <= half[two])
-        shade = _shade(axis, away, light)
-        depth[seen], numbers[seen], colors[seen] = far[seen], table, _shaded(scene.table.color, shade)
-        if axis == UPWARDS and away > 0.0 and seen.any():
-            level = seen
-            x, y = points[0] + centre[0], points[1] + centre[1]
-            colored = np.broadcast_to(np.array(rgb(scene.table.color), np.float32) * shade, colors.shape).copy()
-            for zone in zones:
-                within = seen & _within(x, y, zone)
-                numbers[within], colored[within] = zone.number, np.array(rgb(zone.color), np.float32) * shade
-            grain = wood().at(x[seen], y[seen], float(np.median(far[seen])) / focal)
-            colors[seen] = np.minimum(colored[seen] * grain[:, None], 255.0).astype(np.uint8)
-    falling = np.minimum(ahead[UPWARDS], -LEVEL)
+        within = (far >= camera.near) & (far <= camera.far)
+        within &= (np.abs(points[0]) <= half[one]) & (np.abs(points[1]) <= half[two])
+        seen = np.flatnonzero(within)
+        if not len(seen):
+            continue
+        shade, near = _shade(axis, away, light), far[seen]
+        depth[seen], numbers[seen] = near, table
+        if axis != UPWARDS or away <= 0.0:
+            colors[seen] = _shaded(scene.table.color, shade)
+            continue
+        level[seen] = True
+        x, y = points[0][seen] + centre[0], points[1][seen] + centre[1]
+        colored = np.empty((len(seen), 3), dtype=np.float32)
+        colored[:] = np.array(rgb(scene.table.color), np.float32) * shade
+        for zone in zones:
+            inside = np.flatnonzero(_within(x, y, zone))
+            numbers[seen[inside]], colored[inside] = zone.number, np.array(rgb(zone.color), np.float32) * shade
+        grain = wood().at(x, y, float(np.median(near)) / focal)
+        colors[seen] = np.minimum(colored * grain[:, None], 255.0).astype(np.uint8)
     # TinyRenderer adds the same specular brightness to a horizontal surface for any camera.
     gloss = SPECULAR * (max(0.0, light[UPWARDS]) / math.hypot(*light)) ** 2
     above = _shade(UPWARDS, 1.0, light)
     shade = above + gloss
+    falling = np.minimum(ahead[UPWARDS], -LEVEL)
     for patch in raised:
         far = np.float32(patch.z - eye[UPWARDS]) / falling
-        seen = (far >= camera.near) & (far <= camera.far) & (far < depth)
-        seen &= _within(eye[0] + far * ahead[0], eye[1] + far * ahead[1], patch)
+        within = (far >= camera.near) & (far <= camera.far) & (far < depth)
+        within &= _within(eye[0] + far * ahead[0], eye[1] + far * ahead[1], patch)
+        seen = np.flatnonzero(within)
         depth[seen], numbers[seen], colors[seen] = far[seen], patch.number, _shaded(patch.color, shade)
-        level = level | seen
-    around = numbers == AROUND
-    if around.any():
+        level[seen] = True
+    around = np.flatnonzero(numbers == AROUND)
+    if len(around):
         seen_rays = (ahead[0][around], ahead[1][around], ahead[2][around])
         colors[around] = room_colours(scene.table, eye, seen_rays, focal, light)
-    return Backdrop(colors, depth, numbers, level, above)
+    image = (height, width)
+    return Backdrop(
+        colors.reshape(*image, 3), depth.reshape(image), numbers.reshape(image), level.reshape(image), above
+    )
 
 
 def _within(x: Floats, y: Floats, zone: LevelPatch) -> NDArray[np.bool_]:
-    """Return which points of the table's top lie in a zone."""
+    """Return which points of the table top lie in a zone."""
     cosine, sine = math.cos(zone.yaw), math.sin(zone.yaw)
     along, across = cosine * (x - zone.x) + sine * (y - zone.y), cosine * (y - zone.y) - sine * (x - zone.x)
     inside: NDArray[np.bool_] = (np.abs(along) <= zone.half[0]) & (np.abs(across) <= zone.half[1])

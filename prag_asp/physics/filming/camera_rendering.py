@@ -26,9 +26,9 @@ from prag_asp.scene.variation import USUAL_LIGHT
 
 
 def render_cameras(demonstration: Demonstration, scene: Scene, staging: Staging) -> Demonstration:
-    """Return an episode with camera images; its variation determines light, colours and cameras.
+    """Return an episode with camera images; its variation determines the light, the colours and the cameras.
 
-    Each image is compressed when it is taken: memory holds one uncompressed image from each camera.
+    Each image is compressed when it is taken, so only one uncompressed image per camera is in memory.
 
     Raises:
         QueryError: the scene lacks one of the cameras.
@@ -78,7 +78,7 @@ def subgoal_at(demonstration: Demonstration, frame: int) -> int:
 
 
 def moment_of(demonstration: Demonstration, frame: int) -> Moment:
-    """Return a frame of an episode as a moment."""
+    """Return a frame of an episode as a `Moment`."""
     poses = dict(zip(demonstration.objects, map(pose_of, demonstration.poses[frame].tolist()), strict=True))
     return Moment(poses, demonstration.arms(frame), demonstration.openings_at(frame))
 

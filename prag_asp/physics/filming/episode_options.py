@@ -19,9 +19,9 @@ RATES = tuple(rate for rate in range(1, FRAMES_A_SECOND + 1) if FRAMES_A_SECOND 
 
 @dataclass(frozen=True)
 class Staging:
-    """The cameras of a scene that record demonstrations, and the properties that vary: some of `KINDS`.
+    """The cameras of a scene that record demonstrations, and the properties that vary, which are some of `KINDS`.
 
-    `size` is the width and height of images in pixels, by default the size set for each camera; `rate` is in images per
+    `size` is the width and height of images in pixels, by default those set for each camera; `rate` is in images per
     second.
 
     Raises:
@@ -53,7 +53,7 @@ class Staging:
         return draw_variation(scene, self.vary, objects, seeds) if self.vary else None
 
     def cameras_of(self, scene: Scene) -> dict[str, Camera]:
-        """Return the cameras that record in a scene, by name, with the requested image size.
+        """Return the cameras that record in a scene, by name, with the requested size of images.
 
         Raises:
             QueryError: the scene lacks one of the cameras.

@@ -13,17 +13,17 @@ from prag_asp.physics.filming.camera_rendering import render_frames
 from prag_asp.scene.scene import Scene
 
 NUMBERS = 1e-4
-"""The tolerance of recomputed numbers, in metres, radians or pixels."""
+"""The tolerance for recomputed numbers, in metres, radians or pixels."""
 
 ROUNDED = ("tools", "deltas", "grippers")
 EXACT = ("subgoals", "legend")
 COLOUR, DEPTH, SHARE = 8, 0.01, 0.02
-"""The tolerances of a pixel's colour (0 to 255) and depth in metres, and the share of pixels that may exceed them,
+"""The tolerances for a pixel's colour (0 to 255) and depth in metres, and the share of pixels that may exceed them,
 because machines round differently."""
 
 
 def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
-    """Return the differences between the footage of an episode and the images that the scene's cameras should record.
+    """Return how the footage of an episode differs from the images that the scene's cameras should have recorded.
 
     Raises:
         SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.
@@ -56,7 +56,7 @@ def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
 
 
 def _faults(camera: str, one: CameraVideo, two: CameraVideo) -> Iterator[str]:
-    """Yield how a video differs from the expected one: in its camera parameters, and in its first wrong image."""
+    """Yield how a video differs from what is expected: in its camera parameters, and in its first wrong image."""
     for name in OF_CAMERA:
         if not np.allclose(getattr(one, name), getattr(two, name), rtol=0.0, atol=NUMBERS):
             yield f"{camera}/{name} is not that of the camera"

@@ -19,17 +19,17 @@ BEHIND, BESIDE, BEFORE = 0.6, 1.5, 3.0
 """Distances of the walls from the edges of the table, in metres; cameras stand before the table."""
 
 FLOOR_HEIGHT, CEILING_HEIGHT, SKIRTING_HEIGHT = -0.74, 2.3, 0.08
-"""Heights above the table of floor and ceiling, which are usual for tables and rooms, and the height of the skirting
+"""Heights of the floor and of the ceiling above the table, which are usual for tables and rooms, and of the skirting
 above the floor, in metres."""
 
 CORNER, CORNER_WIDTH = 0.2, 0.3
-"""By how much a corner is darker, and the distance in metres in which this decays by the factor e."""
+"""How much darker a corner is, and the distance in metres over which this decays by a factor of e."""
 
 TABLE_SHADOW, TABLE_SOFTNESS = 0.32, 0.5
-"""By how much the table darkens the floor, and the width of the edge of its shadow in metres."""
+"""How much the table darkens the floor, and the width of the edge of its shadow in metres."""
 
 LEVEL = np.float32(1e-7)
-"""The minimum component of a ray, which avoids division by zero."""
+"""The minimum absolute value of a component of a ray, to avoid division by zero."""
 
 
 def room_colours(

@@ -1,7 +1,7 @@
-"""Soft shadows from a depth image that a camera at the light takes.
+"""Soft shadows, computed from a depth image taken by a camera at the light.
 
-Williams, "Casting curved shadows on curved surfaces", 1978. The edges of a shadow are blurred more the farther the
-body is from the surface (Fernando, "Percentage-closer soft shadows", 2005).
+See Williams, "Casting curved shadows on curved surfaces", 1978. The farther a body is from the surface, the more the
+edges of its shadow are blurred (Fernando, "Percentage-closer soft shadows", 2005).
 """
 
 from __future__ import annotations
@@ -18,23 +18,23 @@ from prag_asp.scene.cameras import Camera
 from prag_asp.scene.scene import Scene
 
 AWAY = 6.0
-"""The distance of the light in metres: its rays are nearly parallel."""
+"""The distance of the light in metres, at which its rays are nearly parallel."""
 
 ABOVE, AROUND = 0.3, 0.9
 """The height in metres of the centre of the ball that the light's camera sees, and how far the ball extends beyond the
-bases of the robots, which is their reach."""
+bases of the robots: as far as they can reach."""
 
 NARROW, WIDE, FAR_BODY = 0.006, 0.045, 0.35
 """The blur of the shadows of near bodies and of bodies at the distance `FAR_BODY`, in metres."""
 
 BIAS = 0.003
-"""The distance in metres by which a body has to be nearer to the light to shade a surface."""
+"""How much nearer to the light, in metres, a body has to be to cast a shadow on a surface."""
 
 SLIGHT = np.float32(1e-4)
-"""Avoids division by zero."""
+"""A small number that avoids division by zero."""
 
 TAPS = tuple((row, column) for row in (-1, 0, 1) for column in (-1, 0, 1))
-"""The neighbours that decide, in equal parts, whether a point on a body lies in shadow, in texels."""
+"""The neighbours, in texels, that contribute equally to whether a point on a body lies in shadow."""
 
 
 def light_camera(scene: Scene, light: Vector, side: int) -> Camera:
@@ -57,8 +57,8 @@ def light_camera(scene: Scene, light: Vector, side: int) -> Camera:
 class LightPlaces(NamedTuple):
     """Where the points of some pixels lie in the light's image.
 
-    `pixels` (N,) are the numbers of the pixels, `texels` (N,) those of the light's image, and `depths` (N,) are the
-    distances in metres from the light along its axis.
+    `pixels` (N,) are the numbers of the pixels, `texels` (N,) are the numbers of the texels in the light's image, and
+    `depths` (N,) are the distances in metres from the light along its axis.
     """
 
     pixels: NDArray[np.int64]
@@ -82,21 +82,20 @@ class ShadowMap:
         self.update(np.full_like(self._table, np.inf), np.zeros(self._table.shape, dtype=np.int32))
 
     def update(self, depths: Floats, bodies: NDArray[np.int32]) -> None:
-        """Use a new image from the light: depths in metres, infinite where there are no bodies, and their numbers."""
+        """Use a new image from the light: depths in metres (infinite where there is no body), and body numbers."""
         self._depths, self._bodies = depths, bodies
         gaps = self._table - depths
         shades = (gaps > BIAS).astype(np.float32)
         narrow = blurred(shades, max(1, round(NARROW / self._texel)))
         # The wide blur is taken from an image of half the size, which takes a quarter of the time.
-        radius = max(1, round(WIDE / self._texel / 2))
-        wide = blurred(_halved(shades), radius)
-        gap = blurred(_halved(np.where(shades > 0, gaps, np.float32(0.0))), radius) / np.maximum(wide, SLIGHT)
-        share = np.minimum(gap / np.float32(FAR_BODY), np.float32(1.0))
-        far, share = _doubled(wide), _doubled(share)
+        halves = _halved(np.stack([shades, np.where(shades > 0, gaps, np.float32(0.0))]))
+        wide, gap = blurred(halves, max(1, round(WIDE / self._texel / 2)))
+        share = np.minimum(gap / np.maximum(wide, SLIGHT) / np.float32(FAR_BODY), np.float32(1.0))
+        far, share = _doubled(np.stack([wide, share]))
         self._table_shadow = narrow + (far - narrow) * share
 
     def places(self, pixels: NDArray[np.int64], points: tuple[Floats, Floats, Floats]) -> LightPlaces:
-        """Return where the points of some pixels lie in the light's image; coordinates are in metres."""
+        """Return where the points shown by some pixels lie in the light's image; coordinates are in metres."""
         x, y, z = points
         across, down, depths = (row[0] * x + row[1] * y + row[2] * z + row[3] for row in self._outside[:3])
         side = self.camera.size[0]
@@ -105,50 +104,55 @@ class ShadowMap:
         return LightPlaces(pixels, rows * np.int32(side) + columns, depths)
 
     def on_table(self, places: LightPlaces) -> Floats:
-        """Return how much of the light is hidden from points of the table, from 0 to 1."""
+        """Return how much of the light is hidden from points on the table, from 0 to 1."""
         hidden: Floats = self._table_shadow.ravel()[places.texels]
         return hidden
 
     def on_bodies(self, places: LightPlaces, bodies: NDArray[np.int32]) -> Floats:
-        """Return how much of the light other bodies hide from points of bodies (N,), from 0 to 1.
+        """Return how much of the light is hidden from points on bodies by other bodies, from 0 to 1, shape (N,).
 
-        A body casts no shadow on itself: the renderer's shading already darkens what faces away from the light.
+        A body casts no shadow on itself, because the renderer already darkens what faces away from the light.
         """
         side, depths, owners = self.camera.size[0], self._depths.ravel(), self._bodies.ravel()
         limit = places.depths - np.float32(BIAS)
-        hidden: Floats = np.zeros(len(limit), dtype=np.float32)
-        for row, column in TAPS:
-            texels = np.clip(places.texels + np.int32(row * side + column), 0, side * side - 1)
-            hidden += (depths[texels] < limit) & (owners[texels] != bodies)
-        hidden /= np.float32(len(TAPS))
+        texels = places.texels + np.array([row * side + column for row, column in TAPS], dtype=np.int32)[:, None]
+        np.clip(texels, 0, side * side - 1, out=texels)
+        shaded = (depths[texels] < limit) & (owners[texels] != bodies)
+        hidden: Floats = shaded.sum(axis=0, dtype=np.float32) / np.float32(len(TAPS))
         return hidden
 
 
-def _halved(image: Floats) -> Floats:
-    """Return an image with half as many rows and columns."""
-    halved: Floats = (image[::2, ::2] + image[1::2, ::2] + image[::2, 1::2] + image[1::2, 1::2]) / np.float32(4.0)
+def _halved(images: Floats) -> Floats:
+    """Return images (..., H, W) with half as many rows and columns."""
+    corners = [images[..., row::2, column::2] for row, column in ((0, 0), (1, 0), (0, 1), (1, 1))]
+    halved: Floats = (corners[0] + corners[1] + corners[2] + corners[3]) / np.float32(4.0)
     return halved
 
 
-def _doubled(image: Floats) -> Floats:
-    """Return an image with twice as many rows and columns, interpolated linearly."""
-    for axis in range(2):
-        padded = np.concatenate([image.take([0], axis), image, image.take([-1], axis)], axis)
-        count = image.shape[axis]
-        here, before, after = (padded.take(range(k, k + count), axis) for k in (1, 0, 2))
-        pair = np.stack([here * 0.75 + before * 0.25, here * 0.75 + after * 0.25], axis + 1)
-        shape = [2 * length if each == axis else length for each, length in enumerate(image.shape)]
-        image = pair.reshape(shape).astype(np.float32)
-    return image
+def _doubled(images: Floats) -> Floats:
+    """Return images (..., H, W) with twice as many rows and columns, interpolated linearly."""
+    for axis in (-2, -1):
+        lines = images.swapaxes(0, axis)
+        most = lines * np.float32(0.75)
+        least = lines * np.float32(0.25)
+        doubled = np.empty((2 * len(lines), *lines.shape[1:]), dtype=np.float32)
+        doubled[0], doubled[2::2] = most[0] + least[0], most[1:] + least[:-1]
+        doubled[-1], doubled[1:-1:2] = most[-1] + least[-1], most[:-1] + least[1:]
+        images = doubled.swapaxes(0, axis)
+    return images
 
 
-def blurred(image: Floats, radius: int) -> Floats:
-    """Return an image (H, W) after two box filters with a radius in pixels; beyond its edges, the image repeats."""
+def blurred(images: Floats, radius: int) -> Floats:
+    """Return images (..., H, W) after two box filters with a radius in pixels; beyond its edges, an image repeats."""
+    width = np.float32(2 * radius + 1)
     for _ in range(2):
-        for axis in range(2):
-            width = [(radius + 1, radius) if axis == each else (0, 0) for each in range(2)]
-            sums = np.cumsum(np.pad(image, width, mode="edge"), axis=axis, dtype=np.float32)
-            length = image.shape[axis]
-            upper, lower = np.arange(2 * radius + 1, 2 * radius + 1 + length), np.arange(length)
-            image = (sums.take(upper, axis) - sums.take(lower, axis)) / np.float32(2 * radius + 1)
-    return image
+        for axis in (-2, -1):
+            lines = images.swapaxes(0, axis)
+            count = len(lines)
+            padded = np.empty((count + 2 * radius + 1, *lines.shape[1:]), dtype=np.float32)
+            padded[: radius + 1], padded[radius + 1 : radius + 1 + count], padded[radius + 1 + count :] = (
+                lines[0], lines, lines[-1],
+            )  # fmt: skip
+            sums = np.cumsum(padded, axis=0, out=padded)
+            images = ((sums[2 * radius + 1 :] - sums[:count]) / width).swapaxes(0, axis)
+    return images

@@ -7,7 +7,7 @@ and are merged by depth. Shadows come from a depth image that TinyRenderer takes
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 
 import numpy as np
@@ -52,14 +52,17 @@ BODY, LINK = (1 << 24) - 1, 24
 """The mask of the body number in a pixel, and the lowest bit of the link number, which is stored plus one."""
 
 BODY_SHADOW = 0.72
-"""The brightness of a surface of a body in the shadow of another one, as a share of that in the light."""
+"""The brightness of a surface in the shadow of another body, as a share of its brightness in the light."""
 
 RESTING = 0.002
-"""The depth tolerance in metres within which an object hides the table below it."""
+"""The tolerance of depth in metres within which an object hides the table below it."""
 
 
 class Studio:
-    """A world for rendering some objects of a scene; use `open_studio`, which closes it."""
+    """A world for rendering some objects of a scene; use `open_studio`, which closes it.
+
+    `movable` are the objects that can move, and the furniture with a part that can.
+    """
 
     def __init__(
         self,
@@ -83,12 +86,15 @@ class Studio:
         }
         self._bodies = {
             entity: make_body(
-                client, scene, entity, (0.0, 0.0, -1.0), visual=True, floor=not has_still_floor(scene, entity)
+                client, scene, entity, parking_place(i), visual=True, floor=not has_still_floor(scene, entity)
             )
-            for entity in objects
+            for i, entity in enumerate(objects)
         }
         self.table = table = table_of(scene)
         zones = [entity for entity, shape in scene.shapes.items() if shape.kind == "zone"]
+        self.movable = tuple(
+            entity for entity in objects if entity not in scene.fixed or scene.shapes[entity].traits.furniture
+        )
         self.legend = (NOTHING, table, *scene.robots, *objects, *zones)
         self._dtype = np.dtype(segmentation_type(self.legend))
         numbers = {entity: number for number, entity in enumerate(self.legend)}
@@ -114,12 +120,15 @@ class Studio:
         self._shadows_are_old = True
 
     def show(self, moment: Moment) -> None:
-        """Show a moment: move all objects and arms."""
+        """Show a moment: move all objects and arms, and remove the objects that the moment lacks."""
         for name, arm in moment.arms.items():
             set_joints(self._client, self._arms[name], self._robots[name], arm.joints, arm.width)
             self._joints[name] = arm.joints
         for entity, pose in moment.poses.items():
             put_body(self._client, self._scene, entity, self._bodies[entity], pose)
+        for i, entity in enumerate(self._bodies):
+            if entity not in moment.poses:
+                move(self._client, self._bodies[entity], Pose(parking_place(i)))
         for entity, opening in moment.openings.items():
             set_opening(self._client, self._bodies[entity], opening)
         self._shadows_are_old = True
@@ -139,23 +148,22 @@ class Studio:
         colors, depth, bodies = self._drawn(camera, pose)
         in_front = (bodies >= 0) & (depth < behind.depth + RESTING)
         self._cast_shadows()
-        shown = behind.rgb.copy()
-        pixels = shown.reshape(-1, 3)
-        light = 1.0 - (1.0 - AMBIENT / behind.shade) * self._shadows.on_table(places)
-        pixels[places.pixels] = pixels[places.pixels] * light[:, None]
+        light = np.ones(bodies.size, dtype=np.float32)
+        light[places.pixels] -= (1.0 - AMBIENT / behind.shade) * self._shadows.on_table(places)
         bodies_at = self._places(camera, pose, depth, in_front)
-        light = 1.0 - (1.0 - BODY_SHADOW) * self._shadows.on_bodies(bodies_at, bodies.ravel()[bodies_at.pixels])
-        pixels[bodies_at.pixels] = colors.reshape(-1, 3)[bodies_at.pixels] * light[:, None]
+        hidden = self._shadows.on_bodies(bodies_at, bodies.ravel()[bodies_at.pixels])
+        light[bodies_at.pixels] = 1.0 - (1.0 - BODY_SHADOW) * hidden
+        shown = np.where(in_front[..., None], colors, behind.rgb) * light.reshape(*bodies.shape, 1)
         depths = np.where(in_front, depth, behind.depth)
         depths[~np.isfinite(depths)] = 0.0
         return CameraImage(
-            shown,
+            shown.astype(np.uint8),
             depths.astype(np.float16),
             np.where(in_front, self._numbers[bodies + 1], behind.numbers).astype(self._dtype),
         )
 
     def _behind(self, camera: Camera, pose: NDArray[np.float64]) -> tuple[Backdrop, LightPlaces]:
-        """Return the image of table and room from a camera pose, and where its level surfaces lie in the light."""
+        """Return the image of table and room from a camera pose, and where level surfaces lie in the light's image."""
         if not camera.mount and camera in self._fixed:
             return self._fixed[camera]
         behind = backdrop(self._scene, camera, pose, self._zones, self._table, self._light, self._floors)
@@ -167,7 +175,7 @@ class Studio:
     def _places(
         self, camera: Camera, pose: NDArray[np.float64], depth: Floats, chosen: NDArray[np.bool_]
     ) -> LightPlaces:
-        """Return where the points that the chosen pixels show lie in the light's image."""
+        """Return where the points shown by the chosen pixels lie in the light's image."""
         (x, y), turn = rays(camera), pose.astype(np.float32)
         pixels = np.flatnonzero(chosen)
         rows, columns = np.divmod(pixels, camera.size[0])
@@ -181,37 +189,53 @@ class Studio:
         """Take the depth image from the light, if anything has moved."""
         if self._shadows_are_old:
             camera = self._shadows.camera
-            _, depth, bodies = self._drawn(camera, camera.pose)
+            _, depth, bodies = self._drawn(camera, self.pose(camera))
             self._shadows.update(np.where(bodies >= 0, depth, np.float32(np.inf)), bodies)
             self._shadows_are_old = False
 
     def counts(self, camera: Camera, *, robots: bool = True) -> Counter[str]:
-        """Return the number of pixels of each object (for furniture, of its moving part) and of each robot's hand.
+        """Return how many pixels show each object (for furniture, its moving part) and each robot's hand.
 
         Hands are listed under the names of their robots; `robots=False` removes the robots for this image.
         """
-        flags = pybullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX
-        pose = self.pose(camera)
         if robots:
-            _, _, numbers = self._drawn(camera, pose, flags)
+            labels, _ = self._labelled(camera)
         else:
             arms = {arm: read_pose(self._client, arm) for arm in self._arms.values()}
             for i, arm in enumerate(arms):
                 move(self._client, arm, Pose(parking_place(i)))
-            _, _, numbers = self._drawn(camera, pose, flags)
+            labels, _ = self._labelled(camera)
             for arm, place in arms.items():
                 move(self._client, arm, place)
-        seen: Counter[str] = Counter()
-        for value, count in zip(*np.unique(numbers[numbers >= 0], return_counts=True), strict=True):
-            body, link = int(value) & BODY, (int(value) >> LINK) - 1
+        numbers, counts = np.unique(labels[labels >= 0], return_counts=True)
+        return Counter(
+            {self.legend[number]: count for number, count in zip(numbers.tolist(), counts.tolist(), strict=True)}
+        )
+
+    def distances(self, camera: Camera, entities: Collection[str]) -> Floats:
+        """Return the distance in metres of each pixel that shows one of the entities, and 0 for the others.
+
+        Of robots only the hands count, of furniture only the moving parts.
+        """
+        labels, depth = self._labelled(camera)
+        chosen = [number for number, entity in enumerate(self.legend) if entity in entities]
+        return np.where(np.isin(labels, chosen), depth, np.float32(0.0))
+
+    def _labelled(self, camera: Camera) -> tuple[NDArray[np.int32], Floats]:
+        """Return the number of the entity in each pixel, -1 for none or for another part of it, and the distances."""
+        flags = pybullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX
+        _, depth, numbers = self._drawn(camera, self.pose(camera), flags)
+        labels = np.full(numbers.shape, -1, dtype=np.int32)
+        for value in np.unique(numbers[numbers >= 0]).tolist():
+            body, link = value & BODY, (value >> LINK) - 1
             if link in self._parts.get(body, (link,)):
-                seen[self.legend[self._numbers[body + 1]]] += int(count)
-        return seen
+                labels[numbers == value] = self._numbers[body + 1]
+        return labels, depth
 
     def _drawn(
         self, camera: Camera, pose: NDArray[np.float64], flags: int = 0
     ) -> tuple[NDArray[np.uint8], Floats, NDArray[np.int32]]:
-        """Return TinyRenderer's colours, depths in metres, and body numbers (-1 for none)."""
+        """Return the colours, the depths in metres, and the body numbers (-1 for none) that TinyRenderer draws."""
         width, height = camera.size
         result = pybullet.getCameraImage(
             width,
@@ -227,7 +251,7 @@ class Studio:
             flags=flags,
             physicsClientId=self._client,
         )
-        # A PyBullet that was built without NumPy returns flat tuples.
+        # if PyBullet was built without NumPy, it returns flat tuples
         colors = np.asarray(result[2], dtype=np.uint8).reshape(height, width, 4)[:, :, :3]
         buffer = np.asarray(result[3], dtype=np.float32).reshape(height, width)
         near, far = camera.near, camera.far
@@ -238,7 +262,8 @@ class Studio:
 def matrices(camera: Camera, pose: NDArray[np.float64]) -> tuple[list[float], list[float]]:
     """Return the view and projection matrices in column order, for TinyRenderer.
 
-    Measurements show that it samples the lower left corner of a pixel, so the projection is shifted by half a pixel.
+    According to measurements, it samples the lower left corner of a pixel, so the projection is shifted by half a
+    pixel.
     """
     width, height = camera.size
     view = FLIPPED @ np.linalg.inv(pose)

@@ -1,6 +1,6 @@
-"""Procedural textures as factors of brightness with mean 1: planks of wood for the table, concrete for the floor.
+"""Procedural textures as brightness factors with mean 1: planks of wood for the table, concrete for the floor.
 
-Both are made from value noise on a periodic lattice, so they repeat without a seam, and from fixed seeds.
+Both are made from value noise with fixed seeds on a periodic lattice, so they repeat without a seam.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float32]
 
 TEXELS = 1024
-"""Texels on a side of a texture, a power of two for the halved copies."""
+"""Texels along a side of a texture, a power of two because of the halved copies."""
 
 WOOD_SIDE, FLOOR_SIDE = 1.6, 2.4
 """The side of the square that a texture covers, in metres: a plank then has the usual width of 10 cm."""
 
 PLANKS, SEAM = 16, 2
-"""The number of planks in the texture, and the width of the groove between two planks in texels, which is 3 mm."""
+"""The number of planks in the texture, and the width in texels of the groove between two planks, which is 3 mm."""
 
 
 class Texture(NamedTuple):
@@ -30,7 +30,7 @@ class Texture(NamedTuple):
     side: float
 
     def at(self, x: Floats, y: Floats, pixel: float) -> Floats:
-        """Return the factors at points in metres; `pixel` is the size of a pixel at the points, in metres.
+        """Return the factors at points given in metres; `pixel` is the size of a pixel at the points, in metres.
 
         The copy whose texels are about as large as a pixel is used, so that images do not flicker.
         """
@@ -70,7 +70,7 @@ def concrete() -> Texture:
 
 
 def _texture(factors: NDArray[np.float64], side: float) -> Texture:
-    """Return a texture with its halved copies."""
+    """Return a texture together with its halved copies."""
     level = (factors / factors.mean()).astype(np.float32)
     levels = [level]
     while len(level) > 1:

@@ -1,9 +1,9 @@
 """Antipodal grasps of a body by a parallel gripper.
 
 A grasp is antipodal if the line between its two contacts lies in both friction cones; with soft fingers it is then in
-force closure (Nguyen, "Constructing force-closure grasps", 1988). Candidates are sampled: a point of the surface, a
-line through it within its friction cone, each point where the line leaves the body, and tool directions around it.
-Each candidate is then judged by the exact contact of the closed pads (`ParallelGripper.contact`).
+force closure (Nguyen, "Constructing force-closure grasps", 1988). Candidates are sampled: a point on the surface, a
+line through it within its friction cone, each point where the line leaves the body, and directions of the tool around
+the line. Each candidate is then judged by the exact contact of the closed pads (`ParallelGripper.contact`).
 """
 
 from __future__ import annotations
@@ -32,35 +32,36 @@ from prag_asp.scene.surfaces import in_frame
 Floats = NDArray[np.float64]
 
 DENSE = 4000
-"""The number of points of the surface that must not be inside the hand: one every 4 mm on an object of 150 mm."""
+"""The number of points on the surface that must not be inside the hand: one every 4 mm on an object of 150 mm."""
 
 SMALLEST_PATCH = 6e-6
 """The minimum area of a contact in m²: 2 mm x 3 mm, a corner of a pad."""
 
 OPPOSITE = 0.004
-"""The maximum distance in metres between the centres of both contacts, parallel to the pads, so that the contacts do
-not turn the body."""
+"""The maximum distance in metres between the centres of the two contacts, measured parallel to the pads, so that the
+contacts do not turn the body."""
 
 SOFT = 0.002
 """The depth in metres to which fingers may penetrate a held body: their rubber yields, and grasps are not exact."""
 
 ENOUGH_POINTS, UNSURE = 8, 0.15
-"""The minimum number of points between the pads to judge a contact before it is computed, and its error in cosine."""
+"""The minimum number of points between the pads for judging a contact before it is computed, and the error of this
+judgement as a cosine."""
 
 MOST = (40, 40, 24)
-"""The maximum numbers of distinct grasps of a body to keep, the best first: from above, at a slant, and from the
-side."""
+"""The maximum number of distinct grasps of a body to keep, the best first, for each kind: from above, slanted, and from
+the side."""
 
 SLANTED, SIDEWAYS = 0.5, 1.2
 """The smallest angles between the tool's direction and straight down of slanted and of sideways grasps, in radians."""
 
 ENOUGH_SLACK, WIDE_CONTACT = 0.01, 0.005
-"""The room at a finger, and the radius of a contact, above which the score no longer rises, in metres."""
+"""The clearance at a finger and the radius of a contact, in metres, above which the score no longer rises."""
 
 APART, TURNED = (0.008, 0.008, 0.03), (0.25, 0.25, 0.4)
 """The minimum distance in metres, or angle in radians, between the tools of distinct grasps of each of these kinds.
 
-A hand has the smallest amount of room from the side, where grasps from all directions are worth more than many grasps
+A hand has the least room when it comes from the side, where grasps from all directions are worth more than many grasps
 from one direction.
 """
 
@@ -68,10 +69,11 @@ from one direction.
 class Grasp(NamedTuple):
     """A way to hold a body.
 
-    `tool` is the pose of the tool in the frame of the body. `width` is the distance in metres between the pads in
-    contact, and `approach` their distance during the approach. `tilt` is the angle in radians between the tool's
-    direction and straight down, `lever` the horizontal distance in metres from the centre of mass to the line between
-    the pads, and `radius` the lever arm of friction about that line, in metres. `score` is higher for better grasps.
+    `tool` is the pose of the tool in the frame of the body. `width` is the distance in metres between the pads when
+    they are in contact, and `approach` is their distance during the approach. `tilt` is the angle in radians between
+    the tool's direction and straight down, `lever` is the horizontal distance in metres from the centre of mass to the
+    line between the pads, and `radius` is the lever arm of friction about that line, in metres. `score` is higher for
+    better grasps.
     """
 
     tool: Pose
@@ -86,7 +88,7 @@ class Grasp(NamedTuple):
 class GraspProblem(NamedTuple):
     """The input for sampling grasps: a body's convex parts as triangles, its centre of mass, and friction.
 
-    `parts` have the shape (n, 3, 3), in the body's frame in metres; z is up as the body stands. `friction` is the
+    `parts` have the shape (n, 3, 3), in the body's frame in metres; z points up when the body stands. `friction` is the
     coefficient between pad and body.
     """
 
@@ -96,12 +98,12 @@ class GraspProblem(NamedTuple):
 
 
 def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Grasp, ...]:
-    """Return distinct grasps of a body, the most promising first; the result is empty if no sample is a grasp.
+    """Return distinct grasps of a body, the most promising first; the result is empty if no sample yields one.
 
     The samples are fixed, so the same body has the same grasps.
     """
     triangles = np.concatenate(problem.parts)
-    # The same points as in `dense_points`, so that the check of a witness agrees.
+    # the same points as in `dense_points`, so that the check of a witness agrees
     dense, facing = surface_points(problem.parts, DENSE, np.random.default_rng(0))
     lowest = float(triangles[:, :, 2].min())
     kept, counts = list[Grasp](), [0] * len(MOST)
@@ -123,7 +125,7 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
 
 
 def _promises(points: Floats, normals: Floats, tool: Pose, gripper: ParallelGripper, friction: float) -> bool:
-    """Return whether surface points, in the frame of a tool, allow a grasp: a filter before the exact contact.
+    """Return whether surface points, in the frame of a tool, may allow a grasp, before the exact contact is computed.
 
     `normals` are the normals of the points in the frame of the body.
     """
@@ -144,7 +146,7 @@ def _promises(points: Floats, normals: Floats, tool: Pose, gripper: ParallelGrip
 
 
 def dense_points(parts: Sequence[Floats]) -> Floats:
-    """Return surface points of a body that must not be inside the hand, shape (n, 3), in the body's frame in metres."""
+    """Return the surface points of a body that must not be inside the hand, shape (n, 3), in its frame in metres."""
     return surface_points(parts, DENSE, np.random.default_rng(0))[0]
 
 
@@ -157,7 +159,7 @@ def open_width(points: Floats, gripper: ParallelGripper, tool: Pose, width: floa
 
 
 def hand_is_free(points: Floats, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
-    """Return whether the hand penetrates a body by at most `SOFT` at a tool pose with the pads `width` metres apart.
+    """Return whether the hand, in a tool pose with the pads `width` metres apart, penetrates a body by at most `SOFT`.
 
     `points` are the points of `dense_points`.
     """
@@ -201,7 +203,7 @@ def _judged(
 def lever_of(centre: tuple[float, float, float], tool: Pose, contact: PadContact) -> float:
     """Return the horizontal distance in metres from a centre of mass to the line between two pads.
 
-    `tool` is the pose of the tool in the frame of the upright body; the distance is perpendicular to the line.
+    `tool` is the pose of the tool in the frame of the upright body. The distance is measured perpendicular to the line.
     """
     x, z = ((a + b) / 2 for a, b in zip(contact.patches[0].centre, contact.patches[1].centre, strict=True))
     offset = np.array(compose(tool, Pose((x, 0.0, z))).position) - centre
@@ -219,7 +221,7 @@ def _holds(contact: PadContact, friction: float) -> bool:
 
 
 def _free(points: Floats, boxes: Sequence[Box]) -> bool:
-    """Return whether no point is in one of the boxes, all in the frame of the tool.
+    """Return whether no point is in any of the boxes; all are in the frame of the tool.
 
     The hand approaches along its own direction, so the fingers sweep only the space of the fingers and the palm.
     """
@@ -241,7 +243,7 @@ def _is_distinct(tool: Pose, kept: Sequence[Grasp], kind: int) -> bool:
         if math.dist(tool.position, grasp.tool.position) <= APART[kind]:
             bx, by, bz, bw = grasp.tool.quaternion
             same = abs(ax * bx + ay * by + az * bz + aw * bw)
-            # The other tool turned by half a turn about z has the quaternion (y, -x, w, -z).
+            # After half a turn about z, the other tool has the quaternion (y, -x, w, -z).
             turned = abs(ax * by - ay * bx + az * bw - aw * bz)
             if 2 * math.acos(min(1.0, max(same, turned))) <= TURNED[kind]:
                 return False

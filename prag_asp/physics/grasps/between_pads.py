@@ -1,8 +1,8 @@
 """Compute the width of a primitive between two pads, in closed form.
 
-The pads sweep a prism along y of the tool: a rectangle of x and z. A primitive is convex, so the part of it in the
-prism begins and ends at points where no other point of it is farther along y: corners, stationary points of its edges
-and sides, and their intersections with the sides and edges of the prism. All of these are enumerated.
+The pads sweep a prism along the tool's y axis, whose cross-section is a rectangle in x and z. A primitive is convex, so
+the part of it in the prism begins and ends at extreme points along y: corners, stationary points of its edges and
+sides, and their intersections with the sides and edges of the prism. All of these are enumerated.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ PARALLEL = 1e-12
 """The sine of an angle below which two directions are parallel."""
 
 ON_SIDE = 1e-12
-"""The distance in metres from the prism below which a point counts as in it: rounding."""
+"""The distance in metres from the prism below which a point counts as inside it, because of rounding."""
 
 AGREEMENT = 1e-9
-"""The difference in metres between a lower and an upper bound of the width below which the latter is returned."""
+"""The difference in metres between a lower and an upper bound on the width below which the upper bound is returned."""
 
 AXES: tuple[Vector, Vector, Vector] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 
@@ -52,7 +52,7 @@ class PadWindow(NamedTuple):
 
 
 def width_between(shape: Shape, pose: Pose, window: PadWindow, tool: Pose) -> float:
-    """Return the width in metres, along the tool's y axis, of the part of a primitive between the pads; 0 if none.
+    """Return the width in metres, along the tool's y axis, of the part of a primitive between the pads; or 0.
 
     A shape that is neither a cylinder nor a ball counts as the box around it.
     """
@@ -79,10 +79,10 @@ def width_between(shape: Shape, pose: Pose, window: PadWindow, tool: Pose) -> fl
 
 
 def _between_faces(shape: Shape, pose: Pose, window: PadWindow, opening: Vector) -> float:
-    """Return the width along an axis of the strip between the two faces of a box that are nearest to the pads.
+    """Return the width, along an axis, of the strip between the two faces of a box that are nearest to the pads.
 
-    The box may turn about the direction of the fingers, or about the pads' other axis, along which the pads are about
-    as long.
+    The box may be turned about the direction of the fingers, or about the pads' other axis, along which the pads are
+    about as long.
     """
     x, y, z, w = pose.quaternion
     slopes = [max(abs(slope), PARALLEL) for slope in rotate((-x, -y, -z, w), opening)]
@@ -91,7 +91,7 @@ def _between_faces(shape: Shape, pose: Pose, window: PadWindow, opening: Vector)
 
 
 def _on_line(shape: Shape, place: Pose, line: tuple[float, float]) -> Interval:
-    """Return the interval of a body on the line along y at an x and z relative to its centre; empty if low > high."""
+    """Return where a line along y, at an x and z relative to a body's centre, is in the body; empty if low > high."""
     x, y, z, w = place.quaternion
     inverse = (-x, -y, -z, w)
     start = rotate(inverse, (line[0] - place.position[0], 0.0, line[1] - place.position[2]))
@@ -114,7 +114,7 @@ def _on_line(shape: Shape, place: Pose, line: tuple[float, float]) -> Interval:
 
 
 def _ends_of_box(shape: Shape, place: Pose, window: PadWindow) -> Iterator[float]:
-    """Yield y at the ends of the sections of a box's edges that lie between the pads."""
+    """Yield the y values at the ends of those sections of a box's edges that lie between the pads."""
     half = shape.half
     sides = [rotate(place.quaternion, axis) for axis in AXES]
     x, y, z = place.position
@@ -131,7 +131,7 @@ def _ends_of_box(shape: Shape, place: Pose, window: PadWindow) -> Iterator[float
 
 
 def _within(begin: float, slope: float, ends: Interval, low: float, high: float) -> Interval:
-    """Return the part of an interval of t where ``begin + slope * t`` is between two bounds; empty if low > high."""
+    """Return where ``begin + slope * t`` is between two bounds, within an interval of t; empty if low > high."""
     if abs(slope) <= PARALLEL:
         return (low, high) if ends[0] - ON_SIDE <= begin <= ends[1] + ON_SIDE else NOTHING
     first, last = (ends[0] - begin) / slope, (ends[1] - begin) / slope
@@ -139,7 +139,7 @@ def _within(begin: float, slope: float, ends: Interval, low: float, high: float)
 
 
 def _ends_of_cylinder(shape: Shape, place: Pose, window: PadWindow) -> Iterator[float]:
-    """Yield y at stationary points of a cylinder's rims and side, and at their intersections with the prism's sides."""
+    """Yield y at stationary points on a cylinder's rims and side, and where these intersect the prism's sides."""
     radius, _, long = shape.half
     axis = rotate(place.quaternion, AXES[2])
     points = chain(
@@ -149,7 +149,7 @@ def _ends_of_cylinder(shape: Shape, place: Pose, window: PadWindow) -> Iterator[
 
 
 def _extremes(radius: float, long: float, axis: Vector, centre: Vector) -> Iterator[Vector]:
-    """Yield the first and the last point of each rim along y; the rim's centre if the axis is parallel to y."""
+    """Yield the first and last point of each rim along y, or the rim's centre if the axis is parallel to y."""
     outward = _unit_across(axis, AXES[1])
     for end in (_point(centre, -long, axis), _point(centre, long, axis)):
         yield from (end,) if outward is None else (_point(end, -radius, outward), _point(end, radius, outward))
@@ -169,11 +169,11 @@ def _point(start: Vector, far: float, way: Vector) -> Vector:
 
 
 def _on_planes(radius: float, long: float, axis: Vector, centre: Vector, window: PadWindow) -> Iterator[Vector]:
-    """Yield where a cylinder's rims meet the prism's sides, and in these sides the curved surface's ends along y."""
+    """Yield where a cylinder's rims meet the prism's sides, and the ends, along y, of its curve in each side."""
     for k, plane in ((0, window.x[0]), (0, window.x[1]), (2, window.z[0]), (2, window.z[1])):
         left = plane - centre[k]
         to = _unit_across(axis, AXES[k])
-        if to is not None and to[k] > 0.0:  # 0 by rounding where rims are almost parallel to the plane
+        if to is not None and to[k] > 0.0:  # 0 because of rounding where rims are almost parallel to the plane
             (a, b, c), (d, e, f) = axis, to
             side = (b * f - c * e, c * d - a * f, a * e - b * d)
             for along in (-long, long):
@@ -184,7 +184,7 @@ def _on_planes(radius: float, long: float, axis: Vector, centre: Vector, window:
                     yield _point(out, -radius * sine, side)
                     yield _point(out, radius * sine, side)
         if abs(axis[k]) > PARALLEL:
-            # The normal of the side is there a combination of y and the normal of the plane.
+            # There, the normal of the side is a combination of y and the normal of the plane.
             length, normal = math.hypot(axis[k], axis[1]), [0.0, axis[k], 0.0]
             normal[k] = -axis[1]
             for share in (-radius / length, radius / length):

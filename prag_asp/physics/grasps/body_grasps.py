@@ -27,16 +27,16 @@ from prag_asp.scene.scene import Shape
 from prag_asp.scene.surfaces import in_frame, mesh_states, part_surfaces, surface
 
 FORM = 4
-"""The version of the search and of its files: cached grasps of other versions are not read."""
+"""The version of the search and of its files; cached grasps of other versions are not read."""
 
 LARGEST_FILE = 1_000_000
-"""The largest size of a file of grasps in bytes, ample for all grasps of a body."""
+"""The largest size in bytes of a file of grasps, which is ample for all grasps of a body."""
 
 SUFFIX = ".grasps"
 
 
 def body_grasps(shape: Shape, gripper: ParallelGripper, friction: float) -> tuple[Grasp, ...]:
-    """Return the grasps of a body with a model, in its frame, the best first, given the friction of pads on it.
+    """Return the grasps of a body with a model, in its frame, the best first, given the friction between it and pads.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -47,7 +47,7 @@ def body_grasps(shape: Shape, gripper: ParallelGripper, friction: float) -> tupl
 class GraspTable(NamedTuple):
     """The grasps of a body as arrays: poses of the tool as matrices (n, 4, 4) and quaternions (4, n), and scores (n,).
 
-    `loads` (n,) are the factors by which the levers of the grasps raise the loads, see `grip_load`.
+    `loads` (n,) are the factors by which the levers of the grasps raise the loads; see `grip_load`.
     """
 
     frames: NDArray[np.float64]
@@ -57,7 +57,7 @@ class GraspTable(NamedTuple):
 
 
 def grasp_table(shape: Shape, gripper: ParallelGripper, friction: float) -> GraspTable:
-    """Return the grasps of `body_grasps`, in their order, as arrays.
+    """Return the grasps of `body_grasps`, in the same order, as arrays.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -66,7 +66,7 @@ def grasp_table(shape: Shape, gripper: ParallelGripper, friction: float) -> Gras
 
 
 def pad_contact(shape: Shape, gripper: ParallelGripper, tool: Pose) -> PadContact | None:
-    """Return the contact of the pads when they close on a body; None if there is nothing between them.
+    """Return the contact of the pads when they close on a body, or None if there is nothing between them.
 
     `tool` is the pose of the tool in the frame of the body.
 
@@ -102,7 +102,7 @@ def is_hand_free(shape: Shape, gripper: ParallelGripper, tool: Pose, width: floa
 def _grasps(
     shape: Shape, gripper: ParallelGripper, friction: float, files: tuple[tuple[int, int], ...]
 ) -> tuple[Grasp, ...]:
-    """Return the grasps of a body; the states of its files are part of the cache key."""
+    """Return the grasps of a body; the cache key includes the states of its files."""
     problem, folder = _problem(shape, friction), cache_folder()
     if folder is None:
         return sampled_grasps(problem, gripper)
@@ -120,7 +120,7 @@ def _grasps(
 
 @lru_cache(maxsize=256)
 def _table(shape: Shape, gripper: ParallelGripper, friction: float, files: tuple[tuple[int, int], ...]) -> GraspTable:
-    """Return the grasps of a body as arrays; the states of its files are part of the cache key."""
+    """Return the grasps of a body as arrays; the cache key includes the states of its files."""
     grasps = _grasps(shape, gripper, friction, files)
     levers = [grasp.lever / grasp.radius if grasp.radius > 0.0 else np.inf for grasp in grasps]
     return GraspTable(
@@ -138,7 +138,7 @@ def _grasp(row: Mapping[str, Any]) -> Grasp:
 
 
 def _problem(shape: Shape, friction: float) -> GraspProblem:
-    """Return the geometry of a body from which grasps are sampled."""
+    """Return the geometry of a body from which its grasps are sampled."""
     return GraspProblem(part_surfaces(shape), _centre(shape), friction)
 
 
@@ -157,7 +157,7 @@ def _centre(shape: Shape) -> tuple[float, float, float]:
 
 @lru_cache(maxsize=64)
 def _dense_points(shape: Shape, files: tuple[tuple[int, int], ...]) -> NDArray[np.float64]:
-    """Return the points of a body that must not be in the hand; the states of its files are part of the cache key."""
+    """Return the points of a body that must not be in the hand; the cache key includes the states of its files."""
     return dense_points(part_surfaces(shape))
 
 
@@ -165,5 +165,5 @@ def _dense_points(shape: Shape, files: tuple[tuple[int, int], ...]) -> NDArray[n
 def _contact(
     shape: Shape, gripper: ParallelGripper, tool: Pose, files: tuple[tuple[int, int], ...]
 ) -> PadContact | None:
-    """Return the contact of the pads; the states of the body's files are part of the cache key."""
+    """Return the contact of the pads; the cache key includes the states of the body's files."""
     return gripper.contact(in_frame(surface(shape), tool))

@@ -1,4 +1,4 @@
-"""Candidates for antipodal grasps: points of a surface, the points opposite to them, and tools around their line."""
+"""Candidates for antipodal grasps: points on a surface, the points opposite to them, and tools around their line."""
 
 from __future__ import annotations
 
@@ -15,41 +15,44 @@ from prag_asp.scene.geometry import Pose
 Floats = NDArray[np.float64]
 
 POINTS = 400
-"""The number of points of the surface at which grasps are sampled."""
+"""The number of points on the surface at which grasps are sampled."""
 
 TILTS = (0.0, 0.35, 0.7, 1.05, 1.4)
 """The angles to try between the tool's direction and straight down, in radians: from above to the side."""
 
 CONE_SHARE = 0.6
-"""The share of the friction angle that a sampled contact may use: the rest is for accelerations when lifting."""
+"""The share of the friction angle that a sampled contact may use; the rest is left for accelerations when lifting."""
 
 FLATTER = (0.5, 0.95)
-"""The shares of the cone's angle by which an axis is turned from the normal towards the horizontal."""
+"""How far an axis is turned from the normal towards the horizontal, as shares of the cone's angle."""
 
 UPRIGHT = 1e-3
 """The slope in radians below which a normal is horizontal, and the cosine below which it is vertical."""
 
 PARALLEL = 1e-15
-"""The triple product in m² of a triangle's sides and a unit vector below which both count as parallel."""
+"""The triple product, in m², of a triangle's sides and a unit vector below which the vector counts as parallel to the
+triangle."""
 
 STEEP = -0.3
-"""The tool's direction along z above which fingers are not lifted off the ground: they come from the side."""
+"""The component of the tool's direction along z above which fingers come from the side and are not lifted off the
+ground."""
 
 ROOM = 0.003
-"""The distance in metres between open fingers and the body on each side when the hand descends."""
+"""The distance in metres on each side between the open fingers and the body when the hand descends."""
 
 BELOW = 0.0005
 """The minimum distance of the fingertips from the plane on which the body stands, in metres."""
 
 LONG_LEVER, TILT_COST = 0.05, 0.3
-"""The lever arm of the centre of mass in metres that lowers a score by 1, and the cost of a radian of tilt."""
+"""The lever arm of the centre of mass, in metres, that lowers a score by 1, and the cost of a radian of tilt."""
 
 
 class Candidate(NamedTuple):
-    """A candidate for a grasp: its cost and number, which determine the order of attempts, and the place of the tool.
+    """A candidate for a grasp: its cost and number, which determine the order of attempts, and where the tool is.
 
-    `tilt` is the angle between the tool's direction and straight down in radians; `middle` (3,) the point between the
-    contacts in metres; `rotation` (3, 3) has the axes of the tool as columns; all in the frame of the body.
+    `tilt` is the angle between the tool's direction and straight down, in radians; `middle` (3,) is the point midway
+    between the contacts, in metres; `rotation` (3, 3) has the axes of the tool as columns. All are in the frame of the
+    body.
     """
 
     cost: float
@@ -65,7 +68,7 @@ def grasp_candidates(
     """Return candidates for grasps of a body, the most promising first; the samples are fixed.
 
     `parts` (n, 3, 3) are its convex parts as triangles and `centre` is its centre of mass, in its frame in metres;
-    `friction` is the coefficient between pad and body, `opening` the opening of the gripper in metres.
+    `friction` is the coefficient between pad and body, and `opening` is the opening of the gripper in metres.
     """
     points, normals = surface_points(parts, POINTS, np.random.default_rng(0))
     candidates: list[Candidate] = []
@@ -80,7 +83,7 @@ def grasp_candidates(
 
 
 def surface_points(parts: Sequence[Floats], number: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
-    """Return points sampled evenly on the surface, except inside other parts, and their outward normals."""
+    """Return points sampled evenly on the surface, except those inside other parts, and their outward normals."""
     owners = np.concatenate([np.full(len(part), i) for i, part in enumerate(parts)])
     triangles = np.concatenate(parts)
     crossed = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
@@ -115,7 +118,7 @@ def _antipodal_pairs(
         # Möller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997.
         cross = crossed(inward, two)
         scale = np.einsum("ij,ij->i", one, cross)
-        # A triangle parallel to the line is not hit: the distance along the line is then 0.
+        # A triangle parallel to the line is not hit; the distance along the line is then set to 0.
         scale[np.abs(scale) < PARALLEL] = math.inf
         offset = point - corner
         u = np.einsum("ij,ij->i", offset, cross) / scale
@@ -130,7 +133,7 @@ def _antipodal_pairs(
 def _axes(normal: Floats, least: float) -> Iterator[Floats]:
     """Yield closing axes at a contact: the normal, and flatter axes in a cone; `least` is the cosine of its half-angle.
 
-    The hand is broad along this axis: the flatter the axis, the farther the hand is from the ground.
+    The hand is broad along this axis, so the flatter the axis is, the farther the hand is from the ground.
     """
     yield normal
     flat, slope = math.hypot(normal[0], normal[1]), math.asin(max(-1.0, min(1.0, float(normal[2]))))
@@ -145,7 +148,7 @@ def _axes(normal: Floats, least: float) -> Iterator[Floats]:
 
 
 def _tools(axis: Floats) -> Iterator[tuple[float, Floats]]:
-    """Yield directions of the tool around an opening axis: the angle to straight down, and the axes as columns."""
+    """Yield directions of the tool around an opening axis: the angle from straight down, and the axes as columns."""
     down = np.array([0.0, 0.0, -1.0])
     side = down - (down @ axis) * axis
     length = float(np.linalg.norm(side))
@@ -171,8 +174,8 @@ def _tools(axis: Floats) -> Iterator[tuple[float, Floats]]:
 def above_ground(gripper: ParallelGripper, lowest: float, middle: Floats, rotation: Floats) -> Pose | None:
     """Return the pose of a tool, moved back as far as necessary for its fingertips to be above the ground.
 
-    `lowest` is the height of the ground in metres. The result is None if fingers from the side, or the palm, would be
-    in the ground.
+    `lowest` is the height of the ground in metres. The result is None if the palm, or fingers that come from the side,
+    would be in the ground.
     """
     slope = np.abs(rotation[2])
     tips = min(

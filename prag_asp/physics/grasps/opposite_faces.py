@@ -3,12 +3,12 @@
 Theorem. Let each pad touch a face of a body made of convex parts, within the friction cone of the face. Let a be the
 axis along which the pads close and w the distance between them. The angle between a and the outward normal of one face
 is at most the friction angle phi, and so is the angle between -a and the normal of the other face: hence the angle
-between the first normal and the opposite of the second is at most 2 phi. Contact points p and q of the two faces are at
-most w apart along a, and across it at most the diagonal d of a pad. Therefore |p - q|² <= w² + d². If all pairs of
-faces within 2 phi of opposite are farther apart than sqrt(o² + d²), no grasp has w <= o.
+between the first normal and the opposite of the second is at most 2 phi. Contact points p and q on the two faces are at
+most w apart along a and, perpendicular to a, at most the diagonal d of a pad apart. Therefore |p - q|² <= w² + d². If
+all pairs of faces that are opposite to within 2 phi are farther apart than sqrt(o² + d²), no grasp has w <= o.
 
 The distance between two triangles is at least the distance between their centroids minus both radii. Triangles are
-divided until this bound decides, which takes few steps unless the body is close to the limit.
+divided until this bound is decisive, which takes few steps unless the body is close to the limit.
 """
 
 from __future__ import annotations
@@ -30,11 +30,12 @@ MOST_PAIRS = 100_000
 """The maximum number of pairs of faces to examine; a body that needs more remains undecided."""
 
 FLAT = 1e-6
-"""The distance in metres by which a corner of a convex part may be outside a face, because files are rounded."""
+"""The distance in metres by which a corner of a convex part may be outside a face, because numbers in files are
+rounded."""
 
 
 def is_never_spanned(shape: Shape, gripper: ParallelGripper, friction: float) -> bool:
-    """Return whether `exceeds_opening` proves that a gripper cannot close around a body; cached.
+    """Return whether `exceeds_opening` proves that a gripper cannot close around a body; the result is cached.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -44,12 +45,12 @@ def is_never_spanned(shape: Shape, gripper: ParallelGripper, friction: float) ->
 
 @lru_cache(maxsize=256)
 def _decided(shape: Shape, gripper: ParallelGripper, friction: float, files: tuple[tuple[int, int], ...]) -> bool:
-    """Return whether the proof succeeds for a body; the states of its files are part of the cache key."""
+    """Return whether the proof succeeds for a body; the cache key includes the states of its files."""
     return exceeds_opening(part_surfaces(shape), gripper, friction)
 
 
 def exceeds_opening(parts: Sequence[Floats], gripper: ParallelGripper, friction: float) -> bool:
-    """Return whether it is proved that every grasp of a body is wider than the gripper opens.
+    """Return whether every grasp of a body is proved to be wider than the gripper can open.
 
     `parts` are the triangles of its convex parts, shape (n, 3, 3) in metres; `friction` is the coefficient between pad
     and body. False proves nothing: the body may be close to the limit, have too many faces, or have parts that are not
@@ -91,7 +92,7 @@ def _is_convex(part: Floats) -> bool:
 
 
 def _radii(triangles: Floats) -> Floats:
-    """Return, for each triangle, the maximum distance in metres of its corners from its centroid."""
+    """Return, for each triangle, the maximum distance in metres from its centroid to its corners."""
     radii: Floats = np.linalg.norm(triangles - triangles.mean(1, keepdims=True), axis=2).max(1)
     return radii
 

@@ -17,18 +17,18 @@ from prag_asp.scene.robots import Robot
 Floats = NDArray[np.float64]
 
 PALM = (0.063, 0.204, 0.066)
-"""The dimensions in metres of the palm of a robot without a `hand` in its description: Franka's."""
+"""The dimensions in metres of the palm (Franka's) of a robot that has no `hand` in its description."""
 
 TOUCH = 0.001
 """The depth in metres to which the rubber of a pad yields: material this close to the outermost point is in contact."""
 
 
 TINY = 1e-15
-"""The threshold below which sums count as zero: of areas in m² and lengths of normals."""
+"""The threshold below which sums of areas, in m², and lengths of normals count as zero."""
 
 
 class PadContact(NamedTuple):
-    """The contact of the two closed pads: the interval that the material covers along y in metres, and both patches."""
+    """The contact of the closed pads: the interval that the material covers along y, in metres, and both patches."""
 
     low: float
     high: float
@@ -41,12 +41,12 @@ class PadContact(NamedTuple):
 
     @property
     def radius(self) -> float:
-        """The smaller radius of gyration of both patches in metres: the lever arm of friction about their line."""
+        """The smaller radius of gyration of the two patches in metres: the lever arm of friction about their line."""
         return min(patch.gyration for patch in self.patches)
 
 
 class PadPatch(NamedTuple):
-    """The patch of one pad: the area in m², the centroid (x, z) in m, the radius of gyration in m, the mean normal.
+    """The patch of one pad: its area in m², centroid (x, z) in m, radius of gyration in m, and mean normal.
 
     `slope` is the cosine of the angle between the mean outward normal and the direction in which the pad lies.
     """
@@ -58,10 +58,10 @@ class PadPatch(NamedTuple):
 
 
 class ParallelGripper(NamedTuple):
-    """The dimensions of a parallel gripper in metres: half a pad along x, the ends of a pad along z, the opening.
+    """The dimensions of a parallel gripper in metres: half of a pad along x, its ends along z, and the opening.
 
-    `fingers` are the boxes of the finger on the side of positive y when the gripper is closed, `palm` is the box of the
-    hand; all in the frame of the tool.
+    `fingers` are the boxes of the finger on the side of positive y when the gripper is closed, and `palm` is the box of
+    the hand; all are in the frame of the tool.
     """
 
     half_x: float
@@ -94,9 +94,9 @@ class ParallelGripper(NamedTuple):
         return (*fingers, self.palm)
 
     def contact(self, triangles: Floats) -> PadContact | None:
-        """Return the contact of the pads when they close on a body; None if there is nothing between them.
+        """Return the contact of the pads when they close on a body, or None if there is nothing between them.
 
-        `triangles`, shape (n, 3, 3), are the surface of the body in the frame of the tool, in metres. The interval is
+        `triangles`, shape (n, 3, 3), form the surface of the body in the frame of the tool, in metres. The interval is
         exact for this surface: its triangles are clipped to the prism that the pads sweep.
         """
         polygons = self.between(triangles)
@@ -126,7 +126,7 @@ class Polygons(NamedTuple):
     normals: Floats
 
     def cut(self, axis: int, sign: float, end: float) -> Polygons:
-        """Return the polygons cut to ``sign * coordinate <= end`` along an axis (Sutherland and Hodgman, 1974)."""
+        """Return the polygons, cut to ``sign * coordinate <= end`` along an axis (Sutherland and Hodgman, 1974)."""
         corners, normals = self.corners, self.normals
         depth = end - sign * corners[:, :, axis]
         inside = depth >= 0.0
@@ -135,7 +135,7 @@ class Polygons(NamedTuple):
             corners, normals, depth, inside = corners[some], normals[some], depth[some], inside[some]
         if inside.all():
             return Polygons(corners, normals)
-        # The next corner of each; np.roll and np.stack take twice the time for so few.
+        # The corner that follows each corner; for so few corners, np.roll and np.stack take twice the time.
         following, after = (np.concatenate([each[:, 1:], each[:, :1]], 1) for each in (corners, depth))
         crossing = inside != (after >= 0.0)
         share = np.where(crossing, depth / np.where(crossing, depth - after, 1.0), 0.0)
@@ -152,7 +152,7 @@ class Polygons(NamedTuple):
         return Polygons(points[np.arange(len(order))[:, None], chosen], normals)
 
     def patch(self, end: float, side: float) -> PadPatch:
-        """Return the patch of a pad on one side: the surface that faces it, within `TOUCH` of the outermost point."""
+        """Return the patch of a pad on one side: the surface facing it within `TOUCH` of the outermost point."""
         corners, normals = self.touched(end, side)
         flat, facing = corners[:, :, [0, 2]], side * normals[:, 1]
         if flat.shape[1] < 3:
@@ -174,7 +174,7 @@ class Polygons(NamedTuple):
         return PadPatch(total, (float(centre[0]), float(centre[1])), gyration, float(share @ slopes))
 
     def touched(self, end: float, side: float) -> Polygons:
-        """Return the surface that faces a pad on one side, within `TOUCH` of the outermost point."""
+        """Return the surface facing a pad on one side that is within `TOUCH` of the outermost point."""
         corners, normals = self.cut(1, -side, TOUCH - side * end)
         facing = side * normals[:, 1] > 0.0
         return Polygons(corners[facing], normals[facing])

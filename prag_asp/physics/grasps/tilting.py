@@ -1,11 +1,11 @@
 """The load with which the weight of a body, such as a plate held at its rim, tilts it out of the pads.
 
-Friction bears the torque about the line through both pads; pressure bears the rest. A pad presses with a force F
+Friction bears the torque about the line through both pads, and pressure bears the rest. A pad presses with a force F
 somewhere on its patch. If one pad presses at the upper end of its patch and the other pad at the lower end of its
-patch, the two forces form a couple of F times the difference in height: no grip bears a larger torque about the
+patch, the two forces form a couple of F times the difference in height; no grip bears a larger torque about the
 horizontal axis along the pads. The same holds about the direction of the fingers, with the ends of the patches along
-the pads. A rim that leans is therefore held best by fingers that lean with it: upright pads touch it at the bottom
-inside and at the top outside, which helps to tilt it.
+the pads. A slanted rim is therefore held best by fingers with the same slant: upright pads touch it at the bottom on
+the inside and at the top on the outside, which helps to tilt it.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from prag_asp.scene.scene import Shape
 from prag_asp.scene.surfaces import in_frame, mesh_states, surface
 
 SHORTEST = 1e-4
-"""The smallest difference in height of a couple in metres, because pads are not more exact."""
+"""The smallest lever arm of a couple in metres, because pads are not more exact than that."""
 
 
 class TiltingLoad(NamedTuple):
-    """The torque of a body's weight, as a share of the largest torque that the pads bear by pressure, or in total.
+    """The torque of a body's weight as a share of the largest torque that the pads bear by pressure, or in total.
 
-    For `total`, the pads also bear torque by friction. Both shares assume that each pad presses with a force equal to
-    the weight of the body.
+    The `total` includes the torque that the pads bear by friction. Both shares assume that each pad presses with a
+    force equal to the weight of the body.
     """
 
     pressure: float
@@ -75,9 +75,9 @@ def tilting_load(
     tool: Pose,
     friction: float,
 ) -> TiltingLoad:
-    """Return the tilting load of an upright body in a grasp; 0 if there is nothing between the pads.
+    """Return the tilting load of an upright body in a grasp, or 0 if there is nothing between the pads.
 
-    `triangles`, shape (n, 3, 3), are the body's surface, and `centre` is its centre of mass, both in the body's frame.
+    `triangles`, shape (n, 3, 3), form the body's surface, and `centre` is its centre of mass, both in the body's frame.
     """
     polygons = gripper.between(in_frame(triangles, tool))
     if not len(polygons.corners):

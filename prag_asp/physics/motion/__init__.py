@@ -1,1 +1,1 @@
-"""Collision-free paths of an arm, and their time parameterization."""
+"""Collision-free paths of an arm, and their timing."""

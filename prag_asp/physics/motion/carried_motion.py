@@ -1,7 +1,8 @@
 """Limit the acceleration of a held object so that the friction of the pads bears the load.
 
-The pads hold an object of mass m by friction: they bear at most 2 mu F, where F is the force of a finger and mu the
-coefficient of friction (Coulomb). Gravity and an acceleration a of the tool need at most m (g + |a|).
+The pads hold an object of mass m by friction: they bear at most 2 mu F, where F is the force of a finger and mu is the
+coefficient of friction (Coulomb). Against gravity and with an acceleration a of the tool, the object needs at most m (g
++ |a|).
 """
 
 from __future__ import annotations
@@ -20,20 +21,22 @@ from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight
 
 FRICTION_SHARE = 0.95
-"""The share of the friction of the pads that is used: the motors have tracking errors."""
+"""The share of the pads' friction that is used, because the motors have tracking errors."""
 
 LEAST, MOST = 0.5, 40.0
-"""Accelerations in m/s²: with less, an arm hardly moves, and no arm accelerates its tool by more."""
+"""Accelerations in m/s²: with less than the first, an arm hardly moves; with more than the second, no arm moves its
+tool."""
 
 SHARE = 0.98
-"""The share of the acceleration to which a motion is slowed down, because the rounding of corners depends on speed."""
+"""The share of the allowed acceleration to which a motion is slowed down, because the rounding of corners depends on
+speed."""
 
 SLOWDOWNS = 20
 """The maximum number of times that a motion is slowed down; once or twice is usual."""
 
 
 def bearable_acceleration(scene: Scene, entity: str, robot: str) -> float:
-    """Return the largest acceleration of the tool at which a held object does not slip, in m/s²; at least `LEAST`.
+    """Return the largest acceleration of the tool at which a held object does not slip, in m/s², but at least `LEAST`.
 
     Furniture is not carried, because a robot moves only a part of it.
     """
@@ -58,7 +61,7 @@ def time_carried(
 
 
 def peak_acceleration(robot: Robot, start: Joints, angles: NDArray[np.float64], time_step: float) -> float:
-    """Return the largest acceleration of the tool on a motion from rest to rest, in m/s²; `angles` (steps, 7)."""
+    """Return the largest acceleration of the tool, in m/s², in a motion from rest to rest along `angles` (steps, 7)."""
     rows = [start, start, *map(tuple, angles.tolist()), tuple(angles[-1].tolist())]
     positions = np.array([tool_pose(robot, row).position for row in rows])
     accelerations = np.diff(positions, 2, axis=0) / time_step**2

@@ -1,4 +1,4 @@
-"""Check that an arm and its load keep `CLEARANCE` on a path from all bodies that are not close at one of its ends."""
+"""Check that, on a path, an arm and its load keep `CLEARANCE` from all bodies that are not close at either end."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ CLEARANCE = 0.01
 """The distance in metres that an arm and its load keep from bodies that the arm does not handle."""
 
 SLACK = 0.0005
-"""The distance in metres by which a body may come closer to another one than at an end of the path."""
+"""The distance in metres by which a body may come closer to another one than it is at an end of the path."""
 
 ARM, TABLE = "the arm", "the table"
 Gaps = Mapping[tuple[str, str], float]
@@ -32,7 +32,7 @@ class ArmPassage(NamedTuple):
 
 
 def gaps(simulator: Simulator, passage: ArmPassage) -> Gaps:
-    """Return the distances between the acting arm and its load, and from both to all other bodies.
+    """Return the distances between the acting arm and its load, and the distances from both to all other bodies.
 
     Contacts of the fingers with a held object are ignored, and so are the base, which never moves, and pairs of links
     of one arm that cannot collide.
@@ -45,16 +45,16 @@ def gaps(simulator: Simulator, passage: ArmPassage) -> Gaps:
 
 
 def keeps_clear(start: Gaps, way: Sequence[Gaps], goal: Gaps) -> bool:
-    """Return whether a path keeps clear: it is close to a body only directly after its start or before its goal.
+    """Return whether a path keeps clear: it is close to a body only right after its start or right before its goal.
 
-    There, the arm comes no closer to the body than at that end of the path.
+    There, the arm comes no closer to the body than it is at that end of the path.
     """
     since, until = _uneased(start, way), reversed(_uneased(goal, way[::-1]))
     return all(one.isdisjoint(two) for one, two in zip(since, until, strict=True))
 
 
 def _uneased(end: Gaps, way: Sequence[Gaps]) -> list[set[tuple[str, str]]]:
-    """Return the pairs that are too close at each point of a path, except those close at all points from the end on."""
+    """Return the pairs that are too close at each point of a path, except those close all the way from its end."""
     since, result = dict(end), []
     for here in way:
         since = {pair: gap for pair, gap in since.items() if pair in here}
@@ -95,7 +95,7 @@ def _near(simulator: Simulator, passage: ArmPassage) -> Iterator[tuple[str, str,
 def _near_arm(
     simulator: Simulator, passage: ArmPassage, name: str, other: Arm, boxes: Mapping[int, Corners]
 ) -> Iterator[tuple[str, str, float]]:
-    """Yield the distances of the acting arm and its load to another arm."""
+    """Yield the distances from the acting arm and its load to another arm."""
     there = simulator.arms[name]
     whole = dict(zip(there.robot.links, there.link_boxes(other.joints, other.width), strict=True))
     there.pose(other.joints, other.width)
@@ -117,7 +117,7 @@ def _distances(
     links: Iterable[int] | None = None,
     other_link: int | None = None,
 ) -> Iterator[tuple[str, str, float]]:
-    """Yield names and distances below `CLEARANCE`, in metres, from some or all links of one body to another."""
+    """Yield names and distances below `CLEARANCE`, in metres, between some or all links of two bodies."""
     ends = {} if other_link is None else {"linkIndexB": other_link}
     chosen = [ends] if links is None else [{"linkIndexA": link, **ends} for link in links]
     for each in chosen:

@@ -1,4 +1,4 @@
-"""Find collision-free paths of the arm and its load."""
+"""Find collision-free paths for the arm and its load."""
 
 from __future__ import annotations
 
@@ -21,18 +21,18 @@ from prag_asp.scene.robots import Joints, Robot
 
 HEIGHTS = (0.08, 0.16, 0.24)
 STRIDE = 0.06
-"""The distance between the waypoints of a path in radians."""
+"""The distance between two waypoints of a path, in radians."""
 
 LOOK = 0.02
 """The sum of all joint motions between two points at which a path is checked, in radians.
 
 No part of an arm at the table, or of its load, is more than 1 m from a joint's axis. Therefore nothing moves by more
-than 2 cm between two points: bodies that are `CLEARANCE` apart at both points do not touch in between.
+than 2 cm between two points, so bodies that are `CLEARANCE` apart at both points do not touch in between.
 """
 
 RUNGS = 4
 SWERVE = 0.1
-"""The largest deviation of a joint from a linear motion on a straight path of the tool, in radians."""
+"""The largest deviation of a joint from a linear motion, in radians, when the tool moves along a straight path."""
 
 PULL_RUNGS = 6
 STRAIGHT = 1e-3
@@ -58,7 +58,7 @@ def is_vertical(robot: Robot, one: Joints, two: Joints) -> bool:
 
 
 def is_straight(robot: Robot, one: Joints, two: Joints) -> bool:
-    """Return whether `is_vertical` holds for two configurations, or their tools are in line along the fingers."""
+    """Return whether `is_vertical` holds for two configurations, or their tools are aligned along the fingers."""
     if is_vertical(robot, one, two):
         return True
     offset, turn = compose(invert(tool_pose(robot, one)), tool_pose(robot, two))
@@ -143,7 +143,7 @@ def checked_path(
 
 
 def _candidate_paths(simulator: Simulator, start: Joints, goal: Joints) -> Iterator[Sequence[Joints]]:
-    """Yield candidate paths, the shortest first: direct, then over nearby objects."""
+    """Yield candidate paths, the shortest first: direct ones, then ones over nearby objects."""
     yield start, goal
     for height in HEIGHTS:
         over_start, over_goal = _above(simulator, start, height), _above(simulator, goal, height)
@@ -158,7 +158,7 @@ def _candidate_paths(simulator: Simulator, start: Joints, goal: Joints) -> Itera
 
 
 def _above(simulator: Simulator, joints: Joints, height: float) -> Joints | None:
-    """Return a nearby configuration that puts the tool higher, or None if there is none."""
+    """Return a nearby configuration in which the tool is higher, or None if there is none."""
     return next(inverse(simulator.robot, raised(tool_pose(simulator.robot, joints), height), near=joints), None)
 
 

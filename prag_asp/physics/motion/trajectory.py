@@ -3,8 +3,8 @@
 The speed along a piecewise linear path is the highest that the joints allow: the slowest joint limits it at every
 point, and the weakest joint limits its change (a forward and a backward pass over the squared speed, as in Bobrow,
 Dubowsky and Gibson, "Time-optimal control of robotic manipulators along specified paths", 1985). The motion is then
-averaged over `ROUNDING`, which keeps both limits and bounds the jerk to a change of twice the acceleration limit within
-this time. The averaged motion cuts corners, slowly enough for the joints.
+averaged over `ROUNDING`, which preserves both limits and bounds the jerk: within this time, the acceleration changes by
+at most twice its limit. The averaged motion cuts corners, slowly enough for the joints.
 """
 
 from __future__ import annotations
@@ -22,12 +22,13 @@ from prag_asp.scene.robots import Joints, Robot
 Angles = NDArray[np.float64]
 
 SPEED_SHARE, ACCELERATION_SHARE = 0.9, 0.85
-"""The shares of a joint's limits that are used: its motor has tracking errors, of up to a tenth of the acceleration."""
+"""The shares of a joint's limits that are used, because its motor has tracking errors of up to a tenth of the
+acceleration."""
 
 LOADED_ACCELERATION = 6.0
-"""The largest acceleration of a joint in rad/s² with an object in the gripper, which should not slip or rotate.
+"""The largest acceleration of a joint, in rad/s², while the gripper holds an object, which should not slip or rotate.
 
-On straight vertical paths, it does neither. With 8 or 10 rad/s² on other paths, one in fifteen tasks of `prag` fails.
+On straight vertical paths, it does neither. At 8 or 10 rad/s² on other paths, one in fifteen tasks of `prag` fails.
 """
 
 ROUNDING = 0.1
@@ -37,10 +38,10 @@ GRAIN = 0.02
 """The distance in radians between the points at which the speed along a path is computed."""
 
 STILL = 1e-12
-"""The length in radians below which a piece of a path counts as no motion, because of rounding."""
+"""The length in radians below which a piece of a path counts as standing still, because of rounding."""
 
 SLOWDOWNS = 30
-"""The number of times that parts of a path are slowed down before the whole path is slowed down."""
+"""The number of times that parts of a path are slowed down before the whole path is."""
 
 TOLERANCE = 1e-6
 """The share by which a joint may exceed its limits, because of rounding."""
@@ -75,7 +76,7 @@ def joint_limits(robot: Robot, loaded: bool = False) -> JointLimits:
 
 
 def time_path(path: Sequence[Joints], time_step: float, limits: JointLimits) -> Angles:
-    """Return the joint angles of every time step along a path, shape (steps, 7), without the first point.
+    """Return the joint angles at every time step along a path, shape (steps, 7), without the first point.
 
     The motion begins and ends at rest, and no joint exceeds its limits from one step to the next.
     """
@@ -87,7 +88,7 @@ def time_path(path: Sequence[Joints], time_step: float, limits: JointLimits) -> 
     for slowdown in count(1):
         reached, places = _passed(cells, time_step)
         angles = np.column_stack([np.interp(places, cells.corners, column) for column in points.T])
-        # The average over the window, which lengthens the motion.
+        # Averaging over the window lengthens the motion.
         padded = np.concatenate([np.repeat(points[:1], window, axis=0), angles, np.repeat(points[-1:], window, axis=0)])
         sums = np.concatenate([np.zeros((1, padded.shape[1])), np.cumsum(padded, axis=0)])
         angles = ((sums[window:] - sums[:-window]) / window)[1:]
@@ -108,8 +109,8 @@ def time_path(path: Sequence[Joints], time_step: float, limits: JointLimits) -> 
 class _Cells(NamedTuple):
     """A path cut into straight cells: the path lengths at their ends (n + 1,) and at the corners of the path.
 
-    `rates` (n,) are the largest accelerations along the path in each cell, `caps` (n + 1,) the highest speeds at their
-    ends. Lengths are in radians of the joint that moves most.
+    `rates` (n,) are the largest accelerations along the path in each cell, and `caps` (n + 1,) are the highest speeds
+    at the ends of the cells. Lengths are in radians of the joint that moves most.
     """
 
     lengths: Angles
@@ -132,7 +133,7 @@ def _cells(points: Angles, limits: JointLimits) -> _Cells | None:
         rates = (limits.accelerations / np.abs(directions)).min(axis=1)
         turns = np.abs(np.diff(directions, axis=0))
         passing = (limits.accelerations * ROUNDING / turns).min(axis=1)
-    counts = np.maximum(np.ceil(lengths[moving] / GRAIN).astype(int), 2)  # one cell would rest at both ends
+    counts = np.maximum(np.ceil(lengths[moving] / GRAIN).astype(int), 2)  # a single cell would be at rest at both ends
     steps = np.repeat(lengths[moving] / counts, counts)
     cell_speeds = np.repeat(speeds, counts)
     caps = np.minimum(np.append(cell_speeds, np.inf), np.append(np.inf, cell_speeds))
@@ -143,7 +144,7 @@ def _cells(points: Angles, limits: JointLimits) -> _Cells | None:
 
 
 def _passed(cells: _Cells, time_step: float) -> tuple[Angles, Angles]:
-    """Return the times at the ends of cells, shape (n + 1,), in time steps, and the path length at each step."""
+    """Return the times at the ends of the cells, shape (n + 1,), in time steps, and the path length at each step."""
     gained = np.concatenate([[0.0], np.cumsum(2.0 * cells.rates * np.diff(cells.lengths))])
     squared = cells.caps**2
     squared = np.minimum.accumulate(squared - gained) + gained
@@ -161,10 +162,11 @@ def _passed(cells: _Cells, time_step: float) -> tuple[Angles, Angles]:
 
 
 def blend_paths(ways: Sequence[Angles], start: Joints, time_step: float, limits: JointLimits) -> Angles:
-    """Return the joint angles of every time step along consecutive paths, shape (steps, 7).
+    """Return the joint angles at every time step along consecutive paths, shape (steps, 7).
 
-    Each path begins during the last `ROUNDING` of the previous path, as far as the joint limits allow: while one path
-    decelerates at a constant rate and the other accelerates, the sum does not exceed the limit for one path.
+    As far as the joint limits allow, each path begins during the last `ROUNDING` seconds of the previous path: while
+    one path decelerates at a constant rate and the other accelerates, their sum does not exceed the limit for a single
+    path.
     """
     whole, origin = ways[0], np.array(start)
     for way in ways[1:]:

@@ -21,9 +21,9 @@ from prag_asp.task import Task
 
 
 def with_transit(simulator: Simulator, physical: PhysicalTask, witness: Witness) -> Witness | None:
-    """Return a witness to which waypoints of collision-free paths are added, or None if a path is not found.
+    """Return a witness with the waypoints of collision-free paths added, or None if a path is not found.
 
-    Neither the arm nor its load collides on these paths. Transit waypoints of the witness are replaced.
+    Neither the arm nor its load collides on these paths. Transit waypoints that the witness already has are replaced.
     """
     motions = []
     for k, effect in enumerate(physical.effects):
@@ -36,7 +36,7 @@ def with_transit(simulator: Simulator, physical: PhysicalTask, witness: Witness)
 
 
 def plan_transit(task: Task, witness: Witness, scene: Scene) -> Witness | None:
-    """Return a witness to which waypoints of collision-free paths are added, or None if a path is not found.
+    """Return a witness with the waypoints of collision-free paths added, or None if a path is not found.
 
     Raises:
         SceneError: the task names an entity that has no shape.
@@ -48,7 +48,7 @@ def plan_transit(task: Task, witness: Witness, scene: Scene) -> Witness | None:
 def _motion(
     simulator: Simulator, effect: ActionEffect, own: Sequence[Waypoint], before: Moment, after: Moment
 ) -> tuple[Waypoint, ...] | None:
-    """Return the waypoints of an action with transit waypoints in between, or None if a path is not found."""
+    """Return the waypoints of an action with transit waypoints between them, or None if a path is not found."""
     waypoints_so_far: list[Waypoint] = []
     arms, poses, openings = dict(before.arms), before.poses, before.openings
     if (effect.grasps, effect.releases, effect.holds) == (None, None, None):

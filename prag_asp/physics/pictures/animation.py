@@ -1,4 +1,4 @@
-"""Animations of demonstrations: GIF, WebP and MP4."""
+"""Animations of demonstrations in the formats GIF, WebP and MP4."""
 
 from __future__ import annotations
 
@@ -18,10 +18,12 @@ from prag_asp.physics.filming.appearance_meshes import FINE, MIDDLE
 from prag_asp.physics.filming.camera_rendering import moment_of
 from prag_asp.physics.filming.studio import Studio
 from prag_asp.physics.pictures.camera import picture, pillow, view_camera
-from prag_asp.physics.pictures.rendering import caption, check_headings, moments_of, open_stage
+from prag_asp.physics.pictures.picture_world import open_picture_world
+from prag_asp.physics.pictures.rendering import caption, check_headings, moments_of
 from prag_asp.physics.pictures.saving import save_picture
 from prag_asp.physics.pictures.sheet import MARGIN, PAPER, Panel, line_count, sheet
-from prag_asp.physics.pictures.views import View, best_view
+from prag_asp.physics.pictures.views import View
+from prag_asp.processes.progress_events import report_progress
 from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
@@ -35,19 +37,24 @@ LAST_PAUSE = 1500
 """The pause at the end of an animation, in milliseconds."""
 
 ANIMATIONS = (".gif", ".webp", ".mp4")
-"""The suffixes of animations."""
+"""The file suffixes of animations."""
 
 WEBP = {"quality": 80, "method": 2}
-"""Pillow's options: with method 4, its default, the encoder takes twice as long for files that are 3 % smaller."""
+"""Options for Pillow: with its default, method 4, the encoder takes twice as long for files that are 3 % smaller."""
 
 MP4 = {"crf": "20", "preset": "veryfast"}
-"""The options of the encoder x264: a quality at which no block is seen."""
+"""Options for the encoder x264: a quality at which no blocks are visible."""
 
 PALETTE, SAMPLES = 256, 6
 """The number of colours of a GIF, and the number of frames from which they are chosen."""
 
 CONTRAST = 24
-"""The difference of brightness from a neighbour, from 0 to 255, at which a pixel is smoothed."""
+"""The difference in brightness from a neighbour, from 0 to 255, above which a pixel is smoothed."""
+
+
+def _report_frames(done: int, total: int) -> None:
+    """Report the progress of an animation."""
+    report_progress("drawing frames", done, total)
 
 
 def animate(
@@ -61,13 +68,15 @@ def animate(
     rate: int = RATE,
     fine: bool = False,
     headings: Sequence[str | None] | None = None,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    bystanders: bool = True,
+    progress: Callable[[int, int], None] = _report_frames,
 ) -> None:
-    """Write an animation of a demonstration, `speed` times as fast, as a .gif, .webp or .mp4 according to the suffix.
+    """Write an animation of a demonstration, `speed` times as fast, as a .gif, .webp or .mp4, depending on the suffix.
 
     It shows `rate` frames per second with the current action below; `size` is the size of a frame in pixels. `fine`
-    renders frames like still pictures, which takes four times as long. `progress` is called with the number of rendered
-    frames and the total number of frames.
+    renders frames like still pictures, which takes four times as long. `bystanders` also shows objects that the task
+    does not name, where they hide and touch nothing. `progress` is called with the number of rendered frames and the
+    total number of frames.
 
     Raises:
         PicturesMissingError: Pillow or, for an .mp4, PyAV is not installed.
@@ -86,13 +95,15 @@ def animate(
     frames = [*range(0, len(demonstration.times) - 1, every), len(demonstration.times) - 1]
     captions = [caption(task, scene, k, headings)[0] for k in range(len(moments))]
     pictures = []
-    with open_stage(task, demonstration, moments, scene, FINE if fine else MIDDLE) as (studio, sized):
-        view = best_view(task, moments, sized, studio, size)
+    options: dict[str, Any] = {"fineness": FINE if fine else MIDDLE, "bystanders": bystanders}
+    with open_picture_world(task, demonstration, moments, scene, size, **options) as world:
+        studio, drawn = world.studio, (moment_of(demonstration, frame) for frame in frames)
+        view = world.choose_view(range(len(moments)), drawn)
         blank = pillow().new("RGB", size)
         lines = line_count(captions, size[0])
         pages = [sheet([Panel(blank, each)], 1, lines=lines) for each in captions]
         for frame in frames:
-            studio.show(moment_of(demonstration, frame))
+            world.show(moment_of(demonstration, frame))
             k = min(bisect_left(demonstration.ends.tolist(), frame), len(task.actions))
             page = pages[k].copy()
             page.paste(picture(studio, size, view) if fine else _quick_picture(studio, size, view), (MARGIN, MARGIN))
@@ -103,14 +114,14 @@ def animate(
     if path.suffix.lower() == ".mp4":
         _write_mp4(path, pictures, pauses, rate)
         return
-    options: dict[str, Any] = WEBP
+    encoding: dict[str, Any] = WEBP
     if path.suffix.lower() == ".gif":
-        pictures, options = _in_one_palette(pictures), {"disposal": 1}
-    save_picture(pictures[0], path, save_all=True, append_images=pictures[1:], duration=pauses, loop=0, **options)
+        pictures, encoding = _in_one_palette(pictures), {"disposal": 1}
+    save_picture(pictures[0], path, save_all=True, append_images=pictures[1:], duration=pauses, loop=0, **encoding)
 
 
 def _quick_picture(studio: Studio, size: tuple[int, int], view: View) -> Image.Image:
-    """Return a picture that is not rendered larger than needed, with smoothed edges."""
+    """Return a picture with smoothed edges that is rendered no larger than necessary."""
     image: Image.Image = pillow().fromarray(smoothed(studio.take(view_camera(view, size, 1)).rgb))
     return image
 
@@ -118,7 +129,7 @@ def _quick_picture(studio: Studio, size: tuple[int, int], view: View) -> Image.I
 def smoothed(rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Return an image (H, W, 3) in which each pixel at an edge is mixed with its four neighbours.
 
-    That takes a fraction of the time of rendering four times as many pixels.
+    This takes a fraction of the time that rendering four times as many pixels would take.
     """
     brightness = rgb[..., 1].astype(np.int16)
     edges = np.zeros(brightness.shape, dtype=np.bool_)
@@ -138,7 +149,7 @@ def smoothed(rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _in_one_palette(pictures: Sequence[Image.Image]) -> list[Image.Image]:
-    """Return pictures with one palette, so that what does not move keeps its colours.
+    """Return pictures that share one palette, so that whatever does not move keeps its colours.
 
     A colour counts as often as the square root of its frequency, because objects are small and the table is large.
     """
@@ -150,7 +161,7 @@ def _in_one_palette(pictures: Sequence[Image.Image]) -> list[Image.Image]:
 
 
 def _write_mp4(path: Path, pictures: Sequence[Image.Image], pauses: Sequence[int], rate: int) -> None:
-    """Write a video that every browser plays: H.264.
+    """Write a video in the format H.264, which every browser can play.
 
     Raises:
         PicturesMissingError: PyAV is not installed.
@@ -160,7 +171,7 @@ def _write_mp4(path: Path, pictures: Sequence[Image.Image], pauses: Sequence[int
         import av  # noqa: PLC0415 - heavy
     except ImportError as error:
         raise PicturesMissingError('videos need PyAV: pip install "prag_asp[pictures]"') from error
-    width, height = (side + side % 2 for side in pictures[0].size)  # the encoder takes even sides only
+    width, height = (side + side % 2 for side in pictures[0].size)  # the encoder requires an even width and height
     try:
         options = {"movflags": "faststart"}  # the index stands at the beginning, so browsers play at once
         with whole_file(path) as unfinished, av.open(str(unfinished), "w", format="mp4", options=options) as file:
@@ -176,7 +187,7 @@ def _write_mp4(path: Path, pictures: Sequence[Image.Image], pauses: Sequence[int
 
 
 def _at_constant_rate(pictures: Iterable[Image.Image], pauses: Iterable[int], rate: int) -> Iterator[Image.Image]:
-    """Yield pictures at a rate per second; a picture is repeated as often as its pause in milliseconds demands."""
+    """Yield pictures at a constant rate per second, each repeated to last for its pause, given in milliseconds."""
     shown, due = 0, 0.0
     for frame, pause in zip(pictures, pauses, strict=True):
         due += pause * rate / 1000

@@ -17,7 +17,7 @@ OVERSAMPLING = 2
 """The factor by which a picture is rendered larger than needed; scaling it down smooths its edges."""
 
 NEAR, FAR = 0.1, 10.0
-"""The clipping planes of pictures, in metres."""
+"""The distances in metres of the clipping planes for pictures."""
 
 
 def view_camera(view: View, size: tuple[int, int], oversampling: int = OVERSAMPLING) -> Camera:
@@ -31,7 +31,7 @@ def picture(studio: Studio, size: tuple[int, int], view: View) -> Image.Image:
 
 
 def reduced(taken: CameraImage, size: tuple[int, int]) -> Image.Image:
-    """Return the colours of an image, reduced to a size in pixels."""
+    """Return the colours of an image, scaled down to a size in pixels."""
     image_type = pillow()
     image: Image.Image = image_type.fromarray(taken.rgb).resize(size, image_type.Resampling.BOX)
     return image

@@ -22,32 +22,33 @@ if TYPE_CHECKING:
     from PIL import Image
 
 MARK, HALO = (232, 18, 124), (255, 255, 255)
-"""The colours of outlines, which no object of the default colours has, and of their inner and outer edges."""
+"""The colours of outlines and of their inner and outer edges; no object with default colours has the colour of
+outlines."""
 
 LINE, EDGE = 2, 1
 """The width of an outline and of each of its edges, in pixels of the picture."""
 
 SPECK = 2
-"""Parts of an object that are at most twice as wide as this get no outline, unless there are no others; in pixels."""
+"""Parts of an object that are at most twice this wide, in pixels, get no outline unless there are no others."""
 
 HIDDEN = 0.55
-"""An object is hidden if a smaller share of it is visible than this."""
+"""An object counts as hidden if less than this share of it is visible."""
 
 INSET, BORDER = 0.40, 2
 """The side of a close-up as a share of the shorter side of the picture, and the width of its border in pixels."""
 
 ROOM, LEAST_ROOM = 1.5, 0.09
-"""The radius that a close-up shows, as a multiple of the object's radius, and at least in metres."""
+"""The radius that a close-up shows, as a multiple of the object's radius, and its minimum in metres."""
 
 CLOSE_UP = 64
-"""The side in pixels of the images by which directions of a close-up are compared."""
+"""The side in pixels of the images with which directions for a close-up are compared."""
 
 MOVED = 1e-3
 """The motion of an object or of a part of furniture that counts as a change, in metres or radians."""
 
 
 def changed_entities(task: Task, moments: Sequence[Moment], scene: Scene, state: int) -> list[str]:
-    """Return the bodies that the action before a state moves, or else those in its subgoal; none for state 0."""
+    """Return the bodies that the action before a state moves or, if none, those in its subgoal; none for state 0."""
     if state == 0:
         return []
     before, after = moments[state - 1], moments[state]
@@ -100,7 +101,7 @@ def _outlined(taken: CameraImage, studio: Studio, changed: Sequence[str]) -> Cam
 
 
 def _grown(mask: NDArray[np.bool_], pixels: int) -> NDArray[np.bool_]:
-    """Return a mask that has grown by some pixels on all sides; every other step also grows diagonally."""
+    """Return a mask enlarged by some pixels on all sides; every other step also grows it diagonally."""
     grown: NDArray[np.bool_] = mask.copy()
     for step in range(pixels):
         before = grown.copy()
@@ -113,7 +114,7 @@ def _grown(mask: NDArray[np.bool_], pixels: int) -> NDArray[np.bool_]:
 
 
 def _most_hidden(studio: Studio, changed: Sequence[str], size: tuple[int, int], view: View) -> str | None:
-    """Return the entity of which the robots hide most in a view, or None if all are well visible."""
+    """Return the entity that the robots hide most in a view, or None if all of them are well visible."""
     camera = counting_camera(view, size)
     seen, whole = studio.counts(camera), studio.counts(camera, robots=False)
     shares = {entity: seen[entity] / max(1, whole[entity]) for entity in changed}
@@ -122,7 +123,7 @@ def _most_hidden(studio: Studio, changed: Sequence[str], size: tuple[int, int], 
 
 
 def _close_up(studio: Studio, moment: Moment, scene: Scene, entity: str, side: int) -> CameraImage | None:
-    """Return an image of an entity and its surroundings, from the direction that shows most of it, if any does."""
+    """Return an image of an entity and its surroundings from the direction that shows most of it, if any shows it."""
     target = moment.poses[entity].position
     radius = max(LEAST_ROOM, ROOM * math.hypot(*scene.shapes[entity].size) / 2)
     distance = radius / math.sin(math.radians(FIELD_OF_VIEW) / 2)
@@ -141,7 +142,7 @@ def _close_up(studio: Studio, moment: Moment, scene: Scene, entity: str, side: i
 def _emptiest_corner(
     segmentation: NDArray[np.unsignedinteger], studio: Studio, size: tuple[int, int], side: int
 ) -> tuple[int, int]:
-    """Return where to put the upper left corner of a square so that it covers the emptiest corner of the picture."""
+    """Return where to put the upper left corner of a square so that it covers the picture's emptiest corner."""
     width, height = size
     corners = [(width - side, 0), (0, 0), (width - side, height - side), (0, height - side)]
     bodies = segmentation > studio.legend.index(studio.table)

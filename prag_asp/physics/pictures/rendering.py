@@ -4,33 +4,26 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from prag_asp.errors import QueryError, SceneError
-from prag_asp.physics.checks.numbers import LIMIT_TOLERANCE, broken_numbers, count_mismatch
+from prag_asp.errors import QueryError
+from prag_asp.physics.checks.numbers import count_mismatch
 from prag_asp.physics.demonstration.demonstration import Demonstration
-from prag_asp.physics.filming.appearance_meshes import FINE, Fineness
 from prag_asp.physics.filming.camera_rendering import moment_of
-from prag_asp.physics.filming.studio import Studio, open_studio
 from prag_asp.physics.pictures.camera import picture, pillow
 from prag_asp.physics.pictures.highlights import changed_entities, highlighted
+from prag_asp.physics.pictures.picture_world import open_picture_world
 from prag_asp.physics.pictures.sheet import Panel, sheet
-from prag_asp.physics.pictures.views import best_view
 from prag_asp.physics.predicates.predicate import words
-from prag_asp.physics.symbolic_facts import Fact, facts, physical_task
+from prag_asp.physics.symbolic_facts import Fact, facts
 from prag_asp.physics.witness import Moment, Witness
-from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from PIL import Image
-
-GIVE = 0.005
-"""The tolerance by which measured joint angles and openings may exceed their limits, in radians and metres."""
 
 START_FACTS = 4
 """The maximum number of facts in the caption of an initial state."""
@@ -48,13 +41,15 @@ def film_strip(
     size: tuple[int, int] = (360, 320),
     headings: Sequence[str | None] | None = None,
     captions: Sequence[tuple[str, str]] | None = None,
+    bystanders: bool = True,
 ) -> Image.Image:
-    """Return a picture of the states of a witness or a demonstration, or of `frames` of them, including first and last.
+    """Return a picture of all states of a witness or a demonstration, or of `frames` of them, including the two ends.
 
     They are arranged in rows of at most `columns`; `size` is the size of one picture in pixels. What an action has
     changed is outlined, and shown in a close-up if the robot hides it. Below each picture are the action and its
     positive effects in plain words, large enough to be read at the width of a page. `headings` that are not None
     replace the words for the actions; `captions` replace all words with a heading and a text for each state.
+    `bystanders` also shows objects of the scene that the task does not name, where they hide and touch nothing.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
@@ -68,12 +63,12 @@ def film_strip(
     last = len(task.actions)
     chosen = range(last + 1) if frames is None else sorted({round(i * last / (frames - 1)) for i in range(frames)})
     pictures = []
-    with open_stage(task, shown, moments, scene) as (studio, sized):
-        view = best_view(task, moments, sized, studio, size, chosen)
+    with open_picture_world(task, shown, moments, scene, size, bystanders=bystanders) as world:
+        view = world.choose_view(chosen)
         for k in chosen:
-            studio.show(moments[k])
-            changed = changed_entities(task, moments, sized, k)
-            pictures.append(highlighted(studio, moments[k], sized, changed, size, view))
+            world.show(moments[k])
+            changed = changed_entities(task, moments, world.scene, k)
+            pictures.append(highlighted(world.studio, moments[k], world.scene, changed, size, view))
     if captions is not None and len(captions) != last + 1:
         raise QueryError(f"{plural(len(captions), 'caption')} for {plural(last + 1, 'state')}; give one for each")
     texts = make_captions(task, scene, chosen, headings, captions)
@@ -81,9 +76,17 @@ def film_strip(
 
 
 def still(
-    task: Task, shown: Witness | Demonstration, scene: Scene, state: int, *, size: tuple[int, int] = (960, 800)
+    task: Task,
+    shown: Witness | Demonstration,
+    scene: Scene,
+    state: int,
+    *,
+    size: tuple[int, int] = (960, 800),
+    bystanders: bool = True,
 ) -> Image.Image:
-    """Return a picture of one state, 0 for the initial one, without a caption; `size` is in pixels.
+    """Return a picture of one state (0 is the initial state) without a caption; `size` is in pixels.
+
+    `bystanders` also shows objects that the task does not name, in the same places in each state.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
@@ -93,10 +96,10 @@ def still(
     if not 0 <= state < len(moments):
         raise QueryError(f"state {state}: the states of the task are 0 to {len(moments) - 1}")
     pillow()
-    with open_stage(task, shown, moments, scene) as (studio, sized):
-        view = best_view(task, moments, sized, studio, size, (state,))
-        studio.show(moments[state])
-        return picture(studio, size, view)
+    with open_picture_world(task, shown, moments, scene, size, bystanders=bystanders) as world:
+        view = world.choose_view((state,))
+        world.show(moments[state])
+        return picture(world.studio, size, view)
 
 
 def moments_of(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
@@ -115,33 +118,6 @@ def moments_of(task: Task, shown: Witness | Demonstration) -> Sequence[Moment]:
 def _actions(task: Task) -> str:
     """Return a phrase that states the number of actions in a task."""
     return plural(len(task.actions), "action")
-
-
-@contextmanager
-def open_stage(
-    task: Task,
-    shown: Witness | Demonstration,
-    moments: Sequence[Moment],
-    scene: Scene,
-    fineness: Fineness = FINE,
-) -> Iterator[tuple[Studio, Scene]]:
-    """Open a studio that can show all moments, and the scene with the sizes of the task.
-
-    Raises:
-        QueryError: a number in the moments is wrong.
-    """
-    try:
-        sized = scene.with_sizes(shown.sizes) if isinstance(shown, Witness) else shown.sized_scene(scene)
-    except SceneError as error:
-        raise QueryError(str(error)) from None
-    with open_simulator(sized) as simulator:
-        physical = physical_task(task, sized)
-        tolerance = LIMIT_TOLERANCE if isinstance(shown, Witness) else GIVE
-        for k, moment in enumerate(moments):
-            for fault in broken_numbers(moment, physical, simulator, tolerance):
-                raise QueryError(f"state {k}: {fault}")
-    with open_studio(sized, tuple(moments[0].poses), fineness=fineness) as studio:
-        yield studio, sized
 
 
 def check_headings(task: Task, headings: Sequence[str | None] | None) -> None:
@@ -175,7 +151,7 @@ def make_captions(
     headings: Sequence[str | None] | None,
     captions: Sequence[tuple[str, str]] | None = None,
 ) -> list[tuple[str, str]]:
-    """Return the heading and text of each state; the first text explains left and right if the robot defines them."""
+    """Return the heading and text of each state; if left and right are the robot's, the first text says so."""
     texts = [captions[k] if captions is not None else caption(task, scene, k, headings) for k in chosen]
     if scene.frame == "viewer" or not any(SIDES.search(text) for pair in texts for text in pair):
         return texts
@@ -185,7 +161,7 @@ def make_captions(
 
 
 def _fact_words(candidates: Sequence[Fact], most: int = 2) -> str:
-    """Return the facts with the lowest caption ranks in words; facts of user-defined predicates come first."""
+    """Return the facts that come first in captions, in words; facts of user-defined predicates precede all others."""
     worth = (fact for fact in candidates if fact.predicate.caption_rank < math.inf)
     ranked = sorted(worth, key=lambda fact: fact.predicate.caption_rank)
     return ", ".join(fact.sentence() for fact in ranked[:most] or candidates[:1])

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def save_picture(picture: Image.Image, path: Path, **options: Any) -> None:
-    """Write a picture atomically, in the format of the file's suffix; `options` are passed to Pillow.
+    """Write a picture atomically, in the format given by the file's suffix; `options` are passed to Pillow.
 
     Raises:
         OutputError: the file cannot be written.

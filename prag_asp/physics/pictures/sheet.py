@@ -16,10 +16,11 @@ MARGIN, GUTTER = 14, 12
 ABOVE, BETWEEN = 8, 4
 
 PAGE, LEGIBLE = 830, 12.5
-"""The width in pixels at which web pages such as GitHub's show a wide picture, and the least size of text there."""
+"""The width in pixels at which web pages such as those of GitHub show a wide picture, and the minimum size of text at
+that width."""
 
 HEADING, TEXT, LINE = 1.2, 14, 1.35
-"""The size of a heading relative to that of the text, the least size of the text in pixels, and the height of a line
+"""The size of a heading relative to that of the text, the minimum size of the text in pixels, and the height of a line
 relative to the size of its text."""
 
 
@@ -86,13 +87,13 @@ def text_sizes(width: int, columns: int) -> tuple[int, int]:
 
 
 def line_count(headings: Iterable[str], width: int) -> int:
-    """Return how many lines the longest heading takes below a single picture with a given width in pixels."""
+    """Return how many lines the longest heading takes up below a single picture of a given width in pixels."""
     large = font(text_sizes(width, 1)[0])
     return max(len(wrap(heading, large, width - 2)) for heading in headings)
 
 
 def wrap(text: str, letters: Any, width: int) -> list[str]:
-    """Return a text in the font `letters` wrapped to a width in pixels; a word that exceeds it gets a separate line."""
+    """Return a text wrapped to a width in pixels in the font `letters`; a word that is too wide gets its own line."""
     lines: list[str] = []
     for word in text.split():
         longer = f"{lines[-1]} {word}" if lines else word

@@ -1,4 +1,4 @@
-"""Choose the view of a task that best shows the acting hands and the objects of its actions."""
+"""Choose the view of a task that best shows the acting hands and the objects that its actions involve."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
 AZIMUTHS, HEIGHTS = (-22.7, 50.0, -50.0, 75.0, -75.0), (0.6, 1.1)
-"""Directions to the camera: degrees from the axis that points away from the robot, so that left and right remain those
-of a viewer who faces the robot; and heights relative to the horizontal distance."""
+"""Directions to the camera: angles in degrees from the axis that points away from the robot, so that left and right are
+those of a viewer who faces the robot; and heights relative to the horizontal distance."""
 
 DIRECTIONS = (
     TOWARDS_EYE,
@@ -27,13 +27,14 @@ DIRECTIONS = (
 """The directions to the camera to try, the default one first."""
 
 FAVOUR = 1.1
-"""The factor by which another view has to score higher than the default one."""
+"""How many times as high as the default view another view has to score."""
 
 MOST = 6
-"""The number of states that are enough to choose a view."""
+"""The number of states that suffices for choosing a view."""
 
 SMALL, FAR = 96, 10.0
-"""The longer side in pixels of the images by which views are compared, and their far plane in metres."""
+"""The longer side in pixels of the images with which views are compared, and the distance of their far plane in metres.
+"""
 
 SHOULDER, WRIST, HAND = 0.40, 0.22, 0.2
 """The heights of a shoulder above the table and of a wrist above the fingertips, and the width of a hand, in metres."""
@@ -52,10 +53,10 @@ def best_view(
 ) -> View:
     """Return the view that shows the actions of a task best; `size` is the size of a picture in pixels.
 
-    For each state, the acting hand and the entities of the action and the subgoal are rated by the ratio of their
-    visible pixels to their maximum over all views. The score of a view combines the mean and the minimum of these
-    ratios. `moments` are the moments of all states, with the objects of the studio; `states` are the states to draw, by
-    default all, of which at most `MOST` are rated.
+    For each state, the acting hand and the entities of the action and the subgoal are rated by the ratio of the number
+    of their visible pixels to its maximum over all views. The score of a view combines the mean and the minimum of
+    these ratios. `moments` are the moments of all states, with the objects of the studio; `states` are the states to
+    draw, by default all, of which at most `MOST` are rated.
     """
     aspect = size[0] / size[1]
     states = range(len(moments)) if states is None else states
@@ -80,14 +81,14 @@ def best_view(
 
 
 def counting_camera(view: View, size: tuple[int, int]) -> Camera:
-    """Return the camera with which pixels of a picture with this size are counted, in a smaller image."""
+    """Return the camera for counting pixels, in a smaller image than a picture of this size."""
     scale = SMALL / max(size)
     small = (max(16, round(size[0] * scale)), max(16, round(size[1] * scale)))
     return Camera(*view, FIELD_OF_VIEW, size=small, near=0.1, far=FAR)
 
 
 def acting(task: Task, scene: Scene, state: int) -> set[str]:
-    """Return the entities in the action that leads to a state and in its subgoal; none for the initial state."""
+    """Return the entities in a state's subgoal and in the action that leads to it; none for the initial state."""
     if state == 0:
         return set()
     action, subgoal = task.actions[state - 1], task.subgoals[state - 1]
@@ -101,7 +102,7 @@ def acting(task: Task, scene: Scene, state: int) -> set[str]:
 
 
 def view_from(scene: Scene, points: Sequence[Vector], aspect: float, towards: Vector = TOWARDS_EYE) -> View:
-    """Return the closest view in a direction that shows some points and the lower parts of the robots.
+    """Return the closest view from a direction that shows the given points and the lower parts of the robots.
 
     `aspect` is the ratio of the picture's width to its height.
     """
@@ -110,7 +111,7 @@ def view_from(scene: Scene, points: Sequence[Vector], aspect: float, towards: Ve
 
 
 def points_of_interest(task: Task, moments: Iterable[Moment], scene: Scene) -> list[Vector]:
-    """Return points around the hands, the movable objects, and the fixed ones that the task names, in metres."""
+    """Return points, in metres, around the hands, the movable objects, and the fixed objects that the task names."""
     named = {argument for action in task.actions for argument in action.arguments}
     points = []
     for moment in moments:

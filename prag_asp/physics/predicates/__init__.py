@@ -1,7 +1,7 @@
 """The registry of spatial predicates, and the predicates that a domain adds.
 
-Each module of this package, like a Python file of a domain, maps the names of one or more predicates to their
-definitions in `PREDICATES`. A new predicate needs a module, and a row in `prag_asp.scene.predicate_names`.
+In `PREDICATES`, each module of this package, like a Python file of a domain, maps the names of one or more predicates
+to their definitions. A new predicate needs a module, and a row in `prag_asp.scene.predicate_names`.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from prag_asp.scene.scene import Own, Scene
 PREDICATES: Mapping[str, Predicate] = {
     name: import_module(f"{__name__}.{word.file}").PREDICATES[name] for name, word in VOCABULARY.items()
 }
-"""The spatial predicates of every scene, by name."""
+"""The spatial predicates that every scene has, by name."""
 
 NAMED: Mapping[str, Predicate] = {
     name: replace(predicate, sentence=predicate.robot_sentence)

@@ -1,9 +1,9 @@
 """``aligned``: two bodies side by side with parallel sides, in a row along an axis of the scene.
 
-The yaws of their sides differ by a multiple of 90 degrees within `TURN`; cylinders and balls are parallel to
-everything. The sides of a body with a model are those of the smallest rectangle around it, seen from above. Their
-centres are at most `OFFSET` metres apart along one of the axes x and y of the scene, and their bounding boxes at least
-`GAP` metres apart along the other. The predicate is symmetric.
+To within `TURN`, the yaws of their sides differ by a multiple of 90 degrees; cylinders and balls are parallel to
+everything. The sides of a body with a model are those of the smallest rectangle around it, seen from above. Along one
+of the axes x and y of the scene, their centres are at most `OFFSET` metres apart; along the other, their bounding boxes
+are at least `GAP` metres apart. The predicate is symmetric.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def _side_yaw(situation: Situation, entity: str) -> float:
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield the distance in metres from the nearest row, and the deviation in radians of the yaws from parallel."""
+    """Yield the distance from the nearest row in metres, and the deviation of the yaws from parallel in radians."""
     one, two = situation.body(arguments[0]), situation.body(arguments[1])
     apart = [abs(a - b) for a, b in zip(one.centre[:2], two.centre[:2], strict=True)]
     close = [one.half[axis] + two.half[axis] + GAP for axis in (0, 1)]
@@ -45,7 +45,7 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
 
 
 def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the strips on the four sides of the other body, and the four ranges of parallel yaws."""
+    """Return the strips along the four sides of the other body, and the four ranges of parallel yaws."""
     subject, other = arguments
     at, half = situation.body(other).centre, situation.half(other)
     centre, own = extent(situation.shape(subject), quaternion)

@@ -1,8 +1,8 @@
 """``left_of``, ``right_of``, ``in_front_of``, ``behind``: one body lies entirely to one side of another.
 
-The scene chooses the frame. For the robot, which looks along +x, left is +y and in front (nearer to it) is -x. For a
-viewer who faces the robot, left is -y and in front (nearer to the viewer) is +x. The bounding boxes are at least `GAP`
-apart along the axis, and the offset between the centres across the axis is at most `SPREAD` times the offset along it.
+The scene determines the frame. For the robot, which looks along +x, left is +y and in front (nearer to the robot) is
+-x. For a viewer who faces the robot, left is -y and in front (nearer to the viewer) is +x. The bounding boxes are at
+least `GAP` apart along the axis, and the centres' offset across the axis is at most `SPREAD` times that along it.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def _violations(name: str, situation: Situation, arguments: Arguments) -> Iterat
 
 
 def _volume(name: str, situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the wedge on the predicate's side of the other body."""
+    """Return the wedge on the side of the other body that the predicate states."""
     subject, other = arguments
     side = SIDES[name].in_frame(situation.scene.frame)
     centre, half = extent(situation.shape(subject), quaternion)
@@ -61,9 +61,9 @@ def _volume(name: str, situation: Situation, arguments: Arguments, quaternion: Q
 
 
 def wedge(situation: Situation, side: Direction, other: str, half: Vector, gap: float) -> Volume:
-    """Return the possible positions of a box's centre on one side of a body.
+    """Return where the centre of a box may lie so that the box is on one side of a body.
 
-    `half` contains the half-extents of the box, which is at least `gap` metres away from the body.
+    `half` contains the half-extents of the box, which has to be at least `gap` metres away from the body.
     """
     axis, sign = side
     at = situation.body(other).centre

@@ -1,4 +1,4 @@
-"""``between``: a body lies between two others seen from above, at any heights.
+"""``between``: seen from above, a body lies between two others, at any height.
 
 The line segment between the centres of the two others passes through the body, and along that line the body is at
 least `GAP` metres away from both.
@@ -22,7 +22,7 @@ MARGIN = 0.003
 
 
 def _ends(situation: Situation, entity: str, direction: Vector) -> tuple[float, float]:
-    """Return how far a body extends from the centre of its bounding box against and along a direction, in metres."""
+    """Return how far a body extends, in metres, from the centre of its bounding box against and along a direction."""
     body = situation.body(entity)
     if situation.shape(entity).traits.furniture:
         half = abs(direction[0]) * body.half[0] + abs(direction[1]) * body.half[1]
@@ -41,7 +41,9 @@ def _line(situation: Situation, arguments: Arguments) -> tuple[float, Vector]:
 
 
 class _Room(NamedTuple):
-    """The range for the middle of a body along a line, its maximum distance from the line, and offsets, in metres.
+    """The range of positions along a line for the middle of a body, its maximum distance from the line, and offsets.
+
+    All are in metres.
 
     Positions in the range are relative to the centre of the first of the two other bodies. The offsets are from the
     origin of the body to its middle, along the line and to the left of the line.
@@ -65,7 +67,7 @@ def _room(situation: Situation, arguments: Arguments, quaternion: Quaternion, li
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield the distance in metres of the body from the line, and the amounts by which it violates the two gaps."""
+    """Yield the distance of the body from the line, and by how much it violates the two gaps, in metres."""
     line = _line(situation, arguments)
     pose, (x, y, _) = situation.pose(arguments[0]), situation.body(arguments[1]).centre
     begin, end, aside, (middle, left) = _room(situation, arguments, pose.quaternion, line)

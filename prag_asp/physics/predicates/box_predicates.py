@@ -1,9 +1,9 @@
-"""Predicates that a domain defines in its domain.toml as a union of boxes around an entity.
+"""Predicates that a domain defines in its domain.toml as unions of boxes around an entity.
 
 The frame of a box is the frame of the entity, rotated by the entity's yaw: x and y start at its centre, z at its lowest
-point. The frame of the table has the axes of the scene, and its origin is the centre of the top. The predicate holds if
-the centre of the subject or, for a `whole` predicate, the whole subject is in one of the boxes, within `TOLERANCE`
-metres.
+point. The frame of the table has the axes of the scene, and its origin is the centre of the table top. The predicate
+holds if the centre of the subject or, for a `whole` predicate, the whole subject is in one of the boxes, within
+`TOLERANCE` metres.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def _extent(own: Own, situation: Situation, arguments: Arguments, quaternion: Qu
 
 
 def _violations(own: Own, situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield the distance in metres of the subject from the nearest box, beyond the tolerance."""
+    """Yield the distance in metres from the subject to the nearest box, less the tolerance."""
     subject, other = arguments
     pose = situation.pose(subject)
     x, y = to_local(situation.pose(other), pose.position[0], pose.position[1])
@@ -63,7 +63,7 @@ def _volume(own: Own, situation: Situation, arguments: Arguments, quaternion: Qu
 
 
 def _room(box: BoxBounds, situation: Situation, other: str, half: Vector) -> Volume:
-    """Return where the centre of a body with half-extents `half` in metres may lie if the body has to be in a box."""
+    """Return where the centre of a body with half-extents `half`, in metres, may lie if the body has to be in a box."""
     (ax, bx), (ay, by), (az, bz) = (_ends(*ends) for ends in zip(box.low, box.high, half, strict=True))
     x, y, _ = situation.pose(other).position
     bottom = situation.bottom(other)
@@ -85,9 +85,9 @@ def _room(box: BoxBounds, situation: Situation, other: str, half: Vector) -> Vol
 
 
 def _ends(low: float, high: float, reach: float) -> tuple[float, float]:
-    """Return the range of positions of a body's centre along an axis of a box in metres; it is empty if low > high.
+    """Return the range of positions in metres of a body's centre along an axis of a box; it is empty if low > high.
 
-    A body that is as large as the box, within the tolerance, has to be in its centre.
+    A body that is as large as the box, to within the tolerance, has to be at the centre of the box.
     """
     low, high = low + reach, high - reach
     if -2 * SLIVER <= low - high <= 2 * (TOLERANCE - SLIVER):

@@ -1,6 +1,6 @@
-"""Constraints of predicates on the positions of bodies: lower bounds on differences of coordinates.
+"""Constraints that predicates imply on the positions of bodies: lower bounds on differences of coordinates.
 
-The predicate has to imply each constraint for any orientation of the bodies. Along x and y, constraints compare the
+The predicate has to imply each constraint for every orientation of the bodies. Along x and y, constraints compare the
 centres of bodies; along z, the bottoms and tops of their bounding boxes.
 """
 
@@ -21,7 +21,7 @@ Node = tuple[str, str]
 """A body, a robot (for its tool) or the origin, and the part of it whose coordinate is constrained."""
 
 ORIGIN: Node = ("", "centre")
-"""The origin of the world."""
+"""A body, a robot (for its tool) or the origin, and the part of it whose coordinate is constrained."""
 
 Z = 2
 
@@ -39,7 +39,7 @@ Demand = tuple[int, Gap]
 
 
 def between(node: Node, other: Node, least: float, most: float) -> tuple[Gap, Gap]:
-    """Return the constraints by which a coordinate exceeds another by `least` to `most` metres."""
+    """Return the constraints that a coordinate exceeds another by `least` to `most` metres."""
     return Gap(other, node, least), Gap(node, other, -most)
 
 
@@ -64,7 +64,7 @@ def top(entity: str) -> Node:
 
 
 def thinnest(entity: str, axis: int, scene: Scene) -> float:
-    """Return the smallest distance in metres that a body extends from its origin along an axis in any orientation."""
+    """Return how far a body extends from its origin along an axis, in metres, at least, in any orientation."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     if place is None:
         return least_reach(shape)
@@ -73,7 +73,7 @@ def thinnest(entity: str, axis: int, scene: Scene) -> float:
 
 
 def above(scene: Scene, entity: str, support: str, half: tuple[float, float]) -> Iterator[Demand]:
-    """Yield constraints that a body's centre is above a rectangle or its inscribed circle, centred on another body."""
+    """Yield constraints that a body's centre is above a rectangle, or its inscribed circle, centred on another body."""
     place = scene.fixed.get(support)
     round_top = scene.shapes[support].traits.round
     for axis in (0, 1):

@@ -1,4 +1,4 @@
-"""Whether the friction of two pads bears the weight of a body, and its torque about an off-centre grip."""
+"""Compute whether the friction of two pads bears the weight of a body, and its torque about an off-centre grip."""
 
 from __future__ import annotations
 
@@ -25,14 +25,15 @@ GRAVITY = 9.81
 LIGHTLY = 50.0
 """The largest force of a finger on a body with a model, as a multiple of the body's weight.
 
-PyBullet's solver does not keep fingers out of a body that they squeeze much harder: they penetrate the whole wall of an
-8 g paper cup with 12 N, but not at all with 4 N. Friction then bears the torque of a lever of about 15 cm.
+If fingers squeeze a body much harder, PyBullet's solver does not keep them out of it: with 12 N, they penetrate the
+whole wall of an 8 g paper cup, but not at all with 4 N. With this force, friction bears the torque of a lever arm of
+about 15 cm.
 """
 
 SLIPS = 1.05
-"""The factor by which a load has to exceed the static friction, so that a body slips or turns in the gripper.
+"""The factor by which a load has to exceed the static friction for a body to slip or turn in the gripper.
 
-The robot also accelerates the object, so it may drop lighter bodies; a proof needs this margin.
+The robot also accelerates the object, so it may drop lighter bodies as well; a proof needs this margin.
 """
 
 
@@ -43,9 +44,9 @@ def grasps_in_body(situation: Situation, entity: str, robot: str) -> tuple[Grasp
 
 
 def bearable(scene: Scene, entity: str, robot: str) -> float:
-    """Return the largest mass in kilograms that a robot's fingers can hold by friction on a body's material.
+    """Return the largest mass, in kilograms, of a body of some material that a robot's fingers can hold by friction.
 
-    By Coulomb's law, the mass is 2 mu F / g, where F is the force of a finger and mu is the product of both friction
+    By Coulomb's law, the mass is 2 mu F / g, where F is the force of a finger and mu is the product of the two friction
     coefficients, which is how PyBullet combines them.
     """
     return 2 * pad_friction(scene, entity) * robot_of(scene, robot).grip_force / GRAVITY
@@ -59,7 +60,7 @@ def pad_friction(scene: Scene, entity: str) -> float:
 def finger_force(scene: Scene, entity: str | None, robot: str) -> float:
     """Return the force in newtons with which each finger of a robot presses on a held body.
 
-    The force on a light body with a model is only `LIGHTLY` times the weight of the body: friction still bears a
+    The force on a light body with a model is only `LIGHTLY` times the weight of the body; friction still bears a
     hundred times the weight.
     """
     most = robot_of(scene, robot).grip_force
@@ -69,7 +70,7 @@ def finger_force(scene: Scene, entity: str | None, robot: str) -> float:
 
 
 def slips(scene: Scene, entity: str, robot: str) -> str | None:
-    """Return the reason, in words, why a body slips out of a gripper that lifts it; None if this is not proved."""
+    """Return in words why a body slips out of a gripper that lifts it, or None if this is not proved."""
     heavy, most = weight(scene, entity), bearable(scene, entity, robot)
     if heavy > SLIPS * most:
         lifts = f"{gripper_words(scene, robot)} lifts {most:.3g} kg by its friction"
@@ -83,7 +84,7 @@ def gripper_words(scene: Scene, robot: str) -> str:
 
 
 def grip_load(scene: Scene, entity: str, robot: str, lever_arm: float, radius: float) -> float:
-    """Return the load of a grip as a share of the load that friction bears; above 1 the body slips or turns.
+    """Return the load of a grip as a share of the load that friction bears; above 1, the body slips or turns.
 
     Gravity pulls at the centre of mass, `lever_arm` metres from the axis through both pads, and turns the body about
     that axis. With uniform pressure, each pad bears the force mu F, or the torque mu F r, where r (`radius`, in metres)
@@ -96,11 +97,11 @@ def grip_load(scene: Scene, entity: str, robot: str, lever_arm: float, radius: f
 
 
 def held_load(situation: Situation, entity: str, robot: str) -> float:
-    """Return the `grip_load` of a body that a gripper holds in the air; 0 if there is nothing between the pads.
+    """Return the `grip_load` of a body that a gripper holds in the air, or 0 if there is nothing between the pads.
 
     For a body with a model, the load is at least the torque that tilts the body out of the pads, as a share of the
-    bearable torque. The whole area of the pads touches a primitive. Only a part of the area may touch a body with a
-    model; the radius of gyration of that part replaces the mean distance, which is up to 7 % smaller for a rectangle
+    bearable torque. Pads touch a primitive with their whole area, but a body with a model perhaps only with a part of
+    it. The radius of gyration of that part then replaces the mean distance, which is up to 7 % smaller for a rectangle
     like a pad.
     """
     shape, tool = situation.shape(entity), situation.tool(robot)
@@ -121,7 +122,7 @@ def held_load(situation: Situation, entity: str, robot: str) -> float:
 
 
 def mean_radius(a: float, b: float) -> float:
-    """Return the mean distance in metres of the points of a rectangle from its centre."""
+    """Return the mean distance in metres of the points in a rectangle from its centre."""
     diagonal = math.hypot(a, b)
     ends = a * a / (2 * b) * math.log((b + diagonal) / a) + b * b / (2 * a) * math.log((a + diagonal) / b)
     return (diagonal + ends) / 6

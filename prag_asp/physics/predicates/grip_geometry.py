@@ -1,4 +1,4 @@
-"""The fit of a gripper around a body: the opening that holds the body, and the heights of a grasp."""
+"""How a gripper fits around a body: the opening with which it holds the body, and the heights of a grasp."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ TIP_ROOM = 0.002
 """The clearance of the fingertips above the bottom of a grasped object that is not flat, in metres."""
 
 FLAT_TIP_ROOM = 0.0005
-"""The clearance of the fingertips above the bottom of a flat object, in metres: more than the error of arms."""
+"""The clearance of the fingertips above the bottom of a flat object, in metres: more than the positioning error of
+arms."""
 
 PAD_OVERLAP = 0.002
 """The minimum height of the part of an object between the pads, in metres."""
@@ -31,7 +32,7 @@ PAD_OVERLAP = 0.002
 def grip_width(situation: Situation, entity: str, robot: str, tool: Pose | None = None) -> float:
     """Return the width in metres of the material between the pads of a gripper when they close on an object.
 
-    The width is 0 if there is nothing between them. `tool` replaces the pose of the tool, for a body without a model.
+    The width is 0 if there is nothing between them. For a body without a model, `tool` replaces the pose of the tool.
     """
     shape = situation.shape(entity)
     if shape.model is not None:
@@ -50,7 +51,8 @@ def contact_at(situation: Situation, entity: str, robot: str) -> PadContact | No
 def lowest_grip(robot: Robot, height: float) -> float:
     """Return the minimum height of the tool above the bottom of a grasped object, in metres.
 
-    An object that is lower than the fingers usually reach is flat: they close on its edges just above its support.
+    An object that is lower than the fingers usually reach counts as flat: they close on its edges just above its
+    support.
     """
     return robot.fingertip + (FLAT_TIP_ROOM if is_flat(robot, height) else TIP_ROOM)
 
@@ -61,7 +63,7 @@ def is_flat(robot: Robot, height: float) -> bool:
 
 
 def rise_over_flat(robot: Robot, height: float) -> float:
-    """Return the maximum height in metres of the tool above the top of a grasped object; 0 if it is not flat."""
+    """Return the maximum height in metres of the tool above the top of a grasped object, or 0 if it is not flat."""
     return max(0.0, min(TIP_ROOM + robot.fingertip - height, robot.fingertip - PAD_OVERLAP))
 
 
@@ -74,7 +76,7 @@ def pad_reach(robot: Robot) -> float:
     """Return the maximum distance in metres of the tool from the bounding box of a held body with a model.
 
     Both contacts are in the box, and so is their midpoint, whose offset from the tool is at most the reach of a pad
-    across the axis of the fingers, and `GRIP_TOLERANCE` along it.
+    perpendicular to the axis of the fingers, and at most `GRIP_TOLERANCE` along it.
     """
     gripper = ParallelGripper.of(robot)
     return math.hypot(gripper.half_x, max(-gripper.low_z, gripper.high_z)) + GRIP_TOLERANCE

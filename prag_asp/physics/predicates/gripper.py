@@ -39,29 +39,30 @@ EDGE = 0.01
 """The minimum distance of a tool from the edges of a box that it holds, in metres."""
 
 OPEN_TOLERANCE = 0.001
-"""The tolerance in metres of the opening of an open gripper."""
+"""The tolerance in metres for the opening of an open gripper."""
 
 MARGIN, OVER_MARGIN = 0.001, 0.003
-"""The margins in metres of sampled tools and widths to the tolerances, and of tools over a body to its sides.
+"""How far sampled tools and widths stay within the tolerances, and tools over a body within its sides, in metres.
 
 Kinematics is not exact, so samples on a bound could violate it.
 """
 
 RISE, ROOM, AJAR = 0.04, 0.03, 2.0
-"""The height of the tool above an object that it passes over, and the room between the fingers and the object, both in
-metres; and the largest ratio of either to the distance by which the tool misses the grasp."""
+"""The height of the tool above an object that it passes over, and the clearance between the fingers and the object,
+both in metres; and the largest ratio of either of them to the distance by which the tool misses the grasp."""
 
 NOTHING_BETWEEN = 0.02
-"""The violation of `holding` in metres if the tool is at the bounding box of a body, with nothing between the pads."""
+"""The violation of `holding`, in metres, if the tool is at the bounding box of a body with nothing between the pads."""
 
 LEVER = 0.05
-"""The distance in metres that is equivalent to a rotation of the tool by one radian: that of the fingertips."""
+"""The distance in metres that counts as much as a rotation of the tool by one radian: that of the fingertips."""
 
 
 def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> Iterator[float]:
     """Yield the distances in metres of the tool from the height of the object, and from its centre.
 
-    An `even` body, a box, can be held anywhere except at its edges: a long box, for instance, near its end.
+    An `even` body, which is a box, can be held anywhere except at its edges; a long box, for instance, can be held near
+    its end.
     """
     robot, entity = arguments
     shape, body = situation.shape(entity), situation.body(entity)
@@ -83,7 +84,7 @@ def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> 
 
 
 def _contact_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield how far the pads are from opposite sides of a body with a model in metres, and from the cone in radians."""
+    """Yield how far the pads are from opposite sides of a body with a model, in metres and, for the cone, radians."""
     robot, entity = arguments
     contact = contact_at(situation, entity, robot)
     if contact is None:
@@ -115,7 +116,7 @@ def _at_volume(situation: Situation, arguments: Arguments, quaternion: Quaternio
 def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield the distances in metres of the tool from the object, and of the fingers from the material between the pads.
 
-    The width is not compared if the tool is so far away that the error of the width cannot be the largest error.
+    The width is not computed if the tool is so far away that the width cannot have the largest error.
     """
     robot, entity = arguments
     shape, width = situation.shape(entity), situation.arm(robot).width
@@ -139,7 +140,7 @@ def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[
 
 
 def _nearest_tool(situation: Situation, arguments: Arguments) -> Pose:
-    """Return the tool of a gripper moved to the nearest place where it can grip an object without a model."""
+    """Return the tool of a gripper, moved to the nearest place where it can grip an object without a model."""
     robot, entity = arguments
     tool, body = situation.tool(robot), situation.body(entity)
     (x, y, z), (centre_x, centre_y, _) = tool.position, body.pose.position
@@ -179,7 +180,7 @@ def _holding_way(situation: Situation, arguments: Arguments) -> float:
 
 
 def _way_to_grasp(situation: Situation, robot: str, entity: str) -> float:
-    """Return the distance in metres of the tool and the fingers from the nearest grasp of a body with a model."""
+    """Return how far, in metres, the tool and the fingers are from the nearest grasp of a body with a model."""
     tool = compose(invert(situation.pose(entity)), situation.tool(robot))
     ways = [math.inf]
     for grasp in grasps_in_body(situation, entity, robot):
@@ -192,7 +193,7 @@ def _way_to_grasp(situation: Situation, robot: str, entity: str) -> float:
 
 
 def _holding_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the place for the tool (the object's centre or best grasp), and the opening with which it grips."""
+    """Return the place for the tool (the object's centre or best grasp), and the opening for gripping it."""
     tight, (robot, entity) = GRIP_TOLERANCE - MARGIN, arguments
     if situation.shape(entity).model is not None:
         for grasp in grasps_in_body(situation, entity, robot):
@@ -227,7 +228,7 @@ def _over_volume(situation: Situation, arguments: Arguments, quaternion: Quatern
 
 
 def _at_demands(scene: Scene, arguments: Arguments, near: float = CENTRE_TOLERANCE) -> Iterator[Demand]:
-    """Yield constraints that the tool is at a body's height, at most `near` metres from its centre along each axis."""
+    """Yield constraints that the tool is at a body's height and is near its centre, within `near` metres per axis."""
     robot, entity = arguments
     if scene.shapes[entity].model is not None:
         beyond = pad_reach(robot_of(scene, robot))
@@ -248,28 +249,28 @@ def _at_demands(scene: Scene, arguments: Arguments, near: float = CENTRE_TOLERAN
 def _holding_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
     """Yield the reasons why a body is too wide for the gripper, too flat for the fingers, or too heavy.
 
-    A body with a model can be narrow and high in parts, so its bounding box proves nothing.
+    A body with a model can have narrow or high parts, so its bounding box proves nothing.
     """
     robot, entity = arguments
     able, gripper, shape = robot_of(scene, robot), gripper_words(scene, robot), scene.shapes[entity]
-    opens, heavy = f"{gripper} opens {able.opening * 1000:.0f} mm", weight(scene, entity)
+    opens, heavy = f"{gripper} opens only to {able.opening * 1000:.0f} mm", weight(scene, entity)
     if shape.model is not None:
         if is_never_spanned(shape, ParallelGripper.of(able), pad_friction(scene, entity)):
-            yield f"{words(entity)} is wider than the gripper between all sides that face each other, {opens}"
+            yield f"all sides of {words(entity)} that face each other are too far apart: {opens}"
     else:
         # Bodies stand upright and are grasped from above, so their height does not count as a width.
         narrowest, height = shape.breadth(widest=False), shape.size[2]
         if narrowest > able.opening:
-            yield f"{words(entity)} is {narrowest * 1000:.0f} mm wide, {opens}"
+            yield f"{words(entity)} is {narrowest * 1000:.0f} mm wide, but {opens}"
         if height < lowest_body() - ROUNDING:
-            least = f"{gripper} takes what is at least {lowest_body() * 1000:.3g} mm high"
-            yield f"{words(entity)} is {height * 1000:.3g} mm high, {least}"
+            least = f"{gripper} holds only bodies that are at least {lowest_body() * 1000:.3g} mm high"
+            yield f"{words(entity)} is {height * 1000:.3g} mm high, but {least}"
     if heavy > able.payload:
-        yield f"{words(entity)} weighs {heavy:.3g} kg, {gripper} carries {able.payload:g} kg"
+        yield f"{words(entity)} weighs {heavy:.3g} kg, but {gripper} carries at most {able.payload:g} kg"
 
 
 def _holding_excludes(scene: Scene, arguments: Arguments, other: Predicate, others: Arguments) -> str | None:
-    """Return a reason if the gripper would hold two objects, or would be open while it holds one, or else None."""
+    """Return the reason if the gripper would hold two objects, or hold one while it is open; otherwise None."""
     robot, entity = arguments
     if others[0] != robot:
         return None
@@ -302,7 +303,7 @@ HOLDING = Predicate(
     of_gripper=True,
     gripper=Gripper.HOLDS,
     impossible=_holding_impossible,
-    # The tool is somewhere over the body, because a long one can be held at its end.
+    # The tool may be anywhere over the body, because a long body can be held at its end.
     demands=lambda scene, of: _at_demands(scene, of, max(CENTRE_TOLERANCE, math.hypot(*scene.shapes[of[1]].half[:2]))),
     excludes=_holding_excludes,
     caption_rank=10,

@@ -39,11 +39,11 @@ FLOOR_BAND = 0.01
 HOVER = 0.2
 MARGIN = 0.003
 ROUNDING = 1e-6
-"""The distance from the walls in metres at which a body is inside despite rounding errors."""
+"""The distance from the walls, in metres, at which a body counts as inside despite rounding errors."""
 
 
 def hollow(situation: Situation, container: str) -> tuple[Pose, Vector]:
-    """Return a pose at the centre of a cavity, seen from above, and the cavity's inner sides and depth in metres."""
+    """Return a pose at the centre of a cavity, seen from above, and its inner dimensions and depth in metres."""
     shape = situation.shape(container)
     elsewhere = shape.traits.furniture or shape.model is not None
     middle = situation.floor(container) if elsewhere else situation.pose(container)
@@ -80,7 +80,7 @@ def _extent_within(situation: Situation, subject: str, container: str, quaternio
 
 
 def _lateral(situation: Situation, subject: str, container: str) -> Iterator[float]:
-    """Yield the lengths in metres by which a body's bounding box extends beyond a container, in its frame."""
+    """Yield by how many metres a body's bounding box extends beyond a container, in the container's frame."""
     pose, (outer, inner) = situation.pose(subject), hollow(situation, container)
     dx, dy = to_local(outer, pose.position[0], pose.position[1])
     middle, half = _extent_within(situation, subject, container, pose.quaternion)
@@ -97,7 +97,7 @@ def _height(situation: Situation, subject: str, container: str) -> float:
 
 
 def _inside_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield the distance in metres of a body from the container's floor; a body on another body is not inside."""
+    """Yield the distance in metres of a body from the container's floor; a body on another one is not inside."""
     height = _height(situation, *arguments)
     yield -TOLERANCE - height
     yield height - FLOOR_BAND
@@ -107,7 +107,7 @@ def _inside_violations(situation: Situation, arguments: Arguments) -> Iterator[f
 def _located_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield how far a body is, in metres, from the space in the container or on the table, up to `HOVER` above it.
 
-    The space over the table excludes the space over hollow bodies.
+    The space over the table does not include the space over hollow bodies.
     """
     subject, place = arguments
     if situation.is_table(place):
@@ -149,12 +149,12 @@ def _room(
 
 
 def _spare(room: float, margin: float) -> float:
-    """Return how far off the centre a body may be without touching a wall, given the room on either side, in metres."""
+    """Return how far off-centre, in metres, a body may be without touching a wall, given the room on either side."""
     return room - margin if room >= margin else room / 2
 
 
 def _located_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the space in the container and above it, or on the table and above it except over hollow bodies."""
+    """Return the space in and above the container, or on and above the table but not above hollow bodies."""
     subject, place = arguments
     if not situation.is_table(place):
         return _room(situation, arguments, quaternion, hollow(situation, place)[1][2] + HOVER - MARGIN)
@@ -170,12 +170,12 @@ def _located_volume(situation: Situation, arguments: Arguments, quaternion: Quat
 
 
 def _impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
-    """Yield the reason if there is no cavity, or if it is too small for the body in any orientation."""
+    """Yield a reason if there is no cavity, or if it is too small for the body in every orientation."""
     entity, container = arguments
     shape, (inner_x, inner_y, _) = scene.shapes[entity], cavity(scene.shapes[container])
-    # The width of a projection is at least the smallest side of the body, and its area at least that of the smallest
-    # projection of the body, which is convex. The sides of a model's box are not bounds, because it may be oblique in
-    # its file.
+    # The width of a projection is at least the smallest dimension of the body, and its area is at least that of the
+    # smallest projection of the body, which is convex. The dimensions of a model's box are not bounds, because the
+    # model may be oblique in its file.
     small, middle, _ = sorted(shape.size)
     area = small * middle * (math.pi / 4 if shape.traits.round else 1.0)
     if not scene.shapes[container].hollow:
@@ -192,7 +192,7 @@ def _exceeds(width: float, area: float, inner_x: float, inner_y: float) -> bool:
 
 
 def _located_demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield constraints that a body is in another or above it; there are none for the table."""
+    """Yield constraints that a body is in another body or above it; for the table, there are none."""
     if scene.shapes[arguments[1]].kind != "table":
         yield from _cavity_demands(scene, arguments, cavity(scene.shapes[arguments[1]])[2] + HOVER)
 
@@ -200,7 +200,7 @@ def _located_demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
 def _cavity_demands(scene: Scene, arguments: Arguments, room: float) -> Iterator[Demand]:
     """Yield constraints that a body is in the cavity of another, at most `room` metres above its floor.
 
-    There are no constraints for a container from a file, because its cavity may be anywhere in it.
+    There are no constraints for a container loaded from a file, because its cavity may be anywhere in it.
     """
     entity, container = arguments
     if scene.shapes[container].model is not None:

@@ -1,7 +1,7 @@
 """``near`` and ``far``: the width of the gap between two bodies seen from above.
 
 The gap is the horizontal distance between their axis-aligned bounding boxes, or 0 if one body is above the other. It is
-at most `NEAR` metres for ``near``, at least `FAR` metres for ``far``. Both predicates are symmetric.
+at most `NEAR` metres for ``near``, and at least `FAR` metres for ``far``. Both predicates are symmetric.
 """
 
 from __future__ import annotations

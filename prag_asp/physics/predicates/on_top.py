@@ -21,7 +21,7 @@ MARGIN = 0.004
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield the distances in metres of the body above or below the top, and of its centre beyond the edge."""
+    """Yield how far, in metres, the body is above or below the top, and how far its centre is beyond the edge."""
     subject, support = arguments
     above, below = situation.body(subject), situation.body(support)
     yield abs(above.low[2] - below.high[2]) - TOLERANCE
@@ -54,7 +54,7 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
 
 
 def _impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
-    """Yield the reason if the support is a ball."""
+    """Yield a reason if the support is a ball."""
     if not scene.shapes[arguments[1]].traits.flat:
         yield f"nothing rests on {words(arguments[1])}, which is a ball"
 

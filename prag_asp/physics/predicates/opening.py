@@ -1,6 +1,6 @@
 """``is_open`` and ``is_closed``: the position of the joint of a drawer (metres) or of a door (radians).
 
-Furniture is open at the share `OPEN` of the joint's range or above, and closed at the share `CLOSED` or below.
+Furniture is open if the joint is at least at the share `OPEN` of its range, and closed if it is at most at `CLOSED`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ OPEN_MARGIN, CLOSED_MARGIN = 0.05, 0.03
 
 
 def _limit(situation: Situation, furniture: str) -> float:
-    """Return the upper limit of the joint of furniture, in metres or radians."""
+    """Return the upper limit of a furniture joint, in metres or radians."""
     return mechanism(situation.shape(furniture)).limit
 
 

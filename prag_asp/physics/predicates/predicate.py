@@ -1,4 +1,4 @@
-"""The class of spatial predicates, which is used for placement, checks, rewards, proofs and captions."""
+"""The class of spatial predicates, which are used for placement, checks, rewards, proofs and captions."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ Arguments = tuple[str, ...]
 
 
 ViolationsFunction = Callable[[Situation, Arguments], Iterator[float]]
-"""Yields the distance of a situation from each condition of a predicate, the cheapest first; at most 0 if it holds."""
+"""Yields how far a situation is from satisfying each condition of a predicate, the cheapest first; at most 0 if it
+does."""
 
 WayFunction = Callable[[Situation, Arguments], float]
 """Returns the length of a path to a situation that satisfies a predicate, around obstacles."""
@@ -27,22 +28,22 @@ WayFunction = Callable[[Situation, Arguments], float]
 VolumeFunction = Callable[[Situation, Arguments, Quaternion], Volume]
 """Returns a region for the subject of a predicate with a given rotation about z.
 
-It does not depend on the pose of the subject in the situation. A sample of the region satisfies the predicate.
+It does not depend on the pose of the subject in the situation. A sample from the region satisfies the predicate.
 """
 
 DemandsFunction = Callable[[Scene, Arguments], Iterator[Demand]]
 """Yields constraints on the positions of bodies that a predicate implies; no argument is furniture."""
 
 ImpossibleFunction = Callable[[Scene, Arguments], Iterator[str]]
-"""Yields the reasons, in words, why a predicate cannot hold for some entities of a scene in any pose."""
+"""Yields the reasons, in words, why a predicate cannot hold for some entities of a scene whatever their poses."""
 
 ExcludesFunction = Callable[[Scene, Arguments, "Predicate", Arguments], str | None]
-"""Returns the reason, in words, why a predicate cannot hold together with another, None if it can."""
+"""Returns the reason, in words, why a predicate cannot hold together with another, or None if it can."""
 
 NowhereFunction = Callable[[Scene, Arguments, Point, Point], bool]
 """Returns whether a predicate cannot hold while the centre of its subject is over a rectangle.
 
-The rectangle is given by the corners with its lowest and highest coordinates, which may be infinite.
+The rectangle is given by its corners with the lowest and the highest coordinates, which may be infinite.
 """
 
 
@@ -54,7 +55,7 @@ class SentenceFunction(Protocol):
 
 
 class Gripper(Enum):
-    """The relation of the first argument's gripper to the second argument; `OPEN` has no second argument."""
+    """How the gripper given by the first argument relates to the second argument; `OPEN` has no second argument."""
 
     HOLDS = "holds"
     AT = "is at"
@@ -81,11 +82,11 @@ class Direction(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Predicate:
-    """A spatial predicate with all its properties; other modules read these, and never test its name.
+    """A spatial predicate with all its properties; other modules read these and never test the predicate's name.
 
     Definition: `violations` returns how far a situation is from satisfying each condition, in metres or radians.
-    `subject` is the index of the argument that moves to make the predicate true. `volume` is the region of the gripper
-    if `of_gripper`, the range of the joint of furniture if `of_joint`, otherwise the region of the subject; with
+    `subject` is the index of the argument that moves to make the predicate true. `volume` is a region for the gripper
+    if `of_gripper`, a range for the joint of furniture if `of_joint`, and otherwise a region for the subject; with
     `turns`, it has ranges of yaws. `inverse` names the predicate that holds for the swapped arguments if this predicate
     holds; a symmetric predicate names itself. With `looks_around`, the violations may depend on bodies that are not
     arguments.
@@ -104,10 +105,11 @@ class Predicate:
 
     For the search: with `on_the_spot`, a rotation about z suffices to satisfy the predicate anywhere; with
     `seen_close`, people recognise the relation only between near bodies. A sample from the volume `otherwise` violates
-    the predicate. The `tight_volume` has no margin at its border, and is used to pack objects.
+    the predicate. The `tight_volume` has no margin at its border and is used for packing objects.
 
-    For proofs, which have to be valid for all poses of the bodies: the reasons why it is `impossible`, its `demands` on
-    positions, the reason why it `excludes` another predicate, and whether it holds `nowhere` over a rectangle.
+    For proofs, which have to be valid for all poses of the bodies: `impossible` yields the reasons why the predicate
+    can never hold, `demands` its constraints on positions; `excludes` returns the reason why it excludes another
+    predicate, and `nowhere` whether it cannot hold over a rectangle.
     """
 
     name: str
@@ -140,14 +142,14 @@ class Predicate:
     nowhere: NowhereFunction | None = None
 
     def distance(self, situation: Situation, arguments: Arguments) -> float:
-        """Return the distance of a situation from satisfying the predicate: 0 if and only if the predicate holds."""
+        """Return how far a situation is from satisfying the predicate: 0 if and only if the predicate holds."""
         return max(0.0, *self.violations(situation, arguments))
 
     def signed_distance(self, situation: Situation, arguments: Arguments) -> float:
         """Return the largest violation, in metres or radians; it is at most 0 if and only if the predicate holds.
 
         In that case, its absolute value is the margin. It changes by at most the distance that the subject moves; only
-        the violation of `holding` may change faster, where an edge or a curved side is between the pads.
+        the violation of `holding` may change faster, when an edge or a curved side is between the pads.
         """
         return max(self.violations(situation, arguments))
 
@@ -172,7 +174,7 @@ def words(entity: str) -> str:
 
 
 def states(text: str) -> SentenceFunction:
-    """Return a function that fills in a template: arguments for ``{0}`` and ``{1}``, "is" or "is not" for ``{is}``."""
+    """Return a function that fills in a template: ``{0}`` and ``{1}`` by arguments, ``{is}`` by "is" or "is not"."""
 
     def sentence(arguments: Arguments, value: bool = True) -> str:
         return text.format(*map(words, arguments), **{"is": "is" if value else "is not"})

@@ -1,7 +1,7 @@
 """Predicates that a domain defines in a Python file, which runs only if the user trusts the domain.
 
-Like the modules of this package, the file defines `PREDICATES`, a mapping from names to predicates. Every error in the
-file becomes a `SceneError` that names the file and the line.
+Like the modules of this package, the file defines `PREDICATES`, which maps names to predicates. Every error in the file
+becomes a `SceneError` that names the file and the line.
 """
 
 from __future__ import annotations
@@ -121,7 +121,7 @@ def _is_volume(result: object) -> bool:
 
 
 def _are_numbers(result: list[Any]) -> bool:
-    """Return whether there are values, and all are numbers: a predicate without violations would always hold."""
+    """Return whether there are values and all are numbers; a predicate without violations would always hold."""
     return bool(result) and all(isinstance(value, Real) and not math.isnan(value) for value in result)
 
 
@@ -139,7 +139,7 @@ def _is_text(result: object) -> bool:
 
 
 class Result(NamedTuple):
-    """The requirement on the result of a function: a test, a message, and whether the function yields its values."""
+    """What is required of a function's result: a test, a message, and whether the function yields its values."""
 
     fine: Callable[[Any], bool]
     needed: str
@@ -162,6 +162,6 @@ RESULTS: Mapping[str, Result] = {
     ),
     "nowhere": Result(lambda found: isinstance(found, bool), "the result of `nowhere` of {} has to be True or False"),
 }
-"""The requirement on each function of a predicate."""
+"""The requirement for each function of a predicate."""
 
 NEEDED = ("violations", "volume", "sentence")

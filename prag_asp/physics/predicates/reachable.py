@@ -1,4 +1,4 @@
-"""``reachable``: the centre of a body is within the ring in which a robot can grasp from above."""
+"""``reachable``: the centre of a body is within the ring in which a robot can grasp it from above."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ MARGIN, HEIGHT_MARGIN = 0.003, 0.001
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield the distances in metres by which an object is too near, too far or too high for a grasp from above."""
+    """Yield by how many metres an object is too near, too far or too high to be grasped from above."""
     robot = situation.robot(arguments[0])
     x, y, z = situation.pose(arguments[1]).position
     radius = math.hypot(x - robot.base.position[0], y - robot.base.position[1])
@@ -29,7 +29,7 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
 
 
 def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
-    """Return the ring of the gripper's reach from above."""
+    """Return the ring that the gripper can reach from above."""
     robot = situation.robot(arguments[0])
     x, y, _ = robot.base.position
     inner, outer = robot.reach[0] + MARGIN, robot.reach[1] - MARGIN
@@ -38,7 +38,7 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
 
 
 def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield constraints that a body is within the square around the ring of the gripper's reach, and not too high."""
+    """Yield constraints that a body is within the square around the ring of the gripper's reach and is not too high."""
     robot, entity = robot_of(scene, arguments[0]), arguments[1]
     for axis in (0, 1):
         base, reach = robot.base.position[axis], robot.reach[1]

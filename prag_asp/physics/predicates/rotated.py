@@ -35,7 +35,7 @@ def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
 
 
 def _excludes(scene: Scene, arguments: Arguments, other: Predicate, others: Arguments) -> str | None:
-    """Return a reason if the body would have two different yaws, or else None."""
+    """Return a reason if the body would have two different yaws; otherwise None."""
     if other.name != "rotated" or others[0] != arguments[0]:
         return None
     entity, one, two = *arguments, others[1]

@@ -2,7 +2,7 @@
 
 The gap is the distance between the bodies or, if they overlap, the negated penetration depth. It is exact for upright
 boxes, cylinders and balls with any yaw. A body with a model counts as the upright prism around it. Other bodies, and
-bodies with a tilt of more than `LEAN`, count as their bounding boxes. So a body inside a container overlaps it and does
+bodies tilted by more than `LEAN`, count as their bounding boxes. Thus a body inside a container overlaps it and does
 not touch it. A body touches another if it stands on it or leans against its side. The predicate is symmetric.
 """
 
@@ -25,17 +25,17 @@ from prag_asp.scene.scene import Scene, Shape
 TOLERANCE, MARGIN, HEIGHT_MARGIN = 0.002, 0.0005, 0.0002
 LEAN = math.radians(2)
 SECTOR, WHOLE_SECTOR = math.pi / 6, math.pi / 2
-"""The largest angles, in radians, of the sectors of a ring around a corner and of a whole disc; smaller sectors reject
-fewer samples."""
+"""The largest angles, in radians, of the sectors of a ring around a corner and around a whole disc; smaller sectors
+reject fewer samples."""
 
 Heights = tuple[float, float]
 
 
 class Core(NamedTuple):
-    """A body as the Minkowski sum of a core, a convex outline or a point in the x-y plane, and a disc or a ball.
+    """A body as the Minkowski sum of a core (a convex outline or a point in the x-y plane) and a disc or a ball.
 
-    The `corners` of the core are counter-clockwise, and it extends from `low` to `high`. `disc` is the radius of a
-    cylinder, `ball` the radius of a ball, 0 otherwise. All lengths are in metres.
+    The `corners` of the core are counter-clockwise, and it extends in height from `low` to `high`. `disc` is the radius
+    of a cylinder, and `ball` the radius of a ball; otherwise they are 0. All lengths are in metres.
     """
 
     corners: Outline
@@ -46,7 +46,7 @@ class Core(NamedTuple):
 
 
 def _core(shape: Shape, at: Vector, half: Vector, quaternion: Quaternion) -> Core:
-    """Return the core of a body from the centre `at` and the half-extents of its bounding box, in metres."""
+    """Return the core of a body, given the centre `at` and the half-extents of its bounding box, in metres."""
     (x, y, z), traits, yaw = at, shape.traits, yaw_of(quaternion)
     if traits.round and not traits.flat:
         return Core(((x, y),), z, z, ball=half[2])
@@ -62,7 +62,7 @@ def _core(shape: Shape, at: Vector, half: Vector, quaternion: Quaternion) -> Cor
 
 
 def _placed(situation: Situation, entity: str) -> Core:
-    """Return the core of a body at its pose."""
+    """Return the core of a body at its current pose."""
     body = situation.body(entity)
     return _core(situation.shape(entity), body.centre, body.half, body.pose.quaternion)
 
@@ -110,7 +110,7 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
     near, far = ball + MARGIN, ball + TOLERANCE - MARGIN
     regions = [*_around(ways, disc + near, disc + far, (low + MARGIN, high - MARGIN))]
     floor = there.low - there.ball - own.low + own.ball
-    # On the same floor, the cores may have different heights: two balls of different sizes meet at an angle.
+    # On the same floor, the cores may have different heights, because two balls of different sizes touch at an angle.
     aslant = max(low - floor, floor - high)
     if ball > 0.0 and aslant > -MARGIN:
         near, far = (math.sqrt(reach**2 - max(0.0, aslant) ** 2) for reach in (near, far))
@@ -127,7 +127,7 @@ def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) 
 
 
 def _around(outline: Outline, near: float, far: float, heights: Heights) -> Iterator[Volume]:
-    """Yield regions that form the ring between two distances from a convex outline, in metres, in a range of heights.
+    """Yield regions that form a ring between two distances from a convex outline, in metres, over a range of heights.
 
     They omit the sectors at the corners of a rectangle that are smaller than the tolerance.
     """
@@ -172,7 +172,7 @@ def _sector(corner: Point, ends: tuple[float, float], near: float, far: float) -
 
 
 def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
-    """Yield constraints that the bodies (almost) overlap along each axis; none for the table and zones."""
+    """Yield constraints that the bodies (almost) overlap along each axis; there are none for the table and zones."""
     one, two = arguments
     if not all(scene.shapes[entity].traits.body for entity in arguments):
         return
@@ -184,7 +184,7 @@ def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
 
 
 def _broadest(entity: str, axis: int, scene: Scene) -> float:
-    """Return the largest distance in metres that a body extends from its origin along an axis in any orientation."""
+    """Return how far a body extends from its origin along an axis, in metres, at most, in any orientation."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     if place is not None:
         middle, half = extent(shape, yaw_quaternion(place[2]))

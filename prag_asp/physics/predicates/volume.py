@@ -13,7 +13,7 @@ from prag_asp.scene.forms import Outline
 from prag_asp.scene.geometry import cut, inside_by, wrap
 
 RING_TRIES = 20
-"""The maximum number of positions to sample until one is in the rings and not in the holes."""
+"""The maximum number of positions that are sampled to find one that is in the rings and not in the holes."""
 
 EVERYWHERE = (-math.inf, -math.inf, -math.inf), (math.inf, math.inf, math.inf)
 
@@ -54,12 +54,12 @@ class Yaws(NamedTuple):
 
 
 class Volume(NamedTuple):
-    """A region for the centre of a predicate's subject and ranges of its yaw, or ranges for a gripper or furniture.
+    """A region for the centre of a predicate's subject with ranges of its yaw, or a range for a gripper or furniture.
 
-    The region is the intersection of an axis-aligned box from `low` to `high`, half-planes, rings, and the union of the
-    volumes in each of the `unions`, without the `holes`, which are convex and counter-clockwise seen from above. By
-    default it is infinite; `yaws` are unrestricted if None. `width` is the range of a gripper's width, `opening` the
-    range of the joint of furniture. Units are metres and radians.
+    The region is the intersection of an axis-aligned box from `low` to `high`, half-planes, rings, and, for each of the
+    `unions`, the union of its volumes, minus the `holes`, whose outlines are convex and counter-clockwise seen from
+    above. By default, the region is infinite; if `yaws` is None, yaws are unrestricted. `width` is the range of a
+    gripper's width, and `opening` is the range of the joint of furniture. Units are metres and radians.
     """
 
     low: Vector = EVERYWHERE[0]
@@ -121,7 +121,7 @@ class Volume(NamedTuple):
         return tuple(volumes)
 
     def miss_distance(self, point: Vector) -> float:
-        """Return the largest violation, in metres, of the region's constraints at a point; 0 within the region."""
+        """Return the largest violation, in metres, of the region's constraints at a point, or 0 within the region."""
         x, y, _ = point
         missed = [low - value for low, value in zip(self.low, point, strict=True)]
         missed += [value - high for high, value in zip(self.high, point, strict=True)]
@@ -134,7 +134,7 @@ class Volume(NamedTuple):
         return max(0.0, *missed)
 
     def floor(self, room: float = 0.0) -> Floor | None:
-        """Return the region seen from above, ignoring its rings and holes; None if it is empty.
+        """Return the region seen from above, ignoring its rings and holes, or None if it is empty.
 
         The result keeps a margin of `room` metres from the borders, or of a third of the box if that is less. The box
         has to be finite along x and y.
@@ -143,7 +143,7 @@ class Volume(NamedTuple):
         return tuple(patches) if patches else None
 
     def patch(self, room: float) -> FloorPatch | None:
-        """Return the polygon of a region without unions, seen from above; None if it is empty."""
+        """Return the polygon of a region without unions, seen from above, or None if it is empty."""
         if self.empty:
             return None
         (ax, ay, _), (bx, by, _) = self.low, self.high
@@ -160,7 +160,7 @@ class Volume(NamedTuple):
 
     @staticmethod
     def sample(floor: Floor, uniform: Callable[[float, float], float]) -> Vector | None:
-        """Return a position sampled uniformly over a `floor`; None if the rings and holes reject all tries."""
+        """Return a position sampled uniformly over a `floor`, or None if the rings and holes reject all tries."""
         sums = list(accumulate(patch.areas[-1] for patch in floor))
         for _ in range(RING_TRIES):
             patch = floor[0]
@@ -190,7 +190,7 @@ class Volume(NamedTuple):
 
 
 class FloorPatch(NamedTuple):
-    """A convex polygon in metres to sample from, the cumulative areas of its triangle fan, and its volume."""
+    """A convex polygon, in metres, to sample from, with the cumulative areas of its triangle fan, and its volume."""
 
     polygon: Outline
     areas: tuple[float, ...]
@@ -257,7 +257,7 @@ def opposite(vector: Vector) -> Vector:
 
 
 def turned_box(pose: tuple[Vector, tuple[float, float]], half: tuple[float, float]) -> tuple[Side, ...]:
-    """Return the half-planes of a rectangle: `pose` is its centre, and the cosine and sine of its yaw."""
+    """Return the half-planes that bound a rectangle; `pose` is its centre, and the cosine and sine of its yaw."""
     (x, y, _), (cosine, sine) = pose
     along, across = cosine * x + sine * y, cosine * y - sine * x
     return (

@@ -1,4 +1,4 @@
-"""Warn about bodies that may be held according to the domain, but that no gripper can hold."""
+"""Warn about bodies that a gripper may hold according to the domain but that none can hold."""
 
 from __future__ import annotations
 
@@ -19,13 +19,14 @@ from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight
 
 LIFTED = 0.85
-"""The measured share of the load borne by static friction that a robot can lift: lifting accelerates the load."""
+"""The measured share of the load borne by static friction that a robot can lift, because lifting accelerates the load.
+"""
 
 
 def never_gripped(domain: Domain, scene: Scene) -> Iterator[Problem]:
-    """Yield a warning for each shape of holdable bodies that no gripper can hold in any of its sizes.
+    """Yield a warning for each shape whose bodies may be held, but which no gripper can hold in any of its sizes.
 
-    Grasps are from above, so the smallest width of a body seen from above counts.
+    Grasps are from above, so what counts is the smallest width of a body seen from above.
     """
     shapes_by_line: dict[tuple[str, int, str], list[str]] = {}
     for fluent in map(atom_of, domain.facts.fluents):

@@ -1,9 +1,9 @@
 """Exclusions that physics proves: single fluents that never hold, and pairs that never hold together.
 
-They come from proofs alone and only forbid fluents from holding, so they are Horn clauses, like all invariants of a
-domain: they exclude exactly the plans with a state that is known to satisfy the premises of a proof, and each of these
-plans is proved infeasible. Exclusions of three or more fluents stay in physics: in partially known states, clauses of
-three literals cannot be propagated exactly.
+They come only from proofs and only forbid fluents to hold, so they are Horn clauses, like all invariants of a domain:
+they exclude exactly the plans with a state that is known to satisfy the premises of a proof, and each of these plans is
+proved infeasible. Exclusions of three or more fluents stay in physics: in partially known states, clauses of three
+literals cannot be propagated exactly.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ Fluents = tuple[Atom, ...]
 """One or two fluents, in the order of the domain."""
 
 Proofs = Mapping[Fluents, str | None]
-"""The reasons why fluents cannot hold together; None if the domain itself excludes them."""
+"""The reasons why fluents cannot hold together; a reason is None if the domain itself excludes them."""
 
 
 def prove_exclusions(domain_facts: Facts, scene: Scene, tell: Callable[[str], None] = lambda words: None) -> Proofs:
     """Return the single fluents that never hold, and the pairs that never hold together.
 
-    Pairs that the domain itself excludes have no reason. Only pairs that share an argument can exclude each other,
-    because all proofs link facts by bodies.
+    For pairs that the domain itself excludes, there is no reason. Only pairs that share an argument can exclude each
+    other, because all proofs link facts by bodies.
 
     Raises:
         SceneError: the scene lacks the shape or the yaw of an entity in a spatial fluent.

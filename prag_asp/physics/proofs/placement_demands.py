@@ -1,4 +1,4 @@
-"""Constraints on the positions of bodies: from facts that hold, and from the bodies themselves."""
+"""Constraints on the positions of bodies, which follow from facts that hold and from the bodies themselves."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from prag_asp.scene.surfaces import least_extent
 
 
 def demands(fact: Fact, scene: Scene) -> tuple[Demand, ...]:
-    """Return the constraints that a fact implies if it holds; none for furniture."""
+    """Return the constraints that follow from a fact if it holds; there are none for furniture."""
     demanded = fact.predicate.demands
     if demanded is None or any(scene.shapes[entity].traits.furniture for entity in bodies(fact, scene)):
         return ()
@@ -24,7 +24,7 @@ def body_demands(entity: str, scene: Scene) -> tuple[Demand, ...]:
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     if shape.traits.furniture:
         return ()
-    # The box of a body that is oblique in its file is thicker than the body.
+    # If a body is oblique in its file, its box is thicker than the body.
     thin = 2 * min(shape.half) if shape.model is None else least_extent(shape).width
     tall = (thin, 2 * math.hypot(*shape.half)) if place is None else (shape.size[2],) * 2
     demands = [(Z, gap) for gap in between(top(entity), bottom(entity), *tall)]
@@ -41,5 +41,5 @@ def bodies(fact: Fact, scene: Scene) -> tuple[str, ...]:
 
 
 def all_demands(fact: Fact, scene: Scene) -> tuple[Demand, ...]:
-    """Return the constraints that a fact implies, and the constraints on its bodies in any state."""
+    """Return the constraints that a fact implies, together with the constraints on its bodies in any state."""
     return (*demands(fact, scene), *chain.from_iterable(body_demands(entity, scene) for entity in bodies(fact, scene)))

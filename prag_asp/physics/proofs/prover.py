@@ -3,9 +3,9 @@
 A proof assumes the definitions of the predicates, the poses of the fixed bodies, and six rules of every scene: a
 gripper holds one body at a time, it is not open while it holds one, nothing rests on a ball, a primitive is held from
 above while it stands upright, the fingertips stay above its bottom, and a gripper lifts each body that it moves, which
-needs enough friction. The check of a witness also enforces the last three rules. The workspace limits where the search
-places bodies, not where they can be, so no proof uses it. Proofs are monotonic: a proof from some facts is valid for
-any superset of them.
+requires enough friction. The check of a witness enforces the last three rules as well. The workspace limits where the
+search places bodies, not where they can be, so no proof uses it. Proofs are monotonic: a proof from some facts is valid
+for any superset of them.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ REMEMBERED = 1 << 14
 class Impossibility:
     """A proof that a state is impossible or cannot be reached: the reason in words, and the facts that imply it.
 
-    The set of facts is minimal. `state` counts from 0, the initial state; `after` is the action that leads to the
+    These facts form a minimal set. `state` counts from 0, the initial state; `after` is the action that leads to the
     state, or None for the initial state. If the action itself is impossible, the facts include facts of the previous
     state.
     """
@@ -57,14 +57,14 @@ class Impossibility:
 
 
 class Constraints(NamedTuple):
-    """The constraints that a fact implies for all sizes of its bodies, and the movable bodies and grippers in them."""
+    """The constraints that a fact implies for all sizes of its bodies, and the movable bodies and grippers involved."""
 
     demands: tuple[Demand, ...]
     names: frozenset[str]
 
 
 class Prover:
-    """Proves that states of one scene are impossible; it caches results about facts."""
+    """Proves that states of a scene are impossible, and caches results about facts."""
 
     def __init__(self, scene: Scene):
         self._scene = scene
@@ -105,7 +105,7 @@ class Prover:
         return tuple(left)
 
     def _reasons(self, facts: Sequence[Fact], fresh: Collection[Fact]) -> Iterator[str]:
-        """Yield reasons why facts cannot hold together; only reasons that involve a `fresh` fact are needed."""
+        """Yield reasons why facts cannot hold together; reasons that involve no `fresh` fact may be omitted."""
         for fact in fresh:
             if fact not in self._alone:
                 by_size = [next(own_reasons(fact, sized), None) for sized in self._sized(fact)]
@@ -147,7 +147,7 @@ class Prover:
         return [frozenset(members) for _, members in groups]
 
     def _together(self, group: frozenset[Fact]) -> str | None:
-        """Return the reason why no positions of the bodies satisfy some facts, or None if nothing is proved; cached."""
+        """Return why no positions of the bodies satisfy some facts, or None if nothing is proved; cached."""
         if group not in self._known:
             true = sorted(group, key=lambda fact: (fact.predicate.name, fact.arguments))
             gaps: tuple[dict[Gap, None], ...] = ({}, {}, {})
@@ -161,7 +161,7 @@ class Prover:
         return self._known[group]
 
     def _constrain(self, fact: Fact) -> Constraints:
-        """Return the constraints that a fact implies, with the weakest bounds over all sizes of its bodies; cached."""
+        """Return a fact's constraints, with the weakest bounds over all sizes of its bodies; cached."""
         if fact not in self._constraints:
             bounds = []
             for sized in self._sized(fact):
@@ -176,20 +176,20 @@ class Prover:
         return self._constraints[fact]
 
     def _sized(self, fact: Fact) -> Iterator[Scene]:
-        """Yield the scene with each combination of sizes of the bodies in a fact."""
+        """Yield the scene with each combination of sizes for the bodies in a fact."""
         drawn = [entity for entity in bodies(fact, self._scene) if entity in self._scene.ranges]
         for shapes in product(*(self._scene.ranges[entity] for entity in drawn)):
             yield self._scene.with_shapes(dict(zip(drawn, shapes, strict=True)))
 
 
 def _lift(effect: ActionEffect, before: tuple[Fact, ...]) -> tuple[Fact, Fact, Fact] | None:
-    """Return the facts that an object is at a place, is held, and is no longer at the place; None if it stays.
+    """Return the facts that an object is at a place, is held, and is no longer at the place, or None if it stays.
 
     A gripper may close around anything that it spans, but only lifting puts a load on it. A witness lifts each object
     that it moves: the arm retreats straight up after a grasp, and comes straight down before a release.
 
-    Only actions that move nothing but the object, and open nothing, keep the place itself still. An object in a
-    handover may stay where it is.
+    The place itself is certain to keep still only if an action moves nothing but the object and opens nothing. An
+    object in a handover may stay where it is.
     """
     entity = effect.grasps or effect.holds or effect.releases
     if effect.robot is None or entity is None or effect.giver or effect.turns or {*effect.moved} - {entity}:

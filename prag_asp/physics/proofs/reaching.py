@@ -19,10 +19,10 @@ from prag_asp.scene.scene import Scene
 
 
 def out_of_reach(domain: Domain, scene: Scene) -> Iterator[Problem]:
-    """Yield a warning for each fixed place, on or in which actions place objects, that no gripper reaches.
+    """Yield a warning for each fixed place in or on which actions place objects but that no gripper reaches.
 
-    The reach is defined as in `reachable`: the ring around a robot's base in which its gripper reaches everything from
-    above. For objects in a drawer, the drawer is assumed to be open.
+    The reach is defined as in `reachable`: it is the ring around a robot's base in which its gripper reaches everything
+    from above. For objects in a drawer, the drawer is assumed to be open.
     """
     facts = domain.facts
     stated = [
@@ -42,7 +42,7 @@ def out_of_reach(domain: Domain, scene: Scene) -> Iterator[Problem]:
 
 
 def _beyond(scene: Scene, place: str) -> str:
-    """Return the reason why no gripper reaches a place, and a remedy; "" if a gripper reaches the place."""
+    """Return the reason why no gripper reaches a place, and a remedy, or "" if some gripper reaches it."""
     top, height = _top(scene, place)
     if scene.shapes[place].traits.surface and not scene.shared:
         low_x, high_x, low_y, high_y = scene.workspace

@@ -1,7 +1,7 @@
 """State in words why facts cannot hold: impossible facts, exclusions, and lack of room.
 
-Room is expressed by difference constraints: lower bounds on differences of coordinates. These are unsatisfiable if and
-only if their graph has a cycle of positive length, which the Bellman-Ford algorithm finds.
+Room is expressed by difference constraints, which are lower bounds on differences of coordinates. They are
+unsatisfiable if and only if their graph has a cycle of positive length, which the Bellman-Ford algorithm finds.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
     """Yield reasons why a fact can never hold."""
     predicate = fact.predicate
     if fact.value and len(set(fact.arguments)) < len(fact.arguments):
-        yield f"it cannot be that {fact.sentence()}, because nothing is in a relation to itself"
+        yield f"it is impossible that {fact.sentence()}, because nothing is in a relation to itself"
         return
     if fact.value and predicate.impossible is not None:
         yield from predicate.impossible(scene, fact.arguments)
@@ -32,11 +32,11 @@ def own_reasons(fact: Fact, scene: Scene) -> Iterator[str]:
     still = [entity for entity, kind in traits.items() if kind.body and not kind.furniture]
     situation = Situation(scene, {entity: fixed_pose(scene, entity) for entity in still})
     if entities and all(entity in still for entity in entities) and not fact.is_satisfied(situation):
-        yield f"it cannot be that {fact.sentence()}, because none of these bodies can move"
+        yield f"it is impossible that {fact.sentence()}, because none of these bodies can move"
 
 
 def gap_reasons(true: Sequence[Fact]) -> Iterator[str]:
-    """Yield a sentence for each pair of facts of which one requires two objects to be closer than the other allows."""
+    """Yield a sentence for each pair of facts one of which requires two objects to be closer than the other allows."""
     close = [fact for fact in true if fact.predicate.apart[1] < math.inf]
     for fact in true if close else ():
         least = fact.predicate.apart[0]
@@ -50,7 +50,7 @@ def gap_reasons(true: Sequence[Fact]) -> Iterator[str]:
 
 
 def exclusions(true: Sequence[Fact], scene: Scene) -> Iterator[str]:
-    """Yield reasons why two facts exclude each other for any poses, according to the predicate of one fact."""
+    """Yield reasons why two facts exclude each other for all poses, according to the predicate of one of them."""
     for fact in true:
         if fact.predicate.excludes is not None:
             for other in true:
@@ -60,14 +60,14 @@ def exclusions(true: Sequence[Fact], scene: Scene) -> Iterator[str]:
 
 
 def room_reasons(true: Sequence[Fact], axis: int, gaps: Sequence[Gap]) -> Iterator[str]:
-    """Yield reasons: cycles of relations, rows that are too long for their room, positions that exclude each other."""
+    """Yield reasons for a lack of room: cyclic relations, rows that are too long, positions that exclude each other."""
     row = impossible_row(gaps)
     if not row:
         return
     names = ", ".join(dict.fromkeys(words(entity) for entity, _ in row if entity))
     beside = [fact.predicate.direction is not None for fact in true]
     if ORIGIN not in row and all(aside or fact.predicate.supports for fact, aside in zip(true, beside, strict=True)):
-        yield f"the relations along {AXES[axis]} form a circle: {names}"
+        yield f"the relations along {AXES[axis]} form a cycle: {names}"
     elif any(beside):
         yield f"there is no room along {AXES[axis]} for the row {names}"
     else:
@@ -75,7 +75,7 @@ def room_reasons(true: Sequence[Fact], axis: int, gaps: Sequence[Gap]) -> Iterat
 
 
 def reach_reasons(true: Sequence[Fact], scene: Scene, gaps: Sequence[Iterable[Gap]]) -> Iterator[str]:
-    """Yield the reasons why the facts allow no position for a body, for example within reach of a gripper."""
+    """Yield the reasons why the facts leave no position for a body, for example within reach of a gripper."""
     if not any(fact.predicate.places and fact.arguments[-1] in scene.fixed for fact in true):
         return
     least = [lowest(gaps[axis], ORIGIN) for axis in (0, 1)]
@@ -90,13 +90,13 @@ def reach_reasons(true: Sequence[Fact], scene: Scene, gaps: Sequence[Iterable[Ga
 
 
 def _never_together(facts: Iterable[Fact]) -> str:
-    """Return the sentence which states that facts exclude each other."""
+    """Return a sentence which states that facts exclude each other."""
     *others, last = [fact.sentence() for fact in facts]
-    return f"it cannot be that {', '.join(others)} and {last}" if others else f"it cannot be that {last}"
+    return f"it is impossible that {', '.join(others)} and {last}" if others else f"it is impossible that {last}"
 
 
 def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:
-    """Return a cycle of positive length: nodes, each of which has to be above the previous one; () if there is none.
+    """Return a cycle of positive length: nodes, each of which must be above the previous one, or () if there is none.
 
     The cycle begins at the origin if it contains the origin.
     """
@@ -111,7 +111,7 @@ def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:
                 heights[high], last[high], node, changed = heights[low] + least, gap, high, True
         if not changed:
             return ()
-    # From the node that was raised last, the last gaps lead back into a cycle.
+    # Following the last gaps backwards from the node that was raised last leads into a cycle.
     for _ in heights:
         if node not in last:
             return ()
@@ -129,7 +129,7 @@ def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:
 
 
 def lowest(gaps: Iterable[Gap], start: Node) -> Mapping[Node, float]:
-    """Return the lower bounds that gaps imply on the differences between all coordinates and that of `start`.
+    """Return the lower bounds that gaps imply on the differences between each coordinate and that of `start`.
 
     The gaps have to be satisfiable.
     """

@@ -1,7 +1,7 @@
 """Generalise proofs about single entities to rules about their classes.
 
-A rule may be generalised as long as all its instances are proved for the same reason; instances that the domain
-excludes anyway do no harm.
+A proof may be generalised as long as all instances of the rule are proved for the same reason; instances that the
+domain excludes anyway do not matter.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ from prag_asp.program.facts import Facts
 VARIABLES = "XYZVWUTSRQ"
 LINE = 120
 ANYTHING = ""
-"""The kind that stands for all entities, where other kinds are classes."""
+"""The kind that stands for all entities; other kinds are entities or classes."""
 
 Shape = tuple[tuple[str, tuple[str, ...]], ...]
-"""The fluents of a proof with variables in place of entities: the name and arguments of each."""
+"""The fluents of a proof with variables in place of entities: the name and the arguments of each."""
 
 Entities = tuple[str, ...]
-"""The entities for the variables of a shape, all distinct."""
+"""The entities that stand for the variables of a shape, all distinct."""
 
 
 @dataclass(frozen=True)
 class ExclusionRule:
     """A rule that excludes fluents; `kinds` holds an entity, a class or `ANYTHING` for each variable.
 
-    `different` contains pairs of variables that must be different entities, and `proofs` the proofs that the rule
-    covers.
+    `different` contains the pairs of variables that must stand for different entities, and `proofs` contains the proofs
+    that the rule covers.
     """
 
     shape: Shape
@@ -68,7 +68,7 @@ class _InstanceTable(NamedTuple):
 
 
 def rules(proofs: Proofs, stated: Facts) -> list[ExclusionRule]:
-    """Return rules that cover all proofs and nothing else, each proof once; rules are ordered by their first proofs."""
+    """Return rules that cover all proofs, each once, and nothing else, in the order of their first proofs."""
     folding = _Folding(proofs, stated)
     result: list[ExclusionRule] = []
     covered = set[Fluents]()
@@ -104,7 +104,7 @@ class _Folding:
         self._fluents = list(map(atom_of, stated.fluents))
 
     def rule(self, fluents: Fluents, reason: str) -> ExclusionRule:
-        """Generalise a proof to the most general rule whose instances are all proved for the same reason."""
+        """Generalise a proof to the most general rule of which all instances are proved for the same reason."""
         shape, entities = self._abstract(fluents)
         table = self._tables[shape]
         reason_pattern = _in_variables(reason, entities)
@@ -143,10 +143,10 @@ class _Folding:
 
     @cached_property
     def _tables(self) -> Mapping[Shape, _InstanceTable]:
-        """The instances of the shapes of all proofs, in both orders of a pair."""
+        """The instances of the shapes of all proofs, with pairs in both orders."""
         shapes = {self._abstract(fluents)[0] for fluents, reason in self._proofs.items() if reason is not None}
         tables = {shape: _InstanceTable({}, {}, set()) for shape in shapes}
-        sizes = {len(shape) for shape in shapes}  # one fluent, two, or both
+        sizes = {len(shape) for shape in shapes}  # the first fluent, the second, or both
         for fluents in chain.from_iterable(combinations(self._fluents, size) for size in sorted(sizes)):
             for ordered in (fluents, fluents[::-1]) if len(fluents) > 1 else (fluents,):
                 shape, entities = self._abstract(ordered)
@@ -174,7 +174,7 @@ class _Folding:
         )
 
     def _could_be(self, shape: Shape, one: str, two: str, entity: str) -> bool:
-        """Return whether fluents of a shape can have the same entity for two variables."""
+        """Return whether fluents of a shape can have the same entity for two of its variables."""
         both = [(name, arguments) for name, arguments in shape if one in arguments and two in arguments]
         return all(
             any(
@@ -187,12 +187,12 @@ class _Folding:
 
 
 def _in_variables(reason: str, entities: Entities) -> str:
-    """Return a reason with variables in place of entity names."""
+    """Return a reason with variables in place of the names of entities."""
     variables = {words(entity): variable for variable, entity in zip(VARIABLES, entities, strict=False)}
     names = sorted(map(re.escape, variables), key=len, reverse=True)  # cube 2 before cube
     return re.sub(rf"\b({'|'.join(names)})\b", lambda match: variables[match[0]], reason) if names else reason
 
 
 def _kind(reason: str) -> str:
-    """Return a reason with all variables masked, because a cycle has no first element."""
+    """Return a reason with all variables masked, because it may begin at any entity of a cycle."""
     return re.sub(rf"\b[{VARIABLES}]\b", "_", reason)

@@ -1,7 +1,7 @@
 """Proofs about the table's top and its zones: a body stands on exactly the surfaces under its centre.
 
-A surface is a convex region of one plane, and a body stands on it if it stands on the plane with its centre over the
-region. The centre of a body that is known to stand on several surfaces is thus over their intersection.
+A surface is a convex region in a plane, and a body stands on it if the body stands on the plane with its centre over
+the region. The centre of a body that is known to stand on several surfaces is thus over their intersection.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from prag_asp.scene.geometry import cut, inside_by
 from prag_asp.scene.scene import Scene
 
 FLUSH = 1e-8
-"""The tolerance in metres within which one region lies in another, because coordinates are rounded."""
+"""The tolerance in metres within which one region counts as contained in another, because coordinates are rounded."""
 
 
 def surface_reasons(facts: Iterable[Fact], fresh: Iterable[Fact], scene: Scene) -> Iterator[str]:
-    """Yield reasons why bodies cannot stand on some surfaces and not on others."""
+    """Yield reasons why bodies cannot stand on some surfaces without standing on others."""
     bodies = dict.fromkeys(fact.arguments[0] for fact in fresh if _of_surface(fact, scene))
     about = [fact for fact in facts if _of_surface(fact, scene)] if bodies else []
     for entity in bodies:
@@ -52,7 +52,7 @@ def outline_of(surface: str, scene: Scene) -> Outline:
 
 
 def within(outline: Outline, other: Outline) -> Outline:
-    """Return the intersection of two convex outlines within `ROUNDING`, or () if it is empty."""
+    """Return the intersection of two convex outlines, to within `ROUNDING`, or () if it is empty."""
     for (ax, ay), (bx, by) in zip(other, other[1:] + other[:1], strict=True):
         length = ((bx - ax) ** 2 + (by - ay) ** 2) ** 0.5
         a, b = (by - ay) / length, (ax - bx) / length
@@ -61,5 +61,5 @@ def within(outline: Outline, other: Outline) -> Outline:
 
 
 def _of_surface(fact: Fact, scene: Scene) -> bool:
-    """Return whether a fact is about a body on the table or a zone."""
+    """Return whether a fact states that a body is on the table or in a zone."""
     return fact.predicate is PREDICATES["on_top"] and scene.shapes[fact.arguments[1]].traits.surface

@@ -1,8 +1,8 @@
 """Forward and inverse kinematics of the robots; every solution is verified.
 
 Each robot's inverse kinematics is closed-form except for one redundant angle, which is swept lazily: first around its
-value for an arm bent in one plane (or around its current value), then coarsely over its range, and finely if the coarse
-sweep finds nothing.
+value for an arm bent in one plane (or around its current value), then coarsely over its whole range, and then finely if
+the coarse sweep finds nothing.
 """
 
 from __future__ import annotations
@@ -19,15 +19,17 @@ from prag_asp.scene.geometry import Pose, Quaternion, compose, invert, matrix, r
 from prag_asp.scene.robots import Joints, Robot
 from prag_asp.scene.robots.robot import ORIGIN
 
-ACCURACY = 1e-5  # metres, and radians: a hundredth of a millimetre
-APART = 0.4  # radians, the distance of joint configurations that count as different
+ACCURACY = 1e-5  # metres, and radians; in metres, a hundredth of a millimetre
+APART = 0.4  # radians: how far apart joint configurations have to be to count as different
 ADJUSTMENTS, DIFFERENCE, DAMPING = 12, 1e-5, 1e-6
 DIFFERENCES = DIFFERENCE * np.eye(7)
 BELOW, ABOVE = np.array((7, 2, 3)), np.array((5, 6, 1))
-"""Indices into the nine entries of a rotation matrix, row by row, whose differences give the rotation axis."""
+"""Indices into the nine entries of a rotation matrix, row by row; the differences of these entries give the rotation
+axis."""
 
 CAUTION, POSTURE_GAIN = 1e-3, 0.02
-"""The damping of a step near singularities, and the gain of the null-space motion towards the robot's posture."""
+"""The damping of a step near singularities, and the gain of the null-space motion towards the robot's preferred
+posture."""
 DAMPED = CAUTION * np.eye(6)
 
 TRACKING, TRACKING_DAMPED = 8, 1e-5 * np.eye(6)
@@ -56,8 +58,9 @@ def tool_pose(robot: Robot, joints: Joints) -> Pose:
 def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Joints]:
     """Yield at most `MAX_SOLUTIONS` joint configurations that bring the tool to a pose, the best first.
 
-    The best configurations are nearest to `near`, by default to the robot's posture turned towards the target. Each is
-    within the joint limits, and forward kinematics puts the tool within 0.01 mm of the target.
+    The best configurations are those nearest to `near`, by default the robot's preferred posture turned towards the
+    target. Each is within the joint limits, and according to forward kinematics, it brings the tool within 0.01 mm of
+    the target.
     """
     tool, solver = _from_base(robot, tool), robot.solver
     from_tool = Pose((0.0, 0.0, -robot.tool_offset), yaw_quaternion(-robot.tool_turn))
@@ -92,7 +95,7 @@ def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Jo
 def adjust_joints(robot: Robot, tool: Pose, near: Joints) -> Joints | None:
     """Return a joint configuration close to `near` that brings the tool to a nearby pose, or None if none is found.
 
-    It uses damped least squares which, unlike a sweep, changes the posture no more than necessary.
+    The method is damped least squares, which, unlike a sweep, changes the posture no more than necessary.
     """
     forward, target, joints = robot.solver.forward, matrix(_from_base(robot, tool)), np.array(near)
     for _ in range(ADJUSTMENTS):
@@ -113,9 +116,9 @@ def nudge_joints(
     """Return joint angles that move the tool by approximately a small twist in the world frame; shape (7,).
 
     `here` is the pose of the tool at `joints`, in the frame of the base as a homogeneous matrix; `twist` has the shape
-    (6,): metres, then radians about the axes. The method is one step of damped least squares (Wampler,
-    "Manipulator inverse kinematic solutions based on vector formulations and damped least-squares methods", 1986), so
-    the arm does not jump near singularities. The null space is used to move the arm towards the robot's posture.
+    (6,): metres, then radians about the axes. The method is one step of damped least squares (Wampler, "Manipulator
+    inverse kinematic solutions based on vector formulations and damped least-squares methods", 1986), so the arm does
+    not jump near singularities. Motion in the null space brings the arm closer to the robot's preferred posture.
     """
     jacobian = _jacobian(robot, joints, here)
     if robot.base is not ORIGIN:
@@ -131,7 +134,7 @@ def nudge_joints(
 def track_joints(robot: Robot, joints: NDArray[np.float64], target: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return joint angles within their limits that bring the tool as close to a nearby pose as possible.
 
-    `target` is a homogeneous matrix in the frame of the base. The method repeats the step of `nudge_joints`.
+    `target` is a homogeneous matrix in the frame of the base. The method repeats the step that `nudge_joints` takes.
     """
     posture_step = POSTURE_GAIN * (np.array(robot.posture) - joints)
     posture_step[0] = 0.0

@@ -1,9 +1,9 @@
 """The URDF files of the robots: PyBullet's files, with grippers made of exact boxes.
 
-In the wheel's URDF each finger of the Panda is one convex hull, which fills the recess above the fingertips and is 1 mm
-thicker than the finger. Boxes for the pad and the shank have the true dimensions of Franka's finger, so the opening of
-the gripper is the distance between its pads. The contact stiffness and damping of the rubber pads are kept. An arm
-without a gripper gets one, whose fingers have the same stiffness.
+In the URDF of the PyBullet wheel, each finger of the Panda is one convex hull, which fills the recess above the
+fingertip and is 1 mm thicker than the finger. The boxes for the pad and the shank have the true dimensions of Franka's
+finger, so the opening of the gripper is the distance between its pads. The contact stiffness and damping of the rubber
+pads are kept. An arm without a gripper gets one whose fingers have the same stiffness.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from prag_asp.scene.robots.robot import Hand, Robot
 
 PALM_MASS, FINGER_MASS, INERTIA = 0.8, 0.1, 0.01
 STIFFNESS, DAMPING = 30000.0, 1000.0
-"""Contact parameters of the rubber pads, as in the wheel's URDF of Franka's fingers: N/m and N s/m."""
+"""Contact parameters of the rubber pads, in N/m and N s/m, as in the wheel's URDF for Franka's fingers."""
 
 FORCE, SPEED = 20, 0.2
 DARK = "0.25 0.27 0.3 1"
@@ -32,7 +32,7 @@ def wheel_file(robot: Robot) -> Path:
 
 @lru_cache(maxsize=32)
 def robot_file(robot: Robot) -> bytes:
-    """Return the URDF of a robot with a gripper, its fingers made of boxes.
+    """Return the URDF of a robot with a gripper whose fingers are made of boxes.
 
     Raises:
         SceneError: the wheel's URDF cannot be read, or lacks a finger.

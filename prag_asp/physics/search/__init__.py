@@ -1,1 +1,1 @@
-"""The search for a witness: initial states, actions, and room for later actions."""
+"""The search for a witness: initial states, actions, and leaving room for later actions."""

@@ -1,4 +1,4 @@
-"""Apply the effect of one action to a snapshot; facts determine the effect, not the name of the action."""
+"""Apply the effect of one action to a snapshot; the effect is determined by facts, not by the action's name."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def take_place(search: Search, snapshot: Snapshot, entity: str, closed: bool) ->
 
 
 def _stays_down(snapshot: Snapshot, effect: ActionEffect) -> bool:
-    """Return whether a lowered gripper begins an action where it is: to grasp, release or wait."""
+    """Return whether a lowered gripper begins an action where it is, in order to grasp, release or wait."""
     if effect.releases is not None or effect.turns:
         return effect.releases not in effect.moved and not effect.turns
     target = effect.grasps or effect.visits
@@ -110,7 +110,7 @@ def _visit(search: Search, snapshot: Snapshot, entity: str, attempt: int) -> Sna
 
 
 def _close(search: Search, snapshot: Snapshot, entity: str) -> Snapshot:
-    """Close the gripper on the object that it is at."""
+    """Close the gripper on the object at which it is."""
     situation = snapshot.situation
     if weight(situation.scene, entity) > search.robot.payload:
         raise Failure(NO_GRASP, entity)
@@ -122,7 +122,7 @@ def _close(search: Search, snapshot: Snapshot, entity: str) -> Snapshot:
 
 
 def _grasp(search: Search, snapshot: Snapshot, effect: ActionEffect, entity: str, attempt: int) -> Snapshot:
-    """Grasp an object, and lift it if it leaves its support."""
+    """Grasp an object, and lift it if the object leaves its support."""
     if snapshot.arm.held not in (None, entity):
         raise Failure(NO_GRASP, entity)
     if snapshot.above is None:

@@ -1,4 +1,4 @@
-"""The region that the facts of a state allow for one object: volumes, yaw ranges, and the facts left to check."""
+"""The region that the facts of a state allow for one object: volumes, yaw ranges, and facts still to be checked."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from prag_asp.physics.symbolic_facts import Fact
 from prag_asp.scene.geometry import IDENTITY, Quaternion
 
 AIM = 0.6
-"""The share of a yaw range that is sampled: an object may rotate a little when it is put down."""
+"""The share of a yaw range that is sampled, because an object may rotate a little when it is put down."""
 
 
 def relevant_facts(facts: Iterable[Fact], entity: str, situation: Situation) -> list[Fact]:
-    """Return the facts about an object whose other bodies are already placed, except those about grippers."""
+    """Return the facts about an object, except those about grippers, whose other bodies have already been placed."""
     shapes, placed = situation.scene.shapes, {*situation.poses, entity}
     return [
         fact
@@ -27,7 +27,7 @@ def relevant_facts(facts: Iterable[Fact], entity: str, situation: Situation) -> 
 
 
 def shapes_volume(fact: Fact, entity: str) -> bool:
-    """Return whether a fact is expressed exactly by the volume of an object."""
+    """Return whether the volume for an object expresses a fact exactly."""
     subject = fact.arguments[fact.predicate.subject]
     return fact.value and (subject == entity or fact.predicate.inverse is not None)
 

@@ -57,7 +57,7 @@ CAUSES = (
     LOST,
     NOT_REACHED,
 )
-"""The causes of failed attempts, in order of the cost of their checks."""
+"""The causes of failed attempts, in the order of how much their checks cost."""
 
 
 class PhysicsFault(NamedTuple):
@@ -75,7 +75,8 @@ class PhysicsFault(NamedTuple):
 class Failure(Exception):
     """An attempt of the search failed, with one of `CAUSES` as its cause; the search catches this exception.
 
-    `missed` is the amount by which it failed, in metres, or in radians for a fact about a rotation; 0 if unknown.
+    `missed` is the amount by which it failed, in metres (for a fact about a rotation, in radians), or 0 if it is
+    unknown.
     """
 
     def __init__(self, cause: str, *entities: str, fact: Fact | None = None, missed: float = 0.0):
@@ -92,9 +93,10 @@ class Exhausted(Exception):
 class Search:
     """The input of a search: the simulator, the task's objects and random generator, and the room for later actions.
 
-    If it `packs`, it places objects tightly, for tasks that random placement does not solve. If it `returns`, it undoes
-    actions, back to an action that may be the cause, when all attempts at an action fail. The best `passed_over` grasps
-    of bodies with a model are tried last, because witnesses with these grasps failed a later check.
+    If `packs` is true, objects are placed tightly, for tasks that random placement does not solve. If `returns` is
+    true, actions are undone, back to an action that may be the cause, when all attempts at an action fail. Of the
+    grasps of bodies with a model, the best `passed_over` are tried last, because witnesses with these grasps failed a
+    later check.
     """
 
     simulator: Simulator
@@ -117,13 +119,13 @@ class Search:
         return self.simulator.robot
 
     def uniform(self, low: float, high: float) -> float:
-        """Return a uniform random number between two bounds."""
+        """Return a uniformly distributed random number between two bounds."""
         return low + (high - low) * self.rng.random()
 
 
 @dataclass(frozen=True)
 class Snapshot:
-    """One state of the search: the situation, the acting robot, and the grippers that are lowered to an object.
+    """A state of the search: the situation, the acting robot, and the grippers that are lowered to an object.
 
     `lowered` maps each of these grippers to the joint configuration straight above the object. `waypoints` are the
     waypoints of the current action.
@@ -159,7 +161,7 @@ class Snapshot:
         return self if robot is None else replace(self, acting=robot)
 
     def with_arm(self, arm: Arm, above: Joints | None = None) -> Snapshot:
-        """Return the snapshot with a new state of the acting arm, lowered from the configuration `above` if given."""
+        """Return the snapshot with a new state of the acting arm, lowered from `above` if that is given."""
         lowered = {robot: joints for robot, joints in self.lowered.items() if robot != self.acting}
         if above is not None:
             lowered[self.acting] = above

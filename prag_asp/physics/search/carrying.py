@@ -20,11 +20,11 @@ from prag_asp.scene.furniture import cavity
 from prag_asp.scene.geometry import Pose, compose, invert, multiply, raised, yaw_of, yaw_quaternion
 
 OVER_RIM = 0.03
-"""The height of a carried object above the rim of its container, in metres."""
+"""The height in metres above the rim of its container at which an object is carried."""
 
 
 def release(search: Search, snapshot: Snapshot, effect: ActionEffect) -> Snapshot:
-    """Place the held object as the facts require, or straight down, and open the gripper."""
+    """Place the held object as the facts require (without requirements, straight down), and open the gripper."""
     entity, situation, arm = effect.releases, snapshot.situation, snapshot.arm
     assert entity is not None
     if entity not in effect.moved and snapshot.above is not None:
@@ -69,7 +69,7 @@ def _free_width(search: Search, snapshot: Snapshot, entity: str) -> float:
 
 
 def carry(search: Search, snapshot: Snapshot, entity: str, effect: ActionEffect) -> Snapshot:
-    """Move the held object as the facts require, clear of everything below."""
+    """Move the held object as the facts require, clear of everything below it."""
     situation, arm = snapshot.situation, snapshot.arm
     assert arm.grasp is not None
     required = [fact for fact in effect.fresh if fact.value and fact.arguments[0] == entity]

@@ -1,4 +1,4 @@
-"""The failed attempts of a search: the count of each fault, and the attempts that came nearest to success."""
+"""The failed attempts of a search: how often each fault occurred, and the attempts that came nearest to success."""
 
 from __future__ import annotations
 
@@ -14,7 +14,8 @@ from prag_asp.wording import plural
 class FailureLog:
     """Counts the faults of all attempts, and separately the faults of the attempts that completed the most actions.
 
-    `grasp_to_blame` is true if an object could not be moved or put down with its grasp, and no other grasp was tried.
+    `grasp_to_blame` is true if an object could not be moved or put down with the grasp chosen, and no other grasp was
+    tried.
     """
 
     def __init__(self) -> None:

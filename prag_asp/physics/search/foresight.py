@@ -1,6 +1,6 @@
-"""Keep an object off the border of the workspace if another object will be placed beside it later.
+"""Keep an object away from the border of the workspace if another object will be placed beside it later.
 
-This only guides sampling; all checks stay the same.
+This only guides sampling; all checks remain the same.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ from prag_asp.physics.symbolic_facts import Fact, PhysicalTask
 from prag_asp.scene.scene import Scene
 
 Foresight = Mapping[tuple[int, str], tuple[Volume, ...]]
-"""The volumes in which an object, placed in a state, leaves ample room and just enough room, by state and object."""
+"""For each state and object, the volumes in which the object, placed in the state, leaves ample room or just enough
+room."""
 
 Rooms = dict[Direction, float]
 
@@ -53,7 +54,7 @@ def _rooms(physical: PhysicalTask, scene: Scene, k: int, entity: str, wide: bool
 
 
 def _later(physical: PhysicalTask, scene: Scene, k: int, entity: str) -> Iterator[tuple[int, str, Direction]]:
-    """Yield each object that is placed beside one at rest from state `k` on: the state, the object and its direction.
+    """Yield each object placed beside another that rests from state `k` on: the state, the object and its direction.
 
     After the initial state, an object that is moved onto or into another object takes no room beside that object.
     """
@@ -74,7 +75,7 @@ def _later(physical: PhysicalTask, scene: Scene, k: int, entity: str) -> Iterato
 
 
 def _beside(facts: Iterable[Fact], entity: str) -> Iterator[tuple[str, Direction]]:
-    """Yield each object that facts say is beside `entity`, with its direction from `entity` as seen by the robot."""
+    """Yield each object that facts put beside `entity`, with its direction from `entity` as seen by the robot."""
     for fact in facts:
         direction = fact.predicate.direction
         if fact.value and direction is not None and entity in fact.arguments:

@@ -1,4 +1,4 @@
-"""Open and close furniture: the gripper grasps the handle, and follows its line or arc."""
+"""Open and close furniture: the gripper grasps the handle and follows the line or arc of its motion."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ from prag_asp.scene.geometry import IDENTITY, Pose, compose, invert, multiply, w
 from prag_asp.scene.robots import Joints
 
 SLIDE_STRIDE, TURN_STRIDE = 0.05, 0.2
-"""The motion of furniture between two checks: of a drawer in metres, of a door in radians."""
+"""The motion of furniture between two checks, in metres for a drawer and in radians for a door."""
 
 POST_WIDTH = 2 * POST
 ENDS = (IS_OPEN, IS_CLOSED)
-"""The possible states of furniture about which nothing is known."""
+"""The states that furniture may have if nothing is known about it."""
 
 
 def sample_openings(search: Search, situation: Situation, facts: Iterable[Fact]) -> dict[str, float]:
@@ -46,7 +46,7 @@ def sample_openings(search: Search, situation: Situation, facts: Iterable[Fact])
 
 
 def sample_opening(search: Search, situation: Situation, furniture: str, facts: Iterable[Fact]) -> float:
-    """Return a random opening that the facts allow for furniture, in metres or radians; without facts, open or closed.
+    """Return a random opening of furniture that facts allow, in metres or radians; without facts, one of `ENDS`.
 
     Raises:
         Failure: the facts allow no opening.
@@ -77,7 +77,7 @@ def turn(search: Search, snapshot: Snapshot, furniture: str, facts: Iterable[Fac
     goal = sample_opening(search, situation, furniture, facts)
     begun, shape = situation.opening(furniture), situation.shape(furniture)
     handle, slides = mechanism(shape).handle, mechanism(shape).slides
-    # Grips are in the frame of the moving part; the easiest one faces the robot when the part is halfway.
+    # Grips are in the frame of the moving part; the easiest one faces the robot when the part is halfway open.
     halfway = part_pose(shape, situation.pose(furniture), (begun + goal) / 2)
     x, y, _ = compose(halfway, Pose(handle)).position
     base_x, base_y, _ = search.robot.base.position
@@ -97,7 +97,7 @@ def turn(search: Search, snapshot: Snapshot, furniture: str, facts: Iterable[Fac
 
 
 def open_furniture(situation: Situation, furniture: str, opening: float, objects: Iterable[str]) -> Situation:
-    """Return a situation with a different opening of furniture; the contents of a drawer move with it."""
+    """Return a situation in which furniture has a different opening; the contents of a drawer move with it."""
     after = situation.with_opening(furniture, opening)
     if not mechanism(situation.shape(furniture)).slides:
         return after
@@ -112,7 +112,7 @@ def _pull(
 ) -> Snapshot:
     """Return a snapshot after furniture has moved through openings, in metres or radians.
 
-    `grip` is the tool pose in the frame of the moving part, `low` the joint configuration at the handle.
+    `grip` is the tool pose in the frame of the moving part, and `low` is the joint configuration at the handle.
 
     Raises:
         Failure: the arm cannot reach the handle, follow it, or retreat.

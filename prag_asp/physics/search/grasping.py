@@ -46,31 +46,33 @@ TOP_GRIP = 0.01
 """The distance of the highest grasp below the top of an object, in metres."""
 
 HAIR = 1e-5
-"""The minimum distance of every grasp below the top of an object, in metres, because kinematics is not exact."""
+"""The minimum distance in metres between any grasp and the top of an object, because kinematics is not exact."""
 
 LONG, FROM_END = 0.08, 0.03
-"""With several robots, a box of at least twice `LONG` is grasped at the distance `FROM_END` from its end, in metres."""
+"""If there are several robots, a box whose length is at least twice `LONG` is grasped `FROM_END` from its end, in
+metres."""
 
 LARGEST_STEP = 1.2
-"""The largest turn of a joint between a grasp and `LIFT` above it, in radians, on one branch of the kinematics."""
+"""The largest turn of a joint, in radians, between a grasp and `LIFT` above it, if both are on one branch of the
+kinematics."""
 
 DOWN = (1.0, 0.0, 0.0, 0.0)
 EASE = 0.3
 """The bonus in a grasp's score if the arm approaches from its own side."""
 
 STEADY = 1.0
-"""The decrease of a grasp's score if the weight of the body just suffices to tilt it out of the pads."""
+"""How much a grasp's score decreases if the weight of the body just suffices to tilt it out of the pads."""
 
 SECTOR, SIDEWAYS = math.pi / 4, 0.7
-"""Grasps are of the same kind if their axes are in the same sector, in radians, and both or neither come from the side,
-where the cosine of the tool's angle to straight down is below the second number."""
+"""Grasps are of the same kind if their axes are in the same sector, in radians, and if both or neither come from the
+side, that is, if the cosine of the tool's angle from straight down is below the second number."""
 
 STRAIGHT_DOWN = 1e-7
-"""The tolerance below 1 of the cosine of a tool's angle to straight down: about half a milliradian."""
+"""How far below 1 the cosine of a tool's angle from straight down may be: about half a milliradian."""
 
 
 class CollisionQuery(NamedTuple):
-    """A collision query for the acting arm: a situation, the opening of the gripper, the object that it may touch."""
+    """A collision query for the acting arm: a situation, the gripper's opening, and the object that it may touch."""
 
     situation: Situation
     width: float
@@ -78,17 +80,17 @@ class CollisionQuery(NamedTuple):
 
 
 class GraspOption(NamedTuple):
-    """A tool pose that grasps an object, and the opening of the fingers during the approach in metres."""
+    """A tool pose that grasps an object, and the opening of the fingers during the approach, in metres."""
 
     tool: Pose
     approach: float
 
 
 def grasps(search: Search, situation: Situation, entity: str) -> list[GraspOption]:
-    """Return the ways to grasp an object, the easiest first.
+    """Return the ways of grasping an object, the easiest first.
 
     Raises:
-        Failure: there is no grasp, or the object would twist in the gripper in every grasp.
+        Failure: there is no grasp, or with every grasp the object would twist in the gripper.
     """
     if situation.shape(entity).model is not None:
         return _sampled(search, situation, entity)
@@ -110,7 +112,7 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     frames = matrix(pose) @ table.frames
     away = frames[:, :2, 3] - search.robot.base.position[:2]
     outward = away / np.maximum(np.linalg.norm(away, axis=1), HAIR)[:, None]
-    # The palm's x axis points away from the base, and so does a slanted tool, so the wrist is on the arm's side.
+    # The palm's x axis points away from the base, and so does a slanted tool; the wrist is therefore on the arm's side.
     forward, slope = ((frames[:, :2, axis] * outward).sum(1) for axis in (0, 2))
     ease = np.abs(forward) + 2 * np.minimum(0.0, slope)
     press = finger_force(search.scene, entity, acting)
@@ -121,8 +123,8 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     kinds = list(zip(sectors.tolist(), (frames[:, 2, 2] > -SIDEWAYS).tolist(), strict=True))
     twisting = grip_load(search.scene, entity, acting, 0.0, 1.0) * table.loads
     bearing = (np.maximum(twisting, loads[:, 1]) <= SLIPS).tolist()
-    # The best grasps of each kind come first, then the second best: where one kind fails, another may succeed. Grasps
-    # out of which the body tilts come last.
+    # The best grasps of each kind come first, then the second best, because where one kind fails, another may succeed.
+    # Grasps out of which the body tilts come last.
     counts, ranked = Counter[tuple[float, bool]](), list[tuple[bool, int, int]]()
     for i in order.tolist():
         if bearing[i]:
@@ -151,7 +153,7 @@ def _along(pose: Pose, axis: Vector, direction: Vector) -> float:
 def _from_above(search: Search, situation: Situation, entity: str) -> list[tuple[Pose, float]]:
     """Return tool poses from above that grasp an object, each with its opening in metres, the easiest first.
 
-    Boxes are grasped at opposite sides, round objects in four directions; first in the middle or as deep as the palm
+    Boxes are grasped at opposite sides, round objects from four directions; first in the middle or as low as the palm
     allows, then at the top, where the palm clears nearby objects.
 
     Raises:
@@ -182,7 +184,7 @@ def _from_above(search: Search, situation: Situation, entity: str) -> list[tuple
     if not candidates:
         raise Failure(NO_GRASP, entity, missed=min(widths) - limit)
     if search.scene.shared and shape.traits.even and max(shape.half[:2]) >= LONG:
-        # A grasp near either end leaves the other end free for another robot.
+        # a grasp near either end leaves the other end free for another robot
         reach, along_x = max(shape.half[:2]) - FROM_END, shape.half[0] > shape.half[1]
         ends = [(side, 0.0, 0.0) if along_x else (0.0, side, 0.0) for side in (reach, -reach)]
         shifts = [rotate(pose.quaternion, end) for end in ends]
@@ -243,7 +245,7 @@ def descend(
 def raise_joints(
     search: Search, low: Joints, tool: Pose, query: CollisionQuery, tries: int | None = None
 ) -> Joints | None:
-    """Return a collision-free configuration with the tool `LIFT` above a pose, close to a configuration at that pose.
+    """Return a collision-free configuration with the tool `LIFT` above a pose, close to a configuration in that pose.
 
     The result is None if none of the first `tries` configurations (by default, all) is collision-free and close.
     """
@@ -257,7 +259,8 @@ def near_joints(
 
     The result is None if none of the first `tries` configurations (by default, all) is collision-free and close.
     """
-    # The elbow swings more at a slant; the least change of all joints keeps the path between both straight.
+    # The elbow swings more if the tool is slanted; the least change of all joints keeps the path between the two
+    # straight.
     adjusted = None if is_downward(tool) else adjust_joints(search.robot, tool, low)
     for high in chain(() if adjusted is None else (adjusted,), islice(inverse(search.robot, tool, near=low), tries)):
         turn = max(abs(a - b) for a, b in zip(low, high, strict=True))
@@ -267,7 +270,7 @@ def near_joints(
 
 
 def backed(tool: Pose) -> Pose:
-    """Return a tool pose moved `LIFT` back along the direction of its fingers."""
+    """Return a tool pose moved back by `LIFT` along the direction of its fingers."""
     return raised(tool, LIFT) if is_downward(tool) else compose(tool, Pose((0.0, 0.0, -LIFT)))
 
 
@@ -282,7 +285,7 @@ def _touched(query: CollisionQuery) -> tuple[str, ...]:
 
 
 def collide(search: Search, joints: Joints, query: CollisionQuery) -> ArmCollision | None:
-    """Return the collision of the acting arm, or None if there is none."""
+    """Return the collision in which the acting arm is, or None if there is none."""
     return arm_collision(search.simulator, query.situation, joints, query.width, query.touched)
 
 

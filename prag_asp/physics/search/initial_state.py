@@ -50,7 +50,7 @@ def sample_initial_state(search: Search, physical: PhysicalTask) -> Snapshot:
 def _about(physical: PhysicalTask, entity: str, situation: Situation) -> tuple[Fact, ...]:
     """Return the facts of the initial state that the pose of an object has to satisfy.
 
-    An object that a robot holds in the air is first placed below its gripper, and grasped there.
+    An object that a robot holds in the air is first placed below its gripper and grasped there.
     """
     holder = next((robot for robot, thing in physical.held.items() if thing == entity), None)
     if holder is None or not (situation.scene.shared or _in_the_air(physical, entity)):
@@ -68,7 +68,7 @@ def _in_the_air(physical: PhysicalTask, entity: str) -> bool:
 
 
 def _bring(search: Search, snapshot: Snapshot, physical: PhysicalTask) -> Snapshot:
-    """Move the acting arm to where the facts of the initial state require it.
+    """Move the acting arm to where the facts of the initial state require it to be.
 
     Raises:
         Failure: the arm cannot get there without a collision.
@@ -93,7 +93,7 @@ def _arrange(search: Search, physical: PhysicalTask, still: Situation) -> Situat
     """Return a situation with all objects at poses that the facts allow, placed one after the other.
 
     If there is no pose for an object, backtrack to an earlier object related to it: first to the last such object, the
-    next time to the one before that. A search that `packs` places the objects tightly instead.
+    next time to the one before it, and so on. A search that `packs` places the objects tightly instead.
 
     Raises:
         Failure: there is no earlier object to backtrack to, or the search has backtracked `BACKTRACKS` times.
@@ -126,7 +126,7 @@ def order_of(physical: PhysicalTask, scene: Scene) -> list[str]:
     """Return the objects in the order in which they are placed, large ones before small ones.
 
     Supports come before the objects on them. Unless there is a cycle, the other arguments of a relation come before its
-    subject, whose volume depends on them; for a predicate with an inverse the order does not matter.
+    subject, whose volume depends on them; for a predicate with an inverse, this order does not matter.
     """
     below: dict[str, set[str]] = {entity: set() for entity in physical.objects}
     before: dict[str, set[str]] = {entity: set() for entity in physical.objects}
@@ -149,5 +149,5 @@ def order_of(physical: PhysicalTask, scene: Scene) -> list[str]:
 
 
 def _place(facts: Iterable[Fact], does: Gripper) -> str | None:
-    """Return the object that the gripper is known to be at or over."""
+    """Return the object at or over which the gripper is known to be."""
     return next((fact.arguments[1] for fact in facts if fact.value and fact.predicate.gripper is does), None)

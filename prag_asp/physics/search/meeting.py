@@ -16,7 +16,7 @@ LOWEST, HIGHEST = 0.18, 0.28
 """The range of heights of the tool over a place, in metres above its top."""
 
 SPREAD = 0.5
-"""The maximum deviation of the gripper from the best yaw in the first attempts, in radians."""
+"""The maximum deviation from the best yaw of the gripper in the first attempts, in radians."""
 
 HANDY_ATTEMPTS = 6
 OFF_CENTRE = 0.02
@@ -55,7 +55,7 @@ def take_over(search: Search, snapshot: Snapshot, giver: str) -> Snapshot:
 
 
 def _tool_over(search: Search, snapshot: Snapshot, place: str, attempt: int) -> Pose:
-    """Return a random tool pose over a place, on the side nearer to the robot; a held object stays clear of the place.
+    """Return a random tool pose over a place, on the side nearer to the robot; a held object keeps clear of the place.
 
     Raises:
         Failure: there is no room over the place.

@@ -1,9 +1,9 @@
-"""Pack objects tightly, side by side from a corner, where random placement leaves no room for all of them.
+"""Pack objects tightly, side by side from a corner, if random placement leaves no room for all of them.
 
-Objects are placed in order of size, axis-aligned or aligned with their support, at the first free place from a random
-corner. Places to try are vertices of the allowed region, places next to a neighbour with some spacing, and a lattice.
-If there is no place for an object, the search backtracks to the object before it. Several spacings are tried; the
-largest that succeeds is used.
+Objects are placed in order of size, axis-aligned or aligned with their support, at the first free place as seen from a
+random corner. Places to try are vertices of the allowed region, places next to a neighbour with some spacing, and a
+lattice. If there is no place for an object, the search backtracks to the object before it. Several spacings are tried;
+the largest that succeeds is used.
 """
 
 from __future__ import annotations
@@ -40,26 +40,26 @@ from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, compose, multiply, rotate, yaw_of, yaw_quaternion
 
 SPACINGS = (FINGER_ROOM, FINGER_ROOM / 2, SPACING, 0.005, 0.002, 0.0)
-"""The spacings to try between objects in metres, the largest first: they touch if nothing else leaves room for all."""
+"""The spacings between objects to try, in metres, the largest first; with the last, they touch."""
 
 TIGHT = 0.002
-"""The largest spacing in metres with which objects also touch the walls of a container."""
+"""The largest spacing, in metres, with which objects also touch the walls of a container."""
 
 BRANCHES = 4
 """The number of places to try for an object before the previous object is moved."""
 
 PLACED = 10
-"""The average number of placements per object before a spacing is abandoned."""
+"""The average number of placements per object after which a spacing is abandoned."""
 
 LATTICE = 7
 """The number of lattice lines in each direction, for regions whose corners are out of reach."""
 
 ROUNDING = 1e-9
-"""The distance in metres by which a place may violate a bound that it was calculated from."""
+"""The distance in metres by which a place may violate a bound from which it was calculated."""
 
 
 def turned(points: NDArray[np.float64], yaw: float) -> NDArray[np.float64]:
-    """Return points of shape (n, 2), rotated about the origin by a yaw in radians."""
+    """Return points of shape (n, 2) rotated about the origin by a yaw in radians."""
     cosine, sine = math.cos(yaw), math.sin(yaw)
     rotated: NDArray[np.float64] = points @ np.array(((cosine, sine), (-sine, cosine)))
     return rotated
@@ -81,7 +81,7 @@ class Corner(NamedTuple):
     def order(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return points of shape (n, 2) in order: row by row from the corner."""
         x, y = self.x * points[:, 0], self.y * points[:, 1]
-        # In whole micrometres, so that rounding errors do not mix up the rows.
+        # in whole micrometres, so that rounding errors do not mix up the rows
         keys = [np.round(each, 6) for each in ((y, x) if self.along_x else (x, y))]
         ordered: NDArray[np.float64] = points[np.lexsort(keys[::-1])]
         return ordered
@@ -164,9 +164,9 @@ def packed_poses(situation: Situation, request: PlacementRequest, filling: tuple
 
 
 def _frames(situation: Situation, entity: str, support: str, about: Iterable[Fact]) -> Iterator[float]:
-    """Yield the yaws in radians along which an object is packed, first the yaw of its support or of the workspace.
+    """Yield the yaws, in radians, along which an object is packed, first that of its support or of the workspace.
 
-    If a user-defined relation requires the object in a rotated body, such as a slot, the yaw of that body is also
+    If a user-defined relation requires the object to be in a rotated body, such as a slot, the yaw of that body is also
     tried.
     """
     first = 0.0 if support == TABLE else yaw_of(situation.pose(support).quaternion)
@@ -236,9 +236,9 @@ def _taken(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], list[Callable[[Vector, float], bool]]]:
     """Return the places where an object at a height overlaps others, the places where it touches them, and exact tests.
 
-    A row of places (n, 4) has their centre, for the origin of the object, and their half-extents along x and y, seen
-    from above in a frame rotated by a yaw: they apply to the bounding boxes of the bodies in this frame. If one of two
-    bodies has a model, their boxes touch there, and a function returns whether their parts overlap.
+    Each row (n, 4) contains the centre of a rectangle for the origin of the object, and its half-extents along x and y,
+    seen from above in a frame rotated by a yaw; it refers to the bounding boxes of the bodies in this frame. If one of
+    two bodies has a model, their boxes touch there, and a function returns whether their parts overlap.
     """
     back, forth = yaw_quaternion(-frame), yaw_quaternion(frame)
     entity = situation.shape(request.entity)
@@ -269,7 +269,7 @@ def _taken(
 
 
 def _turned_rows(rows: list[tuple[float, float, float, float]], frame: float) -> NDArray[np.float64]:
-    """Return rows of places with their centres in a frame rotated by a yaw, shape (n, 4)."""
+    """Return rows of places whose centres are in a frame rotated by a yaw, shape (n, 4)."""
     found = np.array(rows).reshape(-1, 4)
     found[:, :2] = turned(found[:, :2], -frame)
     return found

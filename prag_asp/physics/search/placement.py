@@ -41,16 +41,16 @@ TRIES = 8  # samples for each spacing
 SPACING = 0.01  # metres between objects on the table, so that they do not touch
 TABLE_ROOM = 0.1  # metres to the border of the volume on the table, for hands and later objects
 NEAR = 0.15  # metres within which people call an object beside another
-JITTER = 0.05  # radians by which an object is rotated relative to its support, as nothing stands exactly straight
+JITTER = 0.05  # radians by which an object is rotated relative to its support, because nothing stands exactly straight
 EDGE = 0.02  # metres to the edge of the table
 
 
 class Neighbour(NamedTuple):
-    """A body that a placed object can meet, and the object's origin if the boxes of both have the same centre.
+    """A body that a placed object can meet, and the object's origin when the boxes of both have the same centre.
 
     `dx` and `dy` are the distances from that origin along x and y at which the boxes touch, seen from above. If the
-    body or the object has a model, `parts` returns whether their parts are nearer than a spacing with the object at a
-    place, because boxes do not decide this. All lengths are in metres.
+    body or the object has a model, boxes are not enough: `parts` returns whether their parts are closer than a spacing
+    when the object is at a place. All lengths are in metres.
     """
 
     x: float
@@ -173,8 +173,8 @@ def _place(
     """Return the orientation of an object, its volume in that orientation, and the floor of the volume.
 
     The yaw is random. If it leaves no room for the object or for later objects, the object is aligned with the axes
-    instead, which takes the least room. `between` contains the chains for objects between this object and others, with
-    ample room first.
+    instead, which takes the least room. `between` contains the chains for objects between this object and others, those
+    with ample room first.
 
     Raises:
         Failure: the volume is empty.
@@ -184,7 +184,7 @@ def _place(
     for yaw in _yaws(search, situation, request):
         quaternion = yaw_quaternion(yaw)
         whole = placement_volume(situation, request, quaternion)
-        # Room for objects in between is ample if possible, else just enough.
+        # Room for objects in between is ample if possible, or otherwise just enough.
         parts = (
             whole.meet(spacing_volume(situation, request.entity, quaternion, chained)) if chained else whole
             for chained in between or ([],)
@@ -230,7 +230,7 @@ def _ahead(search: Search, situation: Situation, request: PlacementRequest) -> t
 def placement_volume(
     situation: Situation, request: PlacementRequest, quaternion: Quaternion, tight: bool = False
 ) -> Volume:
-    """Return the volume of an oriented object on or above a support, as the facts require.
+    """Return the volume for an oriented object on or above a support, as the facts require.
 
     An object on the table has to be in the workspace and within reach. It may be anywhere on the table if it is known
     to be out of reach, and anywhere in the workspace if several robots share the table. A `tight` volume touches the
@@ -239,7 +239,7 @@ def placement_volume(
     entity, support, about, _, height = request
     out_of_reach = any(fact.predicate.gripper is Gripper.REACHES and not fact.value for fact in about)
     if support != TABLE:
-        # A body from a file with a cavity can also bear others on its rim.
+        # a body from a file that has a cavity can also bear others on its rim
         on_it = any(fact.value and fact.predicate is ON_TOP and fact.arguments == (entity, support) for fact in about)
         shape = situation.shape(support)
         rests = INSIDE if shape.traits.hollow or (shape.hollow and not on_it) else ON_TOP
@@ -285,8 +285,8 @@ def _neighbours(
 ) -> list[Neighbour]:
     """Return the other bodies that an object at a height can meet, except containers into which it is placed.
 
-    `turned` holds the shape of the object, its orientation, and its bounding box at the origin. Furniture has the
-    bounding boxes of its body and of the swept moving part.
+    `turned` holds the shape of the object, its orientation, and its bounding box at the origin. For furniture, there
+    are two bounding boxes: that of its body, and that of the space swept by its moving part.
     """
     neighbours = []
     own, quaternion, (middle, half) = turned
@@ -315,7 +315,7 @@ def parts_meet(
 ) -> bool:
     """Return whether parts of an object at a place may be nearer than a spacing to parts of another object.
 
-    Their convex outlines seen from above are compared.
+    The convex outlines of the parts, seen from above, are compared.
     """
     ours, theirs = part_boxes(own, quaternion), part_boxes(other, pose.quaternion)
     offset = np.array((at[0], at[1], z)) - pose.position
@@ -328,9 +328,9 @@ def parts_meet(
 
 
 def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> Iterator[float]:
-    """Yield yaws in radians: in required ranges, or else random, then axis-aligned, or aligned with the support.
+    """Yield yaws in radians: in required ranges or else random, then axis-aligned or aligned with the support.
 
-    For a body with a model, the sides are aligned or, if they do not fit into a container, the diagonals.
+    For a body with a model, the sides are aligned or, if the body then does not fit into a container, the diagonals.
     """
     own = side_yaw(situation.shape(request.entity))
     ranges = yaw_ranges(situation, request.entity, request.facts)

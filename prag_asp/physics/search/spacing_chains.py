@@ -1,7 +1,7 @@
-"""Leave room between two objects for one that is not placed yet: it will be left of one and right of the other.
+"""Leave room between two objects for one that is not placed yet: it will be left of one of them and right of the other.
 
-Objects are placed one after another. An object that its relations put between two others needs room there, whichever of
-the three is placed last.
+Objects are placed one after another. If its relations put an object between two others, it needs room there, whichever
+of the three is placed last.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ class SpacingChain(NamedTuple):
 
 
 def spacing_chains(situation: Situation, entity: str, facts: Iterable[Fact]) -> tuple[list[SpacingChain], ...]:
-    """Return the chains of relations from an object through unplaced ones to placed ones.
+    """Return the chains of relations from an object through unplaced objects to placed ones.
 
-    There are no chains if all other objects are placed. Otherwise there are two lists: with the longest sides of the
-    objects in between, and with their shortest sides.
+    There are no chains if all other objects are placed. Otherwise there are two lists: one computed with the longest
+    sides of the objects in between, and one with their shortest sides.
     """
     beside = [fact for fact in facts if fact.value and fact.predicate.direction is not None]
     if all(other in situation.poses or other == entity for fact in beside for other in fact.arguments):

@@ -1,6 +1,6 @@
 """Place two objects far enough apart for an object that lies between them, now or later.
 
-This only guides sampling; all checks stay the same.
+This only guides sampling; all checks remain the same.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ FINGER_ROOM = 0.035
 """The distance between two objects that leaves room for a finger, in metres."""
 
 DEPTH = 4
-"""The maximum nesting depth of objects in between."""
+"""The maximum nesting depth of objects that lie between others."""
 
 
 class Span(NamedTuple):
-    """The desired distance to another object, centre to centre, in metres: with room for a finger, or without."""
+    """The desired distance between the centres of two objects, in metres: with room for a finger, or without."""
 
     other: str
     ample: float
@@ -28,11 +28,11 @@ class Span(NamedTuple):
 
 
 Spans = Mapping[tuple[int, str], tuple[Span, ...]]
-"""The spans of an object that is placed in a state, by the number of the state and the object."""
+"""The spans of each object that is placed in a state, by the number of the state and the object."""
 
 
 def foresee_spans(physical: PhysicalTask, scene: Scene) -> Spans:
-    """Return the desired distances between the objects of a task, for objects that come between them."""
+    """Return the desired distances between the objects of a task, to leave room for objects that come between them."""
     all_facts = [*physical.initial, *(fact for effect in physical.effects for fact in effect.fresh)]
     if not any(fact.value and fact.predicate.lies_between for fact in all_facts):
         return {}

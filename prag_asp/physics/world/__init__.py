@@ -1,1 +1,1 @@
-"""Bodies in PyBullet: kinematic and dynamic simulators, collisions and static stability."""
+"""Bodies in PyBullet: kinematic and dynamic simulation, collisions and static stability."""

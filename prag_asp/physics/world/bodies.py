@@ -17,8 +17,8 @@ from prag_asp.scene.solids import solids, walls, weight
 
 PARKING = (20.0, 20.0, 5.0)
 NO_MARGIN = 0.0
-"""The collision margin of meshes. By default PyBullet keeps other bodies 1 mm off the hull of a mesh, and rounds the
-edges of other solids by 1 mm; on upright solids only the vertical edges."""
+"""The collision margin of meshes. By default, PyBullet keeps other bodies 1 mm away from the hull of a mesh; it also
+rounds the edges of other solids by 1 mm, but only the vertical edges if they are upright."""
 
 PATCH = 0.001
 """The height of the coloured patch of a zone above the table, in metres."""
@@ -55,8 +55,8 @@ def make_body(
 ) -> int:
     """Make the body of an object; a fixed object has no mass, and a container can be made without its floor.
 
-    `free` makes it a plain rigid body, which is cheaper to simulate, unless it is furniture or a body with a model,
-    which need joints or exact geometry.
+    With `free`, it is a plain rigid body, which is cheaper to simulate, unless it is furniture, which needs a joint, or
+    a body with a model, which needs exact geometry.
 
     Raises:
         SceneError: PyBullet refuses the body's shape.
@@ -76,7 +76,7 @@ def make_body(
 
 
 def mass_frame(scene: Scene, entity: str) -> Pose | None:
-    """Return the inertial frame (centre of mass, principal axes) in the body's frame; None if the two frames are equal.
+    """Return a body's inertial frame (centre of mass, principal axes) in its frame, or None if the two are equal.
 
     PyBullet's poses of bodies are the poses of their inertial frames.
     """

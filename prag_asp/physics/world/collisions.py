@@ -13,7 +13,8 @@ from prag_asp.scene.robots import Joints
 
 BASE_LINK = -1
 ARMS_APART = 0.01
-"""The distance in metres that arms keep from each other: arms that barely miss press on each other in motion."""
+"""The distance in metres that arms keep from each other, because arms that barely miss press on each other in motion.
+"""
 
 
 class ArmCollision(NamedTuple):
@@ -42,7 +43,7 @@ def boxes_meet(one: Box, two: Box) -> bool:
 def colliding(
     simulator: Simulator, situation: Situation, changed: Iterable[str], objects: Iterable[str]
 ) -> tuple[str, str] | None:
-    """Return a moved object and the object or table that it collides with; None if there is no collision."""
+    """Return a moved object and the object or table with which it collides, or None if there is no collision."""
     boxes, done = {entity: box(situation, entity) for entity in objects}, set[str]()
     for one in changed:
         done.add(one)
@@ -69,7 +70,7 @@ def overlap_depth(simulator: Simulator, situation: Situation, one: str, two: str
 def arm_collision(
     simulator: Simulator, situation: Situation, joints: Joints, width: float, touched: str | None
 ) -> ArmCollision | None:
-    """Return the collision of the acting arm at joint angles, or None; the fingers may touch the object `touched`.
+    """Return the acting arm's collision at given joint angles, or None; its fingers may touch the object `touched`.
 
     The other arms are as in the situation; they must not collide with the objects or with this arm.
     """
@@ -119,7 +120,7 @@ def _meets_object(simulator: Simulator, situation: Situation, name: str, arm: Ar
 
 
 def _meets_arm(simulator: Simulator, name: str, arm: Arm, joints: Joints, width: float) -> int | None:
-    """Return a link of the acting arm that is closer than `ARMS_APART` to another arm, None if there is none."""
+    """Return a link of the acting arm that is closer than `ARMS_APART` to another arm, or None if there is none."""
     acting, other = simulator.arm, simulator.arms[name]
     boxes = [*zip(other.robot.links, other.link_boxes(arm.joints, arm.width), strict=True)]
     links = zip(acting.robot.links, acting.link_boxes(joints, width), strict=True)

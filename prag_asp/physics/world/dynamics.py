@@ -25,13 +25,13 @@ from prag_asp.scene.scene import Scene
 
 SOLVER_ITERATIONS = 200
 """The number of solver iterations. With PyBullet's default of 50, a joint sometimes exceeds its acceleration limit; 200
-cost a sixth more."""
+iterations cost a sixth more time."""
 
 POSITION_GAIN = 0.2
 """The share of a joint's position error that its motor corrects in one step."""
 
 RESTING, RESTING_TURN = 0.005, 0.05
-"""Speeds below which a body is at rest, in m/s and rad/s: held objects tremble a little."""
+"""Speeds below which a body counts as at rest, in m/s and rad/s, because held objects tremble a little."""
 
 SLEEP_FRAMES = 4
 """The number of consecutive frames at rest after which a body is put to sleep, until a moving body comes close.
@@ -40,7 +40,8 @@ PyBullet itself waits for two seconds.
 """
 
 BETWEEN = 0.002
-"""The distance from both fingers in metres within which a body is between them; they close by 1.3 mm in a step."""
+"""The distance in metres from each finger within which a body counts as between them; they close by 1.3 mm in a step.
+"""
 
 FORGETTING = 2
 """The number of steps for which bodies have to be far apart until PyBullet has discarded their contacts."""
@@ -51,7 +52,7 @@ STILL = (0.0,) * 7
 
 
 class ArmCommand(NamedTuple):
-    """Position targets of the motors of an arm: seven joint angles in radians, the opening of the gripper in metres."""
+    """Position targets for the motors of an arm: seven joint angles in radians, and the gripper's opening in metres."""
 
     joints: Joints
     opening: float
@@ -94,7 +95,7 @@ class Dynamics:
         self._parts: dict[tuple[int, int], int] = {}
 
     def begin(self, objects: Sequence[str], moment: Moment, scene: Scene | None = None) -> None:
-        """Build a world with some objects and the arms at a moment; `scene` may have different sizes.
+        """Build a world with some objects and the arms as at a moment; `scene` may have different sizes.
 
         Raises:
             SceneError: a robot cannot be loaded, or PyBullet refuses a body.
@@ -128,9 +129,9 @@ class Dynamics:
     def restore(self, moment: Moment) -> None:
         """Reset the world to a moment, at rest; only held objects are awake.
 
-        The simulation from there depends only on the moment, bit for bit: PyBullet caches contacts and their forces, so
-        all bodies are first moved far apart for `FORGETTING` steps. The moment must have all objects and arms of the
-        world.
+        From there on, the simulation depends only on the moment, bit for bit. PyBullet caches contacts and their
+        forces, so all bodies are first moved far apart for `FORGETTING` steps. The moment must include all objects and
+        arms of the world.
         """
         client = self.client
         apart = [*self._bodies.values(), *(arm.body for arm in self._arms.values())]
@@ -178,7 +179,7 @@ class Dynamics:
         )
 
     def _squeeze(self, robot: str) -> float:
-        """Return the largest force of each finger in newtons, as required for the bodies between both fingers."""
+        """Return the largest force of each finger in newtons, which depends on the bodies between both fingers."""
         arm, forces = self._arms[robot], self._gentle[robot]
         most = arm.robot.grip_force
         light = [entity for entity, force in forces.items() if force < most]

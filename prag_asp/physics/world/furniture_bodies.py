@@ -14,13 +14,13 @@ from prag_asp.scene.solids import boxes, volume
 JOINT = 0
 UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 SLIDE_DRAG, HINGE_DRAG = 2.0, 0.2
-"""The friction of a joint: of a drawer in newtons, of a door in newton metres."""
+"""The friction of a joint, in newtons for a drawer and in newton metres for a door."""
 
 LIGHTER = 0.25
 
 
 def make_furniture(client: int, shape: Shape, material: Material, at: Vector, color: str | None) -> int:
-    """Make closed furniture; without a colour it is invisible.
+    """Make closed furniture; without a colour, it is invisible.
 
     Raises:
         SceneError: PyBullet refuses the furniture's shape.
@@ -74,5 +74,5 @@ def read_opening(client: int, body: int) -> float:
 
 
 def lighter(color: str) -> str:
-    """Return a lighter colour."""
+    """Return a lighter shade of a colour."""
     return "#" + "".join(f"{round(part + LIGHTER * (255 - part)):02x}" for part in rgb(color))

@@ -1,7 +1,7 @@
 """PyBullet's collision and visual shapes of solids, and the mesh files that it reads for them.
 
-The files are written from the meshes that we have read and measured, so that both agree. PyBullet's own readers include
-points that no face uses, and crash on a face with two corners or on an ASCII .stl file.
+The files are written from the meshes that we have read and measured, so that PyBullet sees the same geometry.
+PyBullet's own readers include points that no face uses, and crash on a face with two corners or on an ASCII .stl file.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ GEOMETRIES: Mapping[str, int] = {
     "sphere": pybullet.GEOM_SPHERE,
     "mesh": pybullet.GEOM_MESH,
 }
-"""PyBullet's types of solids; for a mesh, it uses the convex hull of each part."""
+"""PyBullet's types of solids; for a mesh, PyBullet uses the convex hull of each part."""
 
 NOTHING = -1
 SHADE, BELT, SPOT, STANDING_OUT = 0.45, 0.12, 0.5, 0.02
-"""The marks on a ball, as shares of the ball's brightness and diameter: their shade, the height of the belt, the size
-of the spot, and the height of both above the surface."""
+"""The marks on a ball, as shares of its brightness and diameter: their shade, the height of the belt, the size of the
+spot, and how far both stand out from the surface."""
 
 ASIDE = (0.6, 0.0, 0.8)
 STRAIGHT = (0.0, 0.0, 0.0)
@@ -41,10 +41,10 @@ STRAIGHT = (0.0, 0.0, 0.0)
 def open_shapes(
     solids: Sequence[Solid], client: int, color: str | None, looks: Sequence[Look] = ()
 ) -> Iterator[tuple[int, int]]:
-    """Yield the ids of the collision and visual shapes of several solids; without a colour they are invisible.
+    """Yield the ids of the collision and visual shapes of several solids; without a colour, they are invisible.
 
     The visual shapes are the `looks`, if there are any. PyBullet reads the files of visual shapes only when it makes a
-    body, so make the body within the context. Calls with meshes must not be nested.
+    body, so the body must be made within the context. Calls with meshes must not be nested.
 
     Raises:
         SceneError: PyBullet refuses a shape, or a mesh cannot be read.
@@ -123,7 +123,7 @@ def _marks(ball: Solid) -> list[Solid]:
 
 
 def _turned(what: str, solids: Sequence[Solid], files: Sequence[str]) -> dict[str, Any]:
-    """Return PyBullet's arguments for rotated solids and for meshes; the result is empty if there are none."""
+    """Return PyBullet's arguments for rotated solids and meshes, which are empty if there are no such solids."""
     if not any(solid.mesh or solid.turn != STRAIGHT for solid in solids):
         return {}
     return {
@@ -134,7 +134,7 @@ def _turned(what: str, solids: Sequence[Solid], files: Sequence[str]) -> dict[st
 
 
 def mesh_file(solid: Solid) -> tuple[str, bytes]:
-    """Return a unique name and an .obj file with a mesh in metres; each of its objects collides as its convex hull.
+    """Return a unique name and an .obj file with a mesh in metres; in collisions, each object is its convex hull.
 
     Raises:
         SceneError: the mesh cannot be read.

@@ -21,7 +21,7 @@ REMEMBERED = 256
 
 @dataclass
 class _Posture:
-    """Cached properties of an arm configuration: the bounding boxes of its links at an opening, and self-overlap."""
+    """Cached properties of an arm configuration: the bounding boxes of the links at an opening, and self-overlap."""
 
     width: float
     boxes: list[Corners]
@@ -58,7 +58,7 @@ class SimulatedArm:
         self._at = joints, width
 
     def contacts(self, body: int, links: Iterable[int], within: float = 0.0) -> list[tuple[int, float]]:
-        """Return the links of the arm `within` a distance of a body, with their distances in metres."""
+        """Return the links of the arm that are `within` a distance of a body, with their distances in metres."""
         contacts = []
         for link in links:
             points = pybullet.getClosestPoints(self.body, body, within, linkIndexA=link, physicsClientId=self.client)
@@ -94,7 +94,7 @@ class SimulatedArm:
         return boxes
 
     def self_overlap(self, joints: Joints, width: float) -> float:
-        """Return the negated maximum penetration depth of two links of the arm in metres, 0 if none touch."""
+        """Return the negated maximum penetration depth between links of the arm in metres, or 0 if no two touch."""
         boxes = dict(zip(self.robot.links, self.link_boxes(joints, width), strict=True))
         posture = self._known[joints]
         if posture.overlap is None:

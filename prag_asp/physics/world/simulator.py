@@ -26,15 +26,15 @@ COLLISION = -0.0015
 
 NOTHING_OPEN: Mapping[str, float] = {}
 CONTACT_BREAKING = 0.005
-"""The distance in metres at which contacts break. With PyBullet's default of 20 mm, contact points keep normals from
-before a held object was rotated; with 2 mm, a standing can sinks by up to 5 mm into its support.
+"""The distance in metres at which contacts break.
 
-All worlds of a process share this number.
+With PyBullet's default of 20 mm, contact points keep outdated normals after a held object has been rotated; with 2 mm,
+a standing can sinks by up to 5 mm into its support. All worlds of a process share this number.
 """
 
 
 class Simulator:
-    """A PyBullet client and its bodies; use `open_simulator`, which closes it."""
+    """A PyBullet client and its bodies; `open_simulator` creates one, and closes it afterwards."""
 
     def __init__(self, scene: Scene, client: int, visual: bool):
         self.scene = scene
@@ -118,13 +118,13 @@ class Simulator:
         self.arm.pose(joints, width)
 
     def show(self, moment: Moment) -> None:
-        """Show a moment: move all objects and arms."""
+        """Show a moment by moving all objects and arms."""
         self.place(moment.poses, moment.openings)
         for name, arm in moment.arms.items():
             self.arms[name].pose(arm.joints, arm.width)
 
     def overlap(self, one: int, two: int) -> float:
-        """Return the negated penetration depth of two bodies in metres, 0 if they are apart."""
+        """Return the negated penetration depth of two bodies in metres, or 0 if they are apart."""
         points = pybullet.getClosestPoints(one, two, 0.0, physicsClientId=self.client)
         return min((point[8] for point in points), default=0.0)
 
@@ -175,7 +175,7 @@ def start_world(client: int) -> None:
 
 
 def move(client: int, body: int, pose: Pose) -> None:
-    """Move a body; the pose is the pose of its inertial frame."""
+    """Move a body; the pose is that of its inertial frame."""
     pybullet.resetBasePositionAndOrientation(body, pose.position, pose.quaternion, physicsClientId=client)
 
 
@@ -204,7 +204,7 @@ def open_client() -> Iterator[int]:
 
 @contextmanager
 def open_simulator(scene: Scene, *, visual: bool = False) -> Iterator[Simulator]:
-    """Open a simulator without a window, and close it afterwards; `visual` loads the visual shapes for pictures."""
+    """Open a simulator without a window, and close it afterwards; `visual` adds the visual shapes for pictures."""
     with open_client() as client:
         with mute_output(STDOUT):
             simulator = Simulator(scene, client, visual)

@@ -1,4 +1,4 @@
-"""Static stability: the contacts from below, and the centre of mass of a body with all bodies that rest on it.
+"""Static stability: the contacts from below, and the centre of mass of a body together with all bodies on it.
 
 Bodies stand upright. In a stack, the centre of mass includes everything that rests on a body.
 """
@@ -17,14 +17,14 @@ from prag_asp.scene.solids import weight
 CONTACT = 0.002
 BALANCE = 1e-6
 LEAST_MARGIN, TENTH = 0.005, 0.1
-"""The smallest desired margin of a placed object's centre of mass within its support, in metres, and the sufficient
-share of the width of its base."""
+"""The smallest desired margin, in metres, of a placed object's centre of mass within its support, and the share of the
+width of its base that is always enough."""
 TABLE = ""
 
 
 @dataclass(frozen=True)
 class Contact:
-    """A contact with a support below (`TABLE` for the table): the overlap of the outlines, seen from above."""
+    """A contact with a support below (`TABLE` for the table): the overlap of the two outlines, seen from above."""
 
     support: str
     region: Outline
@@ -36,7 +36,7 @@ def contacts(situation: Situation, entity: str, others: Iterable[str]) -> list[C
 
 
 def _contacts(situation: Situation, entity: str, tops: Iterable[tuple[str, float]]) -> list[Contact]:
-    """Return the contacts of a body with surfaces, given with their heights in metres."""
+    """Return the contacts of a body with surfaces, which are given with their heights in metres."""
     (at_x, at_y), (half_x, half_y) = _table(situation)
     bottom = situation.bottom(entity)
     below: Outline = ()
@@ -65,7 +65,7 @@ def resting_height(situation: Situation, entity: str, others: Iterable[str]) -> 
 
 
 def unsupported(situation: Situation, entities: Iterable[str], needs_margin: bool = False) -> str | None:
-    """Return a body that would fall or tip over, or None; held bodies are stable, and can bear other bodies.
+    """Return a body that would fall or tip over, or None; held bodies are stable and can bear other bodies.
 
     The centre of mass has to be over the contacts below the body. With `needs_margin`, the distance of the centre of
     mass from their edge has to be at least the margin of the scene or, if that is less, a tenth of the width of the
@@ -78,7 +78,7 @@ def unsupported(situation: Situation, entities: Iterable[str], needs_margin: boo
     high = []
     for body in loose:
         # The usual case is checked first: a body that stands on the table, with its centre over it, is stable. A body
-        # with a model, whose base may be at its side, has to be entirely over the table.
+        # with a model has to be entirely over the table, because its base may be at its side.
         measured = situation.body(body)
         x, y, _ = measured.centre
         dx, dy = (0.0, 0.0) if situation.scene.shapes[body].model is None else measured.half[:2]
@@ -100,14 +100,14 @@ def unsupported(situation: Situation, entities: Iterable[str], needs_margin: boo
 
 
 def _margin(situation: Situation, body: str) -> float:
-    """Return the desired margin of the centre of mass of a body within its support, in metres."""
+    """Return the desired margin, in metres, of a body's centre of mass within its support."""
     below = base(situation.shape(body), situation.pose(body))
     width = 2 * inside_by(below, _middle(below))
     return min(situation.scene.balance, max(LEAST_MARGIN, TENTH * width))
 
 
 def riders(situation: Situation, entity: str, others: Iterable[str]) -> list[str]:
-    """Return the bodies that rest on or in a body, directly or indirectly, and so move with it."""
+    """Return the bodies that rest on or in a body, directly or indirectly, and therefore move with it."""
     candidates = list(others)
     bodies = [entity]
     for current in bodies:
@@ -152,13 +152,13 @@ def _top(situation: Situation, support: str, height: float) -> Outline:
 
 
 def _table(situation: Situation) -> tuple[Point, Point]:
-    """Return the centre of the table's top and half of its sides, in metres."""
+    """Return the centre of the table top and half of its dimensions, in metres."""
     table = situation.scene.table
     return table.centre, (table.size[0] / 2, table.size[1] / 2)
 
 
 def _load(situation: Situation, body: str, resting: Mapping[str, list[Contact]]) -> tuple[float, Point]:
-    """Return the mass of a body with all bodies on it, and the point where this load acts, seen from above.
+    """Return the mass of a body together with all bodies on it, and the point where this load acts, seen from above.
 
     A body that rests on one support loads it at the body's centre of mass; a body that bridges several supports loads
     each with an equal share, at the centre of the contact.

@@ -1,4 +1,4 @@
-"""The visual shapes of bodies in PyBullet: solids in a colour, and meshes with textures.
+"""The visual shapes of bodies in PyBullet: solids of one colour, and meshes with textures.
 
 PyBullet draws one texture for each mesh, multiplied by the colour of the shape. It finds the texture in the material
 library that the .obj file names, and computes flat normals if the file has none. A mesh is therefore divided by
@@ -67,9 +67,9 @@ def _written(look: Look, _state: tuple[int, int]) -> tuple[tuple[str, str, Mappi
 
 
 def _files(surface: Surface, scale: tuple[float, float, float]) -> tuple[str, str, Mapping[str, bytes]]:
-    """Return the colour of a surface, the name of its .obj file, and this file with the files that it names.
+    """Return the colour of a surface, the name of its .obj file, and that file with the files that it names.
 
-    File names depend on the contents, because PyBullet caches files by path.
+    The names of the files depend on their contents, because PyBullet caches files by path.
     """
     files: dict[str, bytes] = {}
     lines: list[str] = []

@@ -1,1 +1,1 @@
-"""Checks that stop clingo at numbers out of range and at endlessly growing terms."""
+"""Checks that stop clingo when numbers are out of range or terms grow endlessly."""

@@ -15,8 +15,8 @@ from prag_asp.integers import fits
 OPERATIONS = (ASTType.BinaryOperation, ASTType.UnaryOperation)
 
 WIDTH, COMBINATIONS = 64, 10_000
-"""The width up to which an interval in an operation is evaluated at all values, not only at its ends; and the maximum
-number of evaluated combinations of values. Both bound the time of a check."""
+"""The width up to which an interval in an operation is evaluated at all values, not only at its ends, and the maximum
+number of combinations of values that are evaluated. Both limit the time of a check."""
 
 
 class OutOfRange(Exception):
@@ -29,7 +29,7 @@ class Undefined(Exception):
 
 @dataclass(frozen=True)
 class Leaf:
-    """An operand that is not an operation: the text of a term, whose value comes from the grounder."""
+    """An operand that is not an operation: the text of a term, whose value is known only during grounding."""
 
     text: str
 
@@ -98,7 +98,7 @@ def divides(expression: Expression) -> bool:
 
 
 def check_range(expression: Expression, values: Mapping[str, clingo.Symbol]) -> None:
-    """Evaluate an expression for given values of its leaves.
+    """Evaluate an expression for the given values of its leaves.
 
     Raises:
         OutOfRange: the value or an intermediate result is out of range.
@@ -127,7 +127,7 @@ def _parts(expression: Expression) -> Sequence[Expression]:
 
 
 def _values(expression: Expression, values: Mapping[str, clingo.Symbol]) -> Iterator[int]:
-    """Yield the values of an expression; it has several if it contains intervals or pools."""
+    """Yield the values of an expression; if it contains intervals or pools, it has several."""
     if isinstance(expression, int):
         yield expression
     elif isinstance(expression, Leaf):

@@ -15,16 +15,16 @@ from prag_asp.program.finite.arithmetic import Expression, OutOfRange, check_ran
 from prag_asp.program.problem import Problem
 
 MOST_VALUES = 25_000
-"""The maximum number of values from which a rule derives larger terms within one step; grounding them takes 1 s."""
+"""The maximum number of values from which a rule may derive larger terms within one step; grounding them takes 1 s."""
 
 DEEPEST = 1_000
 """The maximum depth of the terms that such a rule derives."""
 
 WIDEST = 1_000_000
-"""The maximum number of values of an interval; each takes a few hundred bytes in an atom."""
+"""The maximum number of values in an interval; each takes a few hundred bytes in an atom."""
 
 MOST_KNOWN = 100_000
-"""The maximum number of remembered operations and inputs in range: about ten megabytes."""
+"""The maximum number of operations and inputs in range that are remembered, which take about ten megabytes."""
 
 ZERO = clingo.Number(0)
 
@@ -38,13 +38,13 @@ class BoundReached(DomainError):
 
     def __init__(self, problem: Problem | BoundReached) -> None:
         super().__init__(str(problem))
-        # clingo re-raises the error of a callback with that error as its argument.
+        # clingo re-raises the error of a callback as an error whose argument is the original one
         self.problem: Problem = problem.problem if isinstance(problem, BoundReached) else problem
 
 
 @dataclass(frozen=True)
 class Site:
-    """The place of a check in the files, and the checked expression."""
+    """The place of a check in the files, and the expression that is checked."""
 
     path: Path
     line: int
@@ -79,13 +79,13 @@ class Checks:
         return site.error(out_of_range(site.text))
 
     def as_written(self, message: str) -> str:
-        """Return clingo's message about an undefined operation, with the operation as written by the author."""
+        """Return clingo's message about an undefined operation, with the operation as the author wrote it."""
         here = (site for site in self.sites if site.text and message.startswith(f"{site.path}:{site.line}:"))
         site = next(here, None)
         return f"{site.path}:{site.line}: operation undefined: {site.text}" if site else message
 
     def in_range(self, number: clingo.Symbol, *inputs: clingo.Symbol) -> clingo.Symbol:
-        """Return 0 if an operation on these inputs stays in range, otherwise a term without a numeric value.
+        """Return 0 if an operation on these inputs remains in range, or otherwise a term without a numeric value.
 
         Raises:
             BoundReached: the operation would crash clingo.
@@ -105,7 +105,7 @@ class Checks:
         return ZERO
 
     def must_fit(self, number: clingo.Symbol, *inputs: clingo.Symbol) -> clingo.Symbol:
-        """Return 0 if an operation on these inputs stays in range.
+        """Return 0 if an operation on these inputs remains in range.
 
         Raises:
             BoundReached: the result is out of range.
@@ -131,7 +131,7 @@ class Checks:
         return high
 
     def summed(self, number: clingo.Symbol, group: clingo.Symbol, element: clingo.Symbol) -> clingo.Symbol:
-        """Return 0 if the sum of the elements of a group stays in range, otherwise a term without a numeric value."""
+        """Return 0 if the sum of the elements of a group remains in range, or else a term without a numeric value."""
         elements, total = self._sums.get((number.number, group), (set(), 0))
         weight = element.arguments[0]
         if element not in elements and weight.type == clingo.SymbolType.Number:
@@ -182,7 +182,7 @@ def _depth(inner: Iterable[int]) -> int:
 
 def ever_larger(name: str) -> str:
     """Return the message about a rule that never terminates."""
-    return f"this rule makes ever larger terms of {name} and never ends; {BOUND}"
+    return f"this rule derives ever larger terms of {name} without end; {BOUND}"
 
 
 def out_of_range(operation: str) -> str:

@@ -11,7 +11,7 @@ Node = TypeVar("Node", bound=Hashable)
 def components(roots: Iterable[Node], below: Callable[[Node], Iterable[Node]]) -> Iterator[list[Node]]:
     """Yield the strongly connected components that are reachable from `roots` (Tarjan 1972, without recursion).
 
-    `below` returns the successors of a node. Each component comes after all components that it reaches.
+    `below` returns the successors of a node. Each component comes after all the other components that it reaches.
     """
     index: dict[Node, int] = {}
     low: dict[Node, int] = {}

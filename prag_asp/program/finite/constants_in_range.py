@@ -12,7 +12,7 @@ from prag_asp.program.finite.checks import Site, out_of_range
 from prag_asp.program.syntax import Statement, children_of
 
 Values = Mapping[str, clingo.Symbol]
-"""The numbers of constants, by name."""
+"""The numeric values of constants, by name."""
 
 
 def require_constants_in_range(statements: Iterable[Statement]) -> None:
@@ -68,7 +68,7 @@ def term_of(text: str) -> AST:
 
 
 def _operations(term: AST) -> Iterator[AST]:
-    """Yield the outermost operations of a term."""
+    """Yield the outermost operations in a term."""
     if term.ast_type in OPERATIONS:
         yield term
     else:

@@ -2,11 +2,11 @@
 
 A recursive rule derives new terms if a term of its head may be larger than the terms that it reads in the same
 component. Without such rules, the terms of a component are bounded by those of the components below it, so grounding
-terminates. The proof considers one application of a rule, which derives no larger term. Otherwise, `Checks.goes_on`
-bounds the number and the depth of the rule's new terms at run time.
+terminates. This is proved for a rule if one application of it derives no larger term. For other rules, `Checks.goes_on`
+limits the number and the depth of new terms at run time.
 
-A rule that reads only its own head, with smaller terms, never terminates once it fires: such `certain` rules are
-reported without grounding up to the limit.
+A rule that reads only its own head, with smaller terms, never terminates once it fires; such `certain` rules are
+reported without grounding them up to the limit.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class EndlessRule:
 
 @dataclass(frozen=True, eq=False)
 class _Derivation:
-    """An atom of the head of a rule, with the literals of its body and condition."""
+    """An atom in the head of a rule, with the literals of its body and its condition."""
 
     rule: Statement
     head: AST
@@ -90,7 +90,7 @@ class _Derivation:
 
     @cached_property
     def comparisons(self) -> tuple[tuple[AST, int, AST], ...]:
-        """The comparisons between two terms, each in both directions."""
+        """The comparisons between two terms, each of them in both directions."""
         comparisons = []
         for literal in self.literals:
             atom = literal.atom if literal.ast_type == ASTType.Literal else literal
@@ -131,7 +131,7 @@ def endless_rules(statements: Iterable[Statement]) -> list[EndlessRule]:
 
 
 def _recursive(rules: Iterable[Statement]) -> Iterator[set[Signature]]:
-    """Yield the predicates of each component with a recursive rule of the author."""
+    """Yield the predicates of each component that contains a recursive rule of the author."""
     reads: dict[Signature, set[Signature]] = {}
     own: set[tuple[Signature, Signature]] = set()
     for rule in rules:
@@ -163,7 +163,7 @@ def _grown(each: _Derivation, inside: Collection[Signature]) -> tuple[str, ...]:
     """Return the variables from which a derivation builds larger terms, unless a comparison bounds them.
 
     The height of a variable is the depth by which its values may exceed the terms of the component `inside`. A variable
-    that a predicate outside the component binds has finitely many values: its height is minus infinity.
+    that is bound by a predicate outside the component has finitely many values; its height is minus infinity.
     """
     heights: dict[str, float] = {}
     for name, signature, depth in each.bound:
@@ -189,7 +189,7 @@ def _grown(each: _Derivation, inside: Collection[Signature]) -> tuple[str, ...]:
 def _is_bounded(each: _Derivation, place: int, name: str) -> bool:
     """Return whether an argument of the head is a variable plus a number, and a comparison bounds its value.
 
-    A bound that exceeds the size limit of intervals, or in a step the limit of `Checks.goes_on`, does not count.
+    A bound that exceeds the size limit of intervals or, in a step, the limit of `Checks.goes_on` does not count.
     """
     term = _substituted(each, _arguments(each.head)[place])
     step = _step(term)
@@ -236,8 +236,8 @@ def _step(term: AST) -> tuple[str, int] | None:
 def _is_certain(each: _Derivation) -> bool:
     """Return whether a derivation that fires once fires again with its own result, forever.
 
-    It does if its literals are atoms and equations, and an atom equals its head except for smaller arguments that no
-    other atom reads.
+    It does if its literals are atoms and equations, and one of the atoms equals its head except for smaller arguments,
+    which no other atom reads.
     """
     equal = [comparison == ComparisonOperator.Equal for _, comparison, _ in each.comparisons]
     if (
@@ -271,14 +271,14 @@ def _is_larger(name: str, term: AST) -> bool:
 
 
 def _is_hidden(name: str, term: AST) -> bool:
-    """Return whether a term may map several values of a variable to the same value: ``X/7`` does, ``X+1`` does not."""
+    """Return whether a term may map several values of a variable to the same value, as ``X/7`` does."""
     if term.ast_type == ASTType.BinaryOperation and term.operator_type not in SOLVED:
         return any(variable == name for variable, _ in _depths(term, 1))
     return any(_is_hidden(name, child) for child in children_of(term))
 
 
 def _depths(term: AST, arithmetic: int) -> Iterator[tuple[str, int]]:
-    """Yield the variables of a term with their depths: a function counts 1, an operation counts `arithmetic`."""
+    """Yield the variables of a term with their depths, counting 1 for a function and `arithmetic` for an operation."""
     stack = [(term, 0)]
     while stack:
         node, depth = stack.pop()

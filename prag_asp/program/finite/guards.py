@@ -1,4 +1,4 @@
-"""Insert checks of the range of numbers, and of the number of new terms, into the rules of a domain.
+"""Insert checks of the range of numbers and of the number of new terms into the rules of a domain.
 
 clingo computes with 32 bits and overflows silently. Therefore rules call functions of `Checks` during grounding; line
 numbers do not change. An operation is checked in place: ``X+1`` becomes ``(X+1)+@in_range(7,X)``, which adds 0 or has
@@ -26,17 +26,17 @@ from prag_asp.program.sources import ADDED, Program, Source, owned
 from prag_asp.program.syntax import Statement, below, children_of, runs_no_code, variables
 
 OPERATION = re.compile(r"[-+*/\\&?^~|]|\.\.")
-"""Matches rules with arithmetic, as clingo prints them, and some rules without."""
+"""Matches rules with arithmetic, as clingo prints them, and some rules without arithmetic."""
 
 SUMS = (AggregateFunction.Sum, AggregateFunction.SumPlus)
 COLLECTIONS = (ASTType.Pool, ASTType.Aggregate, ASTType.BodyAggregate, ASTType.HeadAggregate)
-"""Nodes whose intervals are alternatives, which do not multiply the instances of a rule."""
+"""Nodes in which intervals are alternatives, which do not multiply the instances of a rule."""
 
 MOST_COMBINATIONS = 100_000_000
 """The maximum number of combinations of the constant intervals of a rule, which take clingo half a minute."""
 
 SMALL = 1_000
-"""The largest constant weight whose sums are not checked: two million elements would be needed for an overflow."""
+"""The largest constant weight for which sums are not checked; an overflow would take two million elements."""
 
 
 @dataclass(frozen=True)
@@ -208,7 +208,7 @@ class _CheckWriter:
             self._tuple(aggregate, element, bound)
 
     def _tuple(self, aggregate: AST, element: AST, bound: frozenset[str]) -> None:
-        """Add checks to the tuple of an element, and to the sum to which its weight belongs."""
+        """Add checks to the tuple of an element, and to the sum of which its weight is a part."""
         terms = list(element.terms)
         weight = read_expression(terms[0]) if terms else 0
         if aggregate.function not in SUMS or (isinstance(weight, int) and abs(weight) <= SMALL):
@@ -311,7 +311,7 @@ def _bound(literals: Sequence[AST], outer: frozenset[str]) -> frozenset[str]:
 
 
 def _plain_variables(term: AST) -> set[str]:
-    """Return the variables of a term that occur outside operations."""
+    """Return the variables of a term that occur outside of operations."""
     if term.ast_type == ASTType.Variable:
         return {term.name}
     if (term.ast_type in OPERATIONS and not _is_signed(term)) or term.ast_type == ASTType.Interval:
@@ -320,7 +320,7 @@ def _plain_variables(term: AST) -> set[str]:
 
 
 def _is_signed(term: AST) -> bool:
-    """Return whether a term negates another term or is its absolute value, and so is in range if that term is."""
+    """Return whether a term negates another or is its absolute value, and is therefore in range if the other is."""
     return term.ast_type == ASTType.UnaryOperation and term.operator_type != UnaryOperator.Negation
 
 

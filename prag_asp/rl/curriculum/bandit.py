@@ -22,10 +22,10 @@ from prag_asp.rl.curriculum.task_pool import (
 from prag_asp.rl.curriculum.task_sampler import ActionKeys, EpisodeResult, State
 
 EMPHASIS = 8
-"""The factor for the weight of an arm's name, pair or class while the arm is pulled."""
+"""The factor by which the weight of an arm's name, pair or class is multiplied while the arm is pulled."""
 
 PARTS = 10**12
-"""The weights of arms are multiples of 1e-12 of the largest, so that they are the same on every machine."""
+"""The weights of arms are multiples of 1 / `PARTS` of the largest one, so that they are the same on every machine."""
 
 DIGITS = Context(prec=40)
 
@@ -34,9 +34,9 @@ DIGITS = Context(prec=40)
 class BanditCurriculum:
     """EXP3 over arms that are action names, pairs of names, or classes.
 
-    A pull of an arm is a `lot` of episodes whose tasks are sampled with `EMPHASIS` times the arm's weight. The gain is
-    the absolute learning progress, between 0 and 1: the difference between the success rate of the arm's subgoals in
-    this lot and in the last lot that attempted any of them.
+    A pull of an arm is a `lot` of episodes, whose tasks are sampled with the arm's weight multiplied by `EMPHASIS`. The
+    gain is the absolute learning progress, between 0 and 1: the difference between the success rate of the arm's
+    subgoals in this lot and in the last lot that attempted any of them.
 
     `exploration` is the gamma of EXP3. For K arms and g pulls, the expected total gain is less than that of the best
     arm by at most (e - 1) gamma G + K ln(K) / gamma, where G is the total gain of the best arm; with the best gamma,
@@ -85,7 +85,7 @@ class BanditSampler:
 
     @property
     def probabilities(self) -> list[Fraction]:
-        """The exact probability of each arm in the next pull, for gains and weights rounded to 12 digits."""
+        """The exact probability of each arm in the next pull, given gains and weights rounded to 12 digits."""
         most = max(self._gained)
         rate = self._exploration / len(self.arms)
         weights = [int(PARTS * _exponential(rate * (gained - most))) for gained in self._gained]
@@ -111,7 +111,7 @@ class BanditSampler:
             self._pull(self._lots + 1)
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return the number of the lot and the current arm."""
+        """Return the number of the current lot and the current arm."""
         return {"lot": self._lots, "arm": self.arms[self._arm]}
 
     def state_dict(self) -> State:

@@ -1,4 +1,4 @@
-"""A curriculum of growing length: short tasks first."""
+"""A curriculum of growing length, which begins with short tasks."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class LengthCurriculum:
     """Begin with the shortest tasks of a space, and proceed to longer ones as the agent succeeds.
 
     The next length is added when the success rate of the last `window` episodes with tasks of the longest length
-    reaches `threshold`. A share `review` of the tasks has shorter lengths, chosen uniformly. Tasks of one length are
+    reaches `threshold`. A share `review` of the tasks have shorter lengths, chosen uniformly. Tasks of one length are
     sampled with the weights of the domain.
 
     Raises:
@@ -70,7 +70,7 @@ class LengthSampler:
             self._reached = min(self._reached + 1, len(self._lengths) - 1)
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return the current longest length."""
+        """Return the greatest current length."""
         return {"length": self._lengths[self._reached]}
 
     def state_dict(self) -> State:
@@ -93,7 +93,7 @@ class LengthSampler:
                 skip(self._of_length(place), taken)
 
     def _of_length(self, place: int) -> Iterator[Proposal]:
-        """Return the proposals of a length."""
+        """Return the proposals of one length."""
         if place not in self._proposals:
             length = self._lengths[place]
             seed = derive_seed(self._seed, "of length", length)

@@ -21,7 +21,7 @@ class Mastery:
 
     @classmethod
     def of(cls, threshold: Number | float, window: int) -> Mastery:
-        """Return a criterion without results.
+        """Return a criterion without any results.
 
         Raises:
             QueryError: the threshold is not in (0, 1], or the window is less than 1.
@@ -30,7 +30,7 @@ class Mastery:
         return cls(parse_share("threshold", threshold, positive=True), most, deque(maxlen=most))
 
     def add(self, success: bool) -> bool:
-        """Add a result; return whether the success rate is reached, and clear the results if it is."""
+        """Add a result and return whether the success rate is reached; if it is, clear the results."""
         self.ends.append(success)
         enough = len(self.ends) == self.window and sum(self.ends) >= self.threshold * self.window
         if enough:
@@ -44,7 +44,7 @@ class Mastery:
 
 
 def review_shares(review: Fraction, places: int) -> list[Fraction]:
-    """Return the probability of each of several places: all places except the last one share `review` equally."""
+    """Return the probability of each of several places, where all places but the last share `review` equally."""
     if places == 1:
         return [Fraction(1)]
     return [review / (places - 1)] * (places - 1) + [1 - review]

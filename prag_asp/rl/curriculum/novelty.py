@@ -1,4 +1,4 @@
-"""A curriculum based on novelty: tasks, skeletons, names or pairs that were not sampled yet come first."""
+"""A curriculum based on novelty: tasks, skeletons, names or pairs that have not been sampled yet come first."""
 
 from __future__ import annotations
 
@@ -23,26 +23,29 @@ What = Literal["tasks", "skeletons", "names", "pairs"]
 WHAT: tuple[What, ...] = get_args(What)
 
 TRIES = 20
-"""The number of infeasible tasks with a name or pair after which it counts as covered: physics may always forbid it."""
+"""The number of infeasible tasks with a name or pair after which it counts as covered, because physics may always
+forbid it."""
 
 MISSED = 1000
-"""The number of samples outside the pool after which a new pass begins: the part may have no task with a due item."""
+"""The number of samples outside the pool after which a new pass begins, because the part may have no task with a due
+item."""
 
 RARE = Fraction(1, 16)
 """The share of samples with a due name or pair below which the weights of due names or pairs are increased."""
 
 EMPHASIS, HALF = 64, Fraction(1, 2)
-"""The factor of these weights, applied until at least half of the samples have a due name or pair."""
+"""The factor for these weights, which is applied until at least the share `HALF` of the samples have a due name or
+pair."""
 
 
 @dataclass(frozen=True)
 class NoveltyCurriculum:
     """Sample new items first; `what` selects the items: "tasks", "skeletons", action "names", or "pairs" of names.
 
-    Tasks are sampled without replacement, in uniformly random order; so are skeletons, each represented by one of its
-    tasks, which is sampled by weight. With names or pairs, each task has a due name or pair: one that has occurred
-    neither in a feasible task nor in `TRIES` infeasible tasks. When nothing is due, or no task of the part with a due
-    name or pair is found, a new pass begins.
+    Tasks are sampled without replacement, in uniformly random order, and so are skeletons, each represented by one of
+    its tasks, which is sampled by weight. With names or pairs, each task has a due name or pair, that is, one that has
+    occurred neither in a feasible task nor in `TRIES` infeasible tasks. When nothing is due, or no task of the part
+    with a due name or pair is found, a new pass begins.
 
     Raises:
         QueryError: `what` is none of these.
@@ -76,7 +79,7 @@ class _Tasks:
         self.size = pool.part.size if pool.part is not None else sum(size for _, size in self._stretches)
 
     def word(self, number: int, seed: int) -> tuple[Word, Fraction]:
-        """Return the task with a number."""
+        """Return the task with a given number."""
         if self._pool.part is not None:
             return self._pool.part.word(number), Fraction(1)
         length, rank = _found(self._stretches, number)
@@ -89,7 +92,7 @@ class _Skeletons:
     def __init__(self, pool: TaskPool):
         self._pool = pool
         self._samplers: dict[int, SkeletonSampler] = {}
-        for length in reversed(pool.lengths):  # the exploration for the longest length covers all lengths
+        for length in reversed(pool.lengths):  # the exploration for the greatest length covers all lengths
             sampler = pool.at(length).sampling(over="skeletons").sampler()
             assert isinstance(sampler, SkeletonSampler)
             self._samplers[length] = sampler
@@ -110,7 +113,7 @@ def _stretches(pool: TaskPool, sizes: Sequence[int]) -> list[tuple[int, int]]:
 
 
 def _found(stretches: Sequence[tuple[int, int]], number: int) -> tuple[int, int]:
-    """Return the length of the item with a number, and its number among the items of that length."""
+    """Return the length of the item with a given number, and its number among the items of that length."""
     for length, size in stretches:
         if number < size:
             return length, number
@@ -119,7 +122,7 @@ def _found(stretches: Sequence[tuple[int, int]], number: int) -> tuple[int, int]
 
 
 class PassSampler:
-    """Samples tasks or skeletons in passes: each once, in random order, before any is repeated."""
+    """Samples tasks or skeletons in passes: each one once, in random order, before any is repeated."""
 
     def __init__(self, things: _Tasks | _Skeletons, pool: TaskPool):
         self._things, self._pool = things, pool
@@ -140,7 +143,7 @@ class PassSampler:
         """Do nothing."""
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return the number of the pass, the samples in it, and the total."""
+        """Return the number of the pass, the number of samples in it, and the total number."""
         times, place = divmod(self._drawn, self._things.size)
         return {"pass": times + 1, "drawn": str(place), "of": str(self._things.size)}
 
@@ -157,13 +160,13 @@ class PassSampler:
         self._draws = self._pool.batched(self._coming(seed, drawn))
 
     def _next(self) -> Proposal:
-        """Return the next task, in the pool or not."""
+        """Return the next task, whether or not it is in the pool."""
         self._drawn += 1
         draw = next(self._draws)
         return Proposal(draw.word, draw.probability)
 
     def _coming(self, seed: int, drawn: int) -> Iterator[Draw]:
-        """Yield the samples after the first `drawn`."""
+        """Yield the samples that follow the first `drawn` ones."""
         for number in count(drawn):
             times, place = divmod(number, self._things.size)
             own = derive_seed(seed, "pass", times)
@@ -241,7 +244,7 @@ class CoverageSampler:
                 stream.skip(taken)
 
     def _drawn(self) -> Proposal:
-        """Return a task with a due name or pair, in the pool or not."""
+        """Return a task with a due name or pair, whether or not it is in the pool."""
         stream = self._emphasized or self._usual
         for _ in range(MISSES):
             proposal = stream.take()
@@ -258,8 +261,8 @@ class CoverageSampler:
         """Begin to sample due names or pairs, with larger weights for rare ones; the share of tasks with them is exact.
 
         The total weight of all tasks is a polynomial in the weight factor of the due names or pairs, and its constant
-        term is the weight of the tasks without them; so the share of the tasks with due names or pairs can approach 1.
-        The weight of a name that is also a class or an entity cannot be increased: the sampler waits for it.
+        term is the weight of the tasks without them, so the share of the tasks with due names or pairs can approach 1.
+        The weight of a name that is also that of a class or an entity cannot be increased, so the sampler waits for it.
         """
         self._due, self._tries, self._emphasized = frozenset(due), dict(tries), None
         spaces = map(self._pool.at, self._pool.space.lengths)

@@ -12,9 +12,9 @@ from prag_asp.rl.curriculum.task_sampler import skip
 
 
 class ProposalStream:
-    """Tasks of a space, in the pool or not, sampled by weights; `taken` counts them.
+    """Tasks sampled by weight from a space, whether or not they are in the pool; `taken` counts them.
 
-    `total` is the sum of the weights of all tasks of the space.
+    `total` is the sum of the weights of all tasks in the space.
     """
 
     def __init__(self, pool: TaskPool, weights: Mapping[str, Number], seed: int):
@@ -22,7 +22,7 @@ class ProposalStream:
         draws = pool.draws(seed=seed, weights=self._weights)
         self._symbols = {str(action): action for action in pool.space.domain.facts.actions}
         first = next(draws)
-        # The probability of a task is its weight divided by the total, so the total follows from any sample.
+        # the probability of a task is its weight divided by the total, so the total follows from any sample
         self.total = self._weight_of(first.word) / first.probability
         self._draws = chain([first], draws)
         self.taken = 0
@@ -46,5 +46,5 @@ class ProposalStream:
 
 
 def scale_weights(weights: Mapping[str, Number], factors: Mapping[str, Fraction]) -> dict[str, Number]:
-    """Return weights, each multiplied by its factor, if any."""
+    """Return weights, each multiplied by its factor if it has one."""
     return {key: Fraction(weights.get(key, 1)) * factors.get(key, 1) for key in sorted({*weights, *factors})}

@@ -1,4 +1,4 @@
-"""Reverse curriculum: the first episodes begin near the goal."""
+"""A reverse curriculum, in which the first episodes begin near the goal."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from prag_asp.rl.curriculum.task_sampler import EpisodeResult, State
 
 @dataclass(frozen=True)
 class ReverseCurriculum:
-    """Begin with the last subgoal of tasks, then with the last two, and so on back to whole tasks.
+    """Begin with the last subgoal of each task, then with the last two, and so on, back to whole tasks.
 
     One more subgoal is added when the success rate of the last `window` episodes that began with the earliest subgoal
-    reaches `threshold`. A share `review` of the episodes begins with a later subgoal, chosen uniformly. The idea is
-    from Florensa, Held, Wulfmeier, Zhang and Abbeel ("Reverse curriculum generation for reinforcement learning", 2017);
-    here the initial states are those of witnesses.
+    reaches `threshold`. A share `review` of the episodes begin with a later subgoal, chosen uniformly. The idea is from
+    Florensa, Held, Wulfmeier, Zhang and Abbeel ("Reverse curriculum generation for reinforcement learning", 2017); here
+    the initial states are those of witnesses.
 
     Raises:
         QueryError: a share is not between 0 and 1, or the window is less than 1.
@@ -52,14 +52,14 @@ class ReverseSampler:
         self._mastery.load(())
 
     def stage(self, stages: int) -> tuple[int, Fraction]:
-        """Return the number (from 0) of the initial subgoal among `stages` subgoals of a task, and its probability."""
+        """Return the number (from 0) of the initial subgoal among a task's `stages` subgoals, and its probability."""
         shares = review_shares(self._review, min(self._back, stages))
         place = sample_index(shares, self._seed, "stage", self._drawn)
         self._drawn += 1
         return stages - 1 - place, shares[place]
 
     def update(self, result: EpisodeResult) -> None:
-        """Go one subgoal farther back if enough episodes were successful."""
+        """Go back by one more subgoal if enough episodes were successful."""
         self._longest = max(self._longest, result.stages)
         if result.stages - result.first == self._back and self._mastery.add(result.success):
             self._back = min(self._back + 1, self._longest)

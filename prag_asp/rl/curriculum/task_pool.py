@@ -1,4 +1,4 @@
-"""The tasks that a curriculum samples: all tasks of a space or of a part of a space."""
+"""The tasks from which a curriculum samples: all tasks of a space or of a part of a space."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 Word = tuple[str, ...]
 
 BATCH, CACHED, NOTED = 32, 256, 4096
-"""The largest numbers of plans converted to tasks at once, of cached tasks, and of plans whose batch is remembered."""
+"""The maximum numbers of plans converted to tasks at once, of cached tasks, and of plans whose batch is remembered."""
 
 
 class Proposal(NamedTuple):
@@ -52,7 +52,7 @@ class PoolPart(Protocol):
     def __contains__(self, word: Word) -> bool: ...
 
     def word(self, number: int) -> Word:
-        """Return the task with a number from 0 to size - 1."""
+        """Return the task with a given number, from 0 to size - 1."""
         ...
 
 
@@ -72,13 +72,13 @@ class RankedPart:
         return self.tasks.ranks.place(self.space.index(word)) is not None
 
     def word(self, number: int) -> Word:
-        """Return the task with a number."""
+        """Return the task with a given number."""
         return self.space.plan_at(self.tasks.ranks[number])
 
 
 @dataclass(frozen=True)
 class TaskPool:
-    """The tasks of a space that have an action; with a `part`, only those in the part.
+    """The tasks of a space that have at least one action; with a `part`, only those in the part.
 
     Raises:
         QueryError: the pool would be empty.
@@ -118,7 +118,7 @@ class TaskPool:
         return word in self.part
 
     def proposals(self, *, seed: int, length: int | None = None) -> Iterator[Proposal]:
-        """Yield independent samples endlessly, by the weights of the domain; a `length` restricts them to that length.
+        """Yield independent samples endlessly, weighted as in the domain; a `length` restricts them to that length.
 
         The probability of a task is its probability among all tasks of the space or, with a `length`, of this length.
 
@@ -143,7 +143,7 @@ class TaskPool:
             yield Proposal(draw.word, draw.probability)
 
     def next_in_pool(self, draw: Callable[[], Proposal], misses: int = MISSES) -> Proposal:
-        """Return the first sample in the pool, with the number of samples before it.
+        """Return the first sample that is in the pool, with the number of samples before it.
 
         Raises:
             NotFound: `misses` samples in a row are not in the pool.
@@ -155,7 +155,7 @@ class TaskPool:
         raise NotFound(f"none of {misses} sampled tasks in a row is in the part; give a larger part")
 
     def batched(self, draws: Iterator[Draw]) -> Iterator[Draw]:
-        """Yield draws, and record their batches: when a task is needed, all tasks of its batch are created."""
+        """Yield draws, and record their batches, because when a task is needed, all tasks of its batch are created."""
         for batch in growing_batches(draws, BATCH):
             if len(self._batches) > NOTED:
                 self._batches.clear()
@@ -177,7 +177,7 @@ class TaskPool:
 
 
 def derive_seed(seed: int, *numbers: int | str) -> int:
-    """Return a seed derived from another seed and labels; its samples are independent of all others."""
+    """Return a seed derived from another seed and labels; its samples are independent of those from all other seeds."""
     return int.from_bytes(sha256(" ".join(map(str, (seed, *numbers))).encode()).digest()[:16], "big")
 
 
@@ -193,7 +193,7 @@ def sample_index(shares: Sequence[Fraction], seed: int, *numbers: int | str) -> 
 
 
 def parse_share(what: str, number: Number | float, *, positive: bool = False) -> Fraction:
-    """Return a share from 0 to 1 as a fraction; a float counts as its decimal digits. `positive` excludes 0.
+    """Return a share from 0 to 1 as a fraction; a float is taken at its decimal digits. `positive` excludes 0.
 
     Raises:
         QueryError: the number is not in this range.

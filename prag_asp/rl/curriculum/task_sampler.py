@@ -19,7 +19,7 @@ State = dict[str, Any]
 
 
 class Attempt(NamedTuple):
-    """A pursued subgoal: its action, the action before it in the task, and whether the subgoal was reached."""
+    """A subgoal that was pursued: its action, the action before it in the task, and whether it was reached."""
 
     action: Atom
     before: Atom | None
@@ -67,7 +67,7 @@ class SubgoalSampler(Protocol):
         """Reset the sampler."""
 
     def stage(self, stages: int) -> tuple[int, Fraction]:
-        """Return the number (from 0) of the initial subgoal among `stages` subgoals of a task, and its probability."""
+        """Return the number (from 0) of the initial subgoal among a task's `stages` subgoals, and its probability."""
 
     def update(self, result: EpisodeResult) -> None:
         """Record the result of an episode."""
@@ -166,7 +166,7 @@ class ActionKeys:
 
     @cached_property
     def weighable(self) -> frozenset[str]:
-        """The unambiguous action names, and unambiguous classes with an entity in some action."""
+        """The unambiguous action names, and the unambiguous classes that have an entity in some action."""
         names_and_classes = self._known.values()
         names = {name for name, _ in names_and_classes} | {each for _, classes in names_and_classes for each in classes}
         return frozenset(names.difference(shared_names(self.facts)))

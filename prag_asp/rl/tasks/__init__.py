@@ -1,1 +1,1 @@
-"""The tasks of an environment and their sources, and the initial states of episodes."""
+"""The tasks of an environment, their sources, and the initial states of episodes."""

@@ -1,4 +1,4 @@
-"""The tasks and initial subgoals of episodes: named in the reset options, or sampled."""
+"""The tasks and initial subgoals of episodes: given in the reset options, or sampled."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ from prag_asp.rl.tasks.task_sources import Assignment, SingleTask, TaskSource, W
 from prag_asp.task import Task
 
 CACHED = 512
-"""The number of cached tasks with checked witnesses and subgoals, with which episodes begin quickly."""
+"""The number of cached tasks with checked witnesses and subgoals, so that their episodes begin quickly."""
 
 Made = TypeVar("Made")
 
 
 class Probability(Fraction):
-    """An exact probability that arrays store as a number: episode recorders store `info` in arrays."""
+    """An exact probability that is stored as a number in arrays, because episode recorders store `info` in arrays."""
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[np.float64]:
         return np.array(float(self), dtype=dtype)
@@ -53,7 +53,7 @@ class EpisodeStart:
     named: bool
 
     def info(self) -> dict[str, Any]:
-        """Return the info of each observation of the episode."""
+        """Return the info for each observation of the episode."""
         assignment, written = self.assignment, dict(self.texts.whole)
         levels = {level: written.get(level, written.get(PLAIN, "")) for level in LEVELS}
         return {
@@ -75,7 +75,7 @@ class EpisodeSampler:
     """Samples tasks and initial subgoals with curricula, and updates the curricula with the results of episodes.
 
     Raises:
-        QueryError: a single task has no witness, or the witness of another task.
+        QueryError: a single task has no witness, or has the witness of another task.
     """
 
     def __init__(
@@ -110,7 +110,7 @@ class EpisodeSampler:
         self.seeded = True
 
     def begin(self, options: Mapping[str, Any], rng: np.random.Generator) -> EpisodeStart:
-        """Return the start of an episode; values missing from the options are sampled.
+        """Return the start of an episode; values that the options lack are sampled.
 
         Raises:
             QueryError: the options name something that does not exist, or the task has no witness.

@@ -20,7 +20,7 @@ Lengths = int | str | Iterable[int]
 Shares = Mapping[str, Number | float]
 
 SHARES: Shares = {"train": "0.8", "test": "0.2"}
-"""The default shares of a split space."""
+"""The default shares of the parts of a split space."""
 
 
 @dataclass(frozen=True)
@@ -50,8 +50,7 @@ class SplitOptions:
     def require_default(self, reason: str) -> None:
         """Check that no option defines a division of a space.
 
-        Raises:
-            QueryError: an option does; the message states the `reason` why the option has no effect.
+        Raises: QueryError: an option does; the message states the `reason` why the option has no effect.
         """
         if self.shares is not None or self.skeletons or self.hold_out is not None or self.seed != 0:
             raise QueryError(f"shares, skeletons, hold_out and split_seed divide a space: {reason}")
@@ -72,8 +71,8 @@ def named_origin(
 ) -> TaskOrigin:
     """Return the origin of tasks: a space, a `domain` with a `length`, a dataset or its folder, or one task.
 
-    The conditions `where` restrict a space or a dataset, `split` selects a part of it. Tasks of a space whose final
-    state is the initial state are left out unless `trivial`.
+    The conditions `where` restrict a space or a dataset, and `split` selects a part of it. Tasks of a space whose final
+    state is the initial state are left out unless `trivial` is true.
 
     Raises:
         QueryError: the values are wrong, missing or contradictory.

@@ -23,7 +23,7 @@ Curricula = Curriculum | Sequence[Curriculum] | None
 
 @dataclass(frozen=True)
 class Split:
-    """The part of a divided space to use: the same as in a dataset with the same division and seed."""
+    """The part of a divided space to use, which is the same as in a dataset with the same division and seed."""
 
     part: str
     division: Division
@@ -44,7 +44,7 @@ class Split:
 class TaskOrigin:
     """The origin of tasks: a space or a part of one, a dataset, or one task; and the curricula.
 
-    Tasks of a space whose final state is the initial state are left out unless `trivial`.
+    Tasks of a space whose final state is the initial state are left out unless `trivial` is true.
 
     Raises:
         QueryError: no origin or more than one is given, or a curriculum is invalid or has nothing to choose from.
@@ -103,7 +103,7 @@ class TaskOrigin:
         return load_domain(requested or self.task.domain, constants=dict(self.task.constants))
 
     def source(self, finder: WitnessFinder) -> TaskSource:
-        """Return the source of tasks of a space or a dataset."""
+        """Return the source of tasks for a space or a dataset."""
         if self.dataset is not None:
             return DatasetSource(self.dataset)
         assert self.space is not None
@@ -115,7 +115,7 @@ class TaskOrigin:
 
     @property
     def title(self) -> str:
-        """A one-line description, the same in every process, which distinguishes the checkpoints of environments."""
+        """A one-line description that distinguishes the checkpoints of environments, the same in every process."""
         tasks = self.space or (f"{self.dataset.count()} tasks of data" if self.dataset is not None else self.task)
         part = "".join(f", {part!r} of it" for part in (self.part, self.split) if part is not None)
         led = [repr(each) if is_dataclass(each) else type(each).__name__ for each in self._curricula]

@@ -1,4 +1,4 @@
-"""The sources of an environment's tasks, each with a witness: one task, a task space, or a dataset."""
+"""The sources of an environment's tasks, each with a witness: a single task, a task space, or a dataset."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PATIENCE = 1000
 
 
 class Assignment(NamedTuple):
-    """A task for the agent with a witness, and its rank among all tasks of its length, if known.
+    """A task for the agent, with a witness and, if known, its rank among all tasks of its length.
 
     `probability` is the exact probability of the sample, or None if the task was not sampled; `rejected` counts the
     samples since the last assignment that are infeasible or not in the part. `texts` are the texts stored in a dataset.
@@ -59,7 +59,7 @@ class TaskSource(Protocol):
         """
 
     def ranked(self, rank: int) -> Assignment:
-        """Return the task with a rank.
+        """Return the task with a given rank.
 
         Raises:
             QueryError: there is no such task, or the task has no witness.
@@ -69,7 +69,7 @@ class TaskSource(Protocol):
         """Record the result of an episode."""
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return the progress of its curriculum."""
+        """Return the progress of the curriculum, if there is one."""
 
     def state_dict(self) -> State:
         """Return the state as JSON values."""
@@ -156,8 +156,8 @@ def assign_witness(task: Task, witness: Witness, scene: Scene) -> Assignment:
     """Return a task with a given witness, which is checked.
 
     Raises:
-        QueryError: the witness is for another task: a fact of a state does not hold in it, or its number of states is
-            wrong.
+        QueryError: the witness is for another task: a fact of a state does not hold in it, or it has the wrong number
+            of states.
         SceneError: the task refers to an entity without a shape in the scene.
     """
     states, moments = physical_task(task, scene).states, witness.moments
@@ -187,7 +187,7 @@ def require_rank(rank: object, count: int) -> int:
 class SpaceSource:
     """Samples the tasks of a pool with a curriculum, and rejects tasks without a witness.
 
-    Unless `trivial`, it also rejects tasks whose final state is the initial state.
+    Unless `trivial` is true, it also rejects tasks whose final state is the initial state.
     """
 
     def __init__(self, pool: TaskPool, sampler: TaskSampler, finder: WitnessFinder, *, trivial: bool = False):
@@ -201,7 +201,7 @@ class SpaceSource:
         self._sampler.seed(seed)
 
     def draw(self) -> Assignment:
-        """Return the next task that is accepted.
+        """Return the next accepted task.
 
         Raises:
             NotFound: `PATIENCE` samples in a row are rejected.
@@ -229,7 +229,7 @@ class SpaceSource:
         )
 
     def ranked(self, rank: int) -> Assignment:
-        """Return the task with a rank, together with a witness.
+        """Return the task with a given rank, together with a witness.
 
         Raises:
             QueryError: no task has that rank, the task has no witness or is not in the part, or the space has tasks of

@@ -1,8 +1,8 @@
-"""Find the files that a model names, by the path conventions of PyBullet, ROS and model folders.
+"""Find the files to which a model refers, by the path conventions of PyBullet, ROS and model folders.
 
-A path is relative to the folder of the model or to a folder above it, the nearest first, as PyBullet resolves it. In
-``package://NAME/PATH`` and ``model://NAME/PATH``, NAME is also a folder, or the package that contains the model, whose
-folder may have a different name here. Files outside the folder of the domain are not found.
+As in PyBullet, a path is relative to the folder of the model or to a folder above it, the nearest first. In
+``package://NAME/PATH`` and ``model://NAME/PATH``, NAME is also a folder, or it is the package that contains the model,
+whose folder may have a different name here. Files outside the folder of the domain are not found.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ FILE = "file://"
 
 
 def find_asset(name: str, model: Path, folder: Path) -> Path:
-    """Return the file that a model in the folder of a domain names.
+    """Return the file to which a model in the folder of a domain refers.
 
     Raises:
         SceneError: the folder has no such file.
@@ -47,7 +47,7 @@ def require_inside(path: Path, folder: Path) -> None:
 
 
 def _candidates(name: str, model: Path, folder: Path) -> Iterator[Path]:
-    """Yield the possible paths of a name, the likeliest first."""
+    """Yield the possible paths for a name, the likeliest first."""
     scheme = next((scheme for scheme in SCHEMES if name.startswith(scheme)), "")
     plain = name.removeprefix(scheme).removeprefix(FILE)
     names = [plain] if not scheme else [plain, plain.partition("/")[2]]

@@ -29,7 +29,7 @@ def body_shape(
 ) -> Shape:
     """Make the shape of a body from solids; the centre of their bounding box becomes the origin of the body's frame.
 
-    `settled` is the angle in radians by which the body tilted to come to rest; `looks` are its visual parts.
+    `settled` is the angle in radians by which the body tilted when it came to rest; `looks` are its visual parts.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -66,16 +66,16 @@ def _cavity(solids: Sequence[Solid]) -> Cavity | None:
 
 @lru_cache(maxsize=128)
 def _cavity_of(solids: tuple[Solid, ...], decomposes: bool, states: tuple[tuple[int, int], ...]) -> Cavity | None:
-    """Return the largest cavity of solids; `decomposes` and the states of the meshes are for the cache key.
+    """Return the largest cavity of solids; `decomposes` and the states of the meshes are part of the cache key.
 
-    A command reads a scene several times, and measures each cavity once. One convex part has no cavity.
+    A command reads a scene several times, but measures each cavity only once. A single convex part has no cavity.
     """
     parts = [part for solid in solids for part in _triangles(solid)]
     return None if len(parts) == 1 and is_convex(parts[0]) else find_cavity(np.concatenate(parts))
 
 
 def resting(shape: Shape) -> Shape | None:
-    """Return the shape of a body with a model at rest: unchanged if it stands, or None if it does not come to rest.
+    """Return the shape at rest of a body with a model: unchanged if it stands, or None if it does not come to rest.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -92,7 +92,8 @@ def resting(shape: Shape) -> Shape | None:
 def stable_rotations(points: Floats, centre: Floats) -> Iterator[tuple[float, Floats]]:
     """Yield each stable pose of a body: the height of the centre of mass in metres, and the rotation (3, 3).
 
-    The body rests on a face, below its centre of mass (3,), of the convex hull of `points` (n, 3) on its surface.
+    The body rests on a face of the convex hull of `points` (n, 3) on its surface, and this face is below its centre of
+    mass (3,).
     """
     hull = convex_hull(points)
     corners = np.unique(hull.reshape(-1, 3), axis=0)
@@ -117,7 +118,7 @@ def _turned_down(normal: Floats) -> Floats:
 
 
 def turned_shape(shape: Shape, rows: Floats, settled: float = 0.0) -> Shape:
-    """Return the shape of a body with a model after a rotation (3, 3); `settled` is its angle in radians, if any."""
+    """Return the shape of a body with a model after a rotation (3, 3); `settled` is its angle, if any, in radians."""
     model = shape.model
     assert model is not None
     solids = [_turned(solid, rows) for solid in model.solids]
@@ -134,7 +135,7 @@ def _turned(solid: Solid, rows: Floats) -> Solid:
 
 
 def ends(solid: Solid) -> Iterator[Size]:
-    """Yield points with the same bounding box as a solid, in the frame of its body.
+    """Yield points that have the same bounding box as a solid, in the frame of its body.
 
     Raises:
         SceneError: a mesh cannot be read, or is too thin.
@@ -154,7 +155,7 @@ def ends(solid: Solid) -> Iterator[Size]:
 
 
 def too_thin(thickness: float) -> str:
-    """Return the message for a solid that is too thin, with the remedy."""
+    """Return the message about a solid that is too thin, with the remedy."""
     return f"{thickness:.3g} m thin; make it at least {SMALLEST:g} m thick"
 
 
@@ -215,9 +216,9 @@ def quaternion_of(rows: Floats) -> tuple[float, float, float, float]:
 
 
 def roll_pitch_yaw(rows: Floats) -> Size:
-    """Return the roll, pitch and yaw about the fixed axes of a rotation matrix (3, 3), in radians."""
+    """Return the roll, pitch and yaw of a rotation matrix (3, 3) about the fixed axes, in radians."""
     pitch = math.asin(max(-1.0, min(1.0, -float(rows[2, 0]))))
-    if abs(rows[2, 0]) > 1.0 - 1e-12:  # roll and yaw have the same axis: the whole rotation is roll
+    if abs(rows[2, 0]) > 1.0 - 1e-12:  # roll and yaw have the same axis, so the whole rotation counts as roll
         return (math.atan2(-float(rows[0, 1]) * math.copysign(1.0, float(rows[2, 0])), float(rows[1, 1])), pitch, 0.0)
     return (math.atan2(rows[2, 1], rows[2, 2]), pitch, math.atan2(rows[1, 0], rows[0, 0]))
 

@@ -25,20 +25,20 @@ from prag_asp.wording import did_you_mean
 KEYS = ("at", "look_at", "field_of_view", "mount", "size", "near", "far")
 NAME = re.compile(r"[a-z][a-z0-9_]*")
 FARTHEST = 10.0
-"""The largest distance of a camera and its target from the origin along each axis, in metres."""
+"""The largest distance of a camera or its target from the origin along each axis, in metres."""
 
 CLOSEST = 0.01
 """The smallest distance of a camera from its target, in metres."""
 
 ANGLES = (5.0, 150.0)
-"""The smallest and the largest field of view in degrees; a pinhole camera has less than 180."""
+"""The smallest and the largest field of view in degrees; a pinhole camera always has less than 180."""
 
 PIXELS = (16, 2048)
-"""The smallest and the largest side of an image in pixels: policies need no larger images, and the software renderer is
+"""The smallest and the largest side of an image in pixels; policies need no larger images, and the software renderer is
 slow."""
 
 RANGE = (0.005, 100.0)
-"""The smallest and the largest distance of a clipping plane, in metres."""
+"""The smallest and the largest distance to a clipping plane, in metres."""
 
 
 def read_cameras(section: TableEntry, robots: Mapping[str, object]) -> dict[str, Camera]:
@@ -55,7 +55,7 @@ def read_cameras(section: TableEntry, robots: Mapping[str, object]) -> dict[str,
 
 
 def _camera(entry: TableEntry, robots: Mapping[str, object]) -> Camera:
-    """Return a camera; defaults replace wrong values."""
+    """Return a camera, with defaults in place of wrong values."""
     usual = Camera((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     mount = entry.at("mount")
     if not mount.missing and str(mount.value) not in robots:

@@ -1,12 +1,12 @@
 """Find the cavity of a body: the space that rain would fill with water.
 
-The heights of the surface are measured on a grid from above. Water runs off at the border and through holes, and fills
-any other point up to the lowest rim over which it can run off: the minimum, over all paths to the border, of the
-greatest height on the path (Barnes, Lehman and Mulla, "Priority-flood", 2014). Gaps and holes too narrow for objects to
-fall through are closed first: a basket is a container, and cracks between the triangles of a mesh do not matter. If
-there is no cavity, walls that are thinner than a cell of the grid are added to it. Parts over a cavity that do not
-close it, such as the handle of a basket, are ignored: the surface is also measured from several heights, without the
-parts above.
+The heights of the surface, seen from above, are measured on a grid. Water runs off at the border and through holes; at
+any other point, it rises to the lowest rim over which it can run off: the minimum, over all paths to the border, of the
+greatest height on the path (Barnes, Lehman and Mulla, "Priority-flood", 2014). Gaps and holes that are too narrow for
+objects to fall through are closed first, so a basket is a container, and cracks between the triangles of a mesh do not
+matter. If there is no cavity, walls that are thinner than a cell of the grid are added to it. Parts above a cavity that
+do not close it, such as the handle of a basket, are ignored: the surface is also measured from several heights, without
+the parts above each of them.
 """
 
 from __future__ import annotations
@@ -25,36 +25,38 @@ from prag_asp.scene.scene import Cavity
 Floats = NDArray[np.float64]
 
 CELLS, WIDEST = 64, 0.004
-"""The smallest number of cells of the grid along the longest horizontal side of a body, and the largest width of a cell
-in metres: half of `GAP`, so that gaps are closed in the grid of any body."""
+"""The smallest number of grid cells along the longest horizontal side of a body, and the largest width of a cell in
+metres: half of `GAP`, so that gaps are closed in the grid of any body."""
 
 SHALLOW, NARROW = 0.012, 0.02
-"""The smallest depth and the smallest width of a cavity in metres: nothing stands in a smaller cavity."""
+"""The smallest depth and the smallest width of a cavity in metres; nothing can stand in a smaller cavity."""
 
 GAP = 0.008
-"""The approximate width in metres of gaps and holes that are closed; the grid has whole cells.
+"""The approximate width in metres of the gaps and holes that are closed, because the grid has whole cells.
 
 Gaps of up to 5 mm are always closed.
 """
 
 LEVELS, OPEN = 12, 0.6
-"""The number of heights from which a body is viewed, and the smallest share of a cavity's floor visible from above.
-"""
+"""The number of heights from which a body is viewed, and the smallest share of a cavity's floor that must be visible
+from above."""
 
 LEVEL = 0.004
-"""The largest height in metres of points of a floor above its lowest point."""
+"""The largest height in metres of points on a floor above its lowest point."""
 
 UPRIGHT = 1e-12
 """Twice the projected area in square metres below which a triangle counts as vertical."""
 
 STEEP = 0.2
-"""The largest share of a triangle's area in its projection from above for which it belongs to a wall: 78 degrees."""
+"""The largest share of a triangle's area in its projection from above for which the triangle belongs to a wall (78
+degrees)."""
 
 
 def find_cavity(triangles: Floats) -> Cavity | None:
     """Return the largest cavity of a body, given by triangles (n, 3, 3) in metres, or None if there is none.
 
-    Bodies above `MAX_LENGTH` are not searched, because they are refused, and their grids would not fit into memory.
+    Bodies longer than `MAX_LENGTH` are not searched, because they are refused and their grids would not fit into
+    memory.
     """
     points = triangles.reshape(-1, 3)
     low, high = points.min(0), points.max(0)
@@ -67,12 +69,12 @@ def find_cavity(triangles: Floats) -> Cavity | None:
     heights, solid = np.full(shape, -np.inf), np.zeros(shape, dtype=int)
     for triangle in triangles:
         _raise(heights, solid, cuts, triangle, xs, ys)
-    # Thin walls are added only if there is no cavity without them: they take whole cells.
+    # Thin walls are added only if there is no cavity without them, because they take up whole cells.
     for thin in (False, True):
         walls = _Walls.of(triangles, cell / 2, (xs, ys)) if thin else None
         found: list[tuple[float, Cavity]] = []
         for cut, seen, within in zip(cuts, heights, solid, strict=True):
-            # Without an overhang over a surface, the view of the whole body shows the same.
+            # If nothing overhangs a surface, the view of the whole body shows the same.
             if cut == np.inf or ((heights[-1] > cut) & (within <= 0) & (seen > -np.inf)).any():
                 surface = np.where((within > 0) & (cut < np.inf), cut, seen)
                 if walls is not None:
@@ -89,7 +91,7 @@ def find_cavity(triangles: Floats) -> Cavity | None:
 def _cavities(surface: Floats, top: Floats, low: float, grid: tuple[Floats, Floats]) -> Iterator[tuple[float, Cavity]]:
     """Yield the cavities of a surface, given by its heights on a grid, each with its volume in cells times metres.
 
-    `top` is the surface of the whole body seen from above, `low` the height of its lowest point, in metres.
+    `top` is the surface of the whole body seen from above, and `low` is the height of its lowest point, in metres.
     """
     cell = float(grid[0][1] - grid[0][0])
     depths = _filled(surface) - np.maximum(surface, low)
@@ -134,7 +136,8 @@ def _raise(heights: Floats, solid: NDArray[np.int_], cuts: Floats, triangle: Flo
 class _Walls(NamedTuple):
     """Points on steep triangles, over a grid: their heights in metres, shape (n,), and their places, shape (3, n).
 
-    The places are indices into the flat grid: of the point a cell before the wall, on the wall, and a cell behind it.
+    The places are indices into the flattened grid: of the points a cell before the wall, on the wall, and a cell behind
+    it.
     """
 
     heights: Floats
@@ -167,7 +170,7 @@ class _Walls(NamedTuple):
         return cls(points[:, 2], np.stack(places))
 
     def added(self, surface: Floats, cut: float) -> Floats:
-        """Return a surface, given by its heights on the grid, with the parts of walls below a cut between its points.
+        """Return a surface, given by its heights on the grid, after adding parts of walls, below a cut, that it lacks.
 
         The surface is the same array as before if no part is missing.
 
@@ -184,7 +187,7 @@ class _Walls(NamedTuple):
 
 
 def _closed(heights: Floats, reach: int) -> Floats:
-    """Fill gaps that are at most twice `reach` cells wide in heights: a morphological closing with a square."""
+    """Return heights with gaps of up to twice `reach` cells filled, by a morphological closing with a square."""
     padded = np.pad(heights, 2 * reach, constant_values=-np.inf)
     window = (2 * reach + 1, 2 * reach + 1)
     grown = np.lib.stride_tricks.sliding_window_view(padded, window).max((2, 3))
@@ -198,7 +201,7 @@ def _filled(heights: Floats) -> Floats:
     border = np.ones(heights.shape, dtype=bool)
     border[1:-1, 1:-1] = False
     dry = border | (heights == -np.inf)
-    # Plain lists: the queue touches single points, for which arrays are slow.
+    # These are plain lists because the queue accesses single points, for which arrays are slow.
     levels = np.where(dry, heights, np.inf).ravel().tolist()
     waits, own = (~dry).ravel().tolist(), heights.ravel().tolist()
     queue = [(levels[at], at) for at in np.flatnonzero(dry).tolist()]
@@ -219,7 +222,7 @@ def _filled(heights: Floats) -> Floats:
 
 
 def _regions(wet: NDArray[np.bool_]) -> list[list[tuple[int, int]]]:
-    """Return the points of each connected region of a grid."""
+    """Return the points of each connected region in a grid."""
     left = {(int(i), int(j)) for i, j in zip(*np.nonzero(wet), strict=True)}
     regions = []
     while left:

@@ -1,4 +1,4 @@
-"""Convex hulls of points in space, and whether a mesh is closed or convex."""
+"""Compute convex hulls of points in space, and whether a mesh is closed or convex."""
 
 from __future__ import annotations
 
@@ -8,16 +8,18 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 ROUNDING = 1e-9
-"""The distance up to which a point is on a face of the hull, as a share of the extent of all points."""
+"""The distance within which a point counts as on a face of the hull, as a share of the extent of all points."""
 
 CONVEX = 0.02
-"""The share of the hull that may be empty, and the depth of corners inside it as a share of the smallest extent."""
+"""The share of the hull that may be empty, and the depth that corners may have inside it, as a share of the smallest
+extent."""
 
 CHUNK = 1024
-"""The number of points whose distances from all faces of a hull are computed at once, to bound the memory."""
+"""The number of points whose distances from all faces of a hull are computed at once, to limit the memory."""
 
 DENT = 0.0005
-"""The depth of a dent in metres that does not affect collisions: PyBullet's contacts are less exact."""
+"""The depth in metres of a dent that does not affect collisions, because PyBullet's contacts are less exact than that.
+"""
 
 
 def convex_hull(points: Floats) -> Floats:
@@ -25,7 +27,7 @@ def convex_hull(points: Floats) -> Floats:
 
     The hull grows by the farthest point outside a face: all faces that the point sees are replaced by the triangles
     between it and their common border (Barber, Dobkin and Huhdanpaa, "The Quickhull algorithm", 1996). Points within
-    rounding errors of a face are left out. The points must not lie in a plane.
+    rounding errors of a face are left out. The points must not all lie in a plane.
     """
     points = np.unique(points, axis=0)
     rounding = ROUNDING * float(np.ptp(points, axis=0).max())
@@ -45,7 +47,8 @@ def convex_hull(points: Floats) -> Floats:
         outward = np.cross(two - one, three - one) @ (one - inner) > 0.0
         faces.append((start[a], start[b], start[c]) if outward else (start[a], start[c], start[b]))
     normals, offsets = planes(faces)
-    # Each outside point is assigned to the face it is farthest above: only replaced faces reassign their points.
+    # Each outside point is assigned to the face that it is farthest above, so only replaced faces reassign their
+    # points.
     numbers, following = np.arange(len(faces)), len(faces)
     heights = points @ normals.T - offsets
     owner, height = numbers[heights.argmax(1)], heights.max(1)
@@ -82,7 +85,7 @@ def _tetrahedron(points: Floats) -> list[int]:
 
 
 def is_closed(triangles: Floats) -> bool:
-    """Return whether triangles (n, 3, 3) bound a volume: each edge has one triangle in each direction."""
+    """Return whether triangles (n, 3, 3) bound a volume: on each edge, there is one triangle in each direction."""
     _, numbers = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
     faces = numbers.reshape(-1, 3)
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])

@@ -13,7 +13,7 @@ from prag_asp.tables.report import TableEntry
 
 PLACELESS = ("robot", "table")
 WORKSPACE = {"x": (0.3, 0.7), "y": (-0.4, 0.4)}
-"""The default workspace in metres: the area that an arm at the origin reaches from above."""
+"""The default workspace in metres: the area that an arm at the origin can reach from above."""
 
 
 def read_table(section: TableEntry) -> TableTop:
@@ -26,7 +26,7 @@ def read_table(section: TableEntry) -> TableTop:
 
 
 def read_workspace(section: TableEntry) -> tuple[float, float, float, float]:
-    """Return the part of the table where the search places objects: low x, high x, low y, high y in metres."""
+    """Return the part of the table on which the search places objects: low x, high x, low y and high y in metres."""
     section.require_known(tuple(WORKSPACE))
     what = f"a low and a high end in metres, within {MAX_LENGTH:g} m of the origin"
     bounds: list[float] = []
@@ -40,7 +40,7 @@ def read_workspace(section: TableEntry) -> tuple[float, float, float, float]:
 
 
 def read_fixed(section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape]) -> dict[str, Place]:
-    """Return x, y in metres and yaw in radians of the entities that never move."""
+    """Return the x and y in metres and the yaw in radians of the entities that never move."""
     fixed, doubtful = {}, section.report.doubtful
     for entity, entry in section.entries():
         if not names.has_entity(entry, entity) or entity in doubtful:
@@ -64,7 +64,7 @@ def read_fixed(section: TableEntry, names: DomainNames, shapes: Mapping[str, Sha
 
 
 def check_places(section: TableEntry, top: TableTop, shapes: Mapping[str, Shape], fixed: Mapping[str, Place]) -> None:
-    """Report fixed bodies that are not entirely on the table, and overlapping pairs of the other fixed bodies."""
+    """Report fixed bodies that are not entirely on the table, and pairs of the other fixed bodies that overlap."""
     (x, y), (size_x, size_y) = top.centre, top.size
     bodies = [entity for entity in fixed if shapes[entity].traits.body]
     for entity, place in fixed.items():

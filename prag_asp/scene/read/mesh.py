@@ -1,9 +1,9 @@
 """Read the triangles of a mesh, and divide it into convex parts.
 
-Wavefront .obj, and text or binary .stl, are read here, other formats by trimesh.
+Wavefront .obj files and text or binary .stl files are read here, and other formats by trimesh.
 
 The size of a mesh is exactly that of its faces, without a margin: points that no face uses do not count. Simulators get
-the triangles that this module reads, not the file, so that both have the same body.
+the triangles that this module reads, not the file, so that they simulate the same body that is measured here.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ LARGEST = 32_000_000
 """The largest size in bytes of a mesh file, or of a file that it refers to, such as a buffer of a .gltf."""
 
 FLATTEST = 0.0005
-"""The smallest thickness of a mesh part in metres: simulators do not collide with the hull of a flatter part."""
+"""The smallest thickness of a mesh part in metres; simulators do not collide with the hull of a flatter part."""
 
 HEADER, TRIANGLE = 84, 50
 """The sizes in bytes of the header of a binary .stl, and of each triangle."""
 
 SUFFIXES = (".obj", ".stl", ".ply", ".glb", ".gltf", ".dae", ".off")
-"""The formats of meshes."""
+"""The file suffixes of meshes."""
 
 CORNERS = 3
 GROUPS = ("o", "g")
-"""The words that begin a part of an .obj: an object or a group."""
+"""The words that begin a part in an .obj file: an object or a group."""
 
 Point = tuple[float, float, float]
 Triangle = tuple[Point, Point, Point]
@@ -48,8 +48,8 @@ Part = tuple[Triangle, ...]
 def mesh_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
     """Return the triangles of the convex parts of a mesh, multiplied by a scale along each axis.
 
-    A body collides as their convex hulls. A convex part of the file is kept as it is; a concave part is decomposed if
-    CoACD is installed, and otherwise replaced by its convex hull.
+    In collisions, a body consists of their convex hulls. A convex part of the file is kept as it is; a concave part is
+    decomposed if CoACD is installed, and otherwise replaced by its convex hull.
 
     Raises:
         SceneError: as for `file_parts`.
@@ -88,7 +88,7 @@ def is_concave(path: str, scale: Point = (1.0, 1.0, 1.0)) -> bool:
 
 
 def _concave(part: Part) -> bool:
-    """Return whether a part is concave; a part too thin for a hull is not."""
+    """Return whether a part is concave; a part that is too thin for a hull is not."""
     from prag_asp.scene.read.convex import is_convex  # noqa: PLC0415 - few domains have meshes
 
     return thickness(_corners(part)) >= FLATTEST and not is_convex(np.array(part, dtype=float))
@@ -97,8 +97,8 @@ def _concave(part: Part) -> bool:
 def file_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
     """Return the triangles of each part of a mesh in its file, multiplied by a scale along each axis.
 
-    The parts of an .obj are its objects and groups, those of a .glb, .gltf or .dae its nodes. If one of them is thinner
-    than `FLATTEST` metres, the mesh has only one part.
+    The parts of an .obj file are its objects and groups, and those of a .glb, .gltf or .dae file are its nodes. If one
+    of them is thinner than `FLATTEST` metres, the mesh has only one part.
 
     Raises:
         SceneError: the file cannot be read, has an unknown format, no faces, or a point that is not finite.
@@ -122,7 +122,7 @@ def mesh_points(path: str, scale: Point = (1.0, 1.0, 1.0)) -> list[Point]:
 
 
 def thickness(points: Sequence[Point]) -> float:
-    """Return the extent of points along the direction of their smallest variance, in metres."""
+    """Return the extent of points in metres along the direction of their smallest variance."""
     centred = np.array(points) - np.mean(points, axis=0)
     least = np.linalg.eigh(centred.T @ centred)[1][:, 0]
     return float(np.ptp(centred @ least))
@@ -138,7 +138,7 @@ def _scaled(point: Point, scale: Point) -> Point:
 
 
 def _parts(path: str) -> tuple[Part, ...]:
-    """Return the parts of a mesh in the unit of its file, which is reread only after a change."""
+    """Return the parts of a mesh in the unit of its file, which is read again only after a change."""
     if Path(path).suffix.lower() not in SUFFIXES:
         raise SceneError(f"{path}: a mesh of unknown format; known are {', '.join(SUFFIXES)}")
     return _read(path, *state_of(path))
@@ -176,7 +176,7 @@ def _read(path: str, modified: int, size: int) -> tuple[Part, ...]:
 
 
 def _triangles(path: str, content: bytes) -> list[list[Triangle]]:
-    """Return the triangles of each part of a file, whose format determines the reader."""
+    """Return the triangles of each part of a file; its format determines the reader."""
     match Path(path).suffix.lower():
         case ".obj":
             return _obj(content)
@@ -187,7 +187,7 @@ def _triangles(path: str, content: bytes) -> list[list[Triangle]]:
 
 
 def _obj(content: bytes) -> list[list[Triangle]]:
-    """Return the triangles of each object and group of an .obj; a face with more corners becomes a fan."""
+    """Return the triangles of each object and group in an .obj file; a face with more corners becomes a fan."""
     points: list[Point] = []
     parts: list[list[Triangle]] = [[]]
     text = content.decode("utf-8", "replace").replace("\\\r\n", " ").replace("\\\n", " ")
@@ -211,7 +211,7 @@ def _obj(content: bytes) -> list[list[Triangle]]:
 
 
 def _stl(content: bytes) -> list[Triangle]:
-    """Return the triangles of an .stl; it is binary if its length matches the count in its header."""
+    """Return the triangles in an .stl file; it is binary if its length matches the count in its header."""
     count = struct.unpack_from("<I", content, HEADER - 4)[0] if len(content) >= HEADER else -1
     if len(content) == HEADER + count * TRIANGLE:
         rows = (struct.unpack_from("<12f", content, HEADER + i * TRIANGLE) for i in range(count))
@@ -230,7 +230,7 @@ def _point(words: Sequence[str] | Sequence[float]) -> Point:
 
 
 class FilesBeside(Mapping[str, bytes]):
-    """The files in the folder of a mesh, by name, each read on lookup."""
+    """The files in the folder of a mesh, by name; each is read when it is looked up."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -274,5 +274,5 @@ def trimesh_parts(path: str, content: bytes) -> list[Any]:
     try:
         scene = trimesh.load_scene(BytesIO(content), file_type=kind, resolver=FilesBeside(Path(path).parent))
         return [each for each in scene.dump() if isinstance(each, trimesh.Trimesh)]
-    except Exception as error:  # its readers raise arbitrary errors for a broken file
+    except Exception as error:  # its readers raise arbitrary errors for broken files
         raise ValueError(" ".join(str(error).split())[:200] or type(error).__name__) from error

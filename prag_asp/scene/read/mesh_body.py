@@ -27,25 +27,25 @@ UPWARD: Mapping[str, tuple[float, float, float]] = {
     "x": (0.0, -90.0, 0.0),
     "-x": (0.0, 90.0, 0.0),
 }
-"""The rotation about x, y and z in degrees that turns an axis of the file upwards."""
+"""The rotation about x, y and z, in degrees, that turns an axis of the file upwards."""
 
 RESTS = ("upright", "lying", "any")
-"""The resting pose of a body: as in its file, on its side, or the pose with the lowest centre of mass."""
+"""The resting pose of a body: as in its file, on its side, or the pose in which its centre of mass is lowest."""
 
 SIDEWAYS = math.cos(math.radians(45.0))
-"""The cosine of the smallest angle between the upward axis of a body on its side and that of its file."""
+"""The cosine of the smallest angle between the upward axis of a body that lies on its side and that of its file."""
 
 SCALES = (1e-6, 1e6)
-"""The smallest and the largest scale; no model needs one outside this range."""
+"""The smallest and the largest scale, which no model needs to exceed."""
 
 MASSES, DENSITIES = (1e-4, 100.0), (1.0, 25000.0)
-"""The smallest and the largest mass of a body in kilograms, and density in kilograms per cubic metre."""
+"""The smallest and the largest mass of a body in kilograms, and likewise its density in kilograms per cubic metre."""
 
 
 def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
     """Return the shape that a table of the kind ``mesh`` defines, and report problems in the table.
 
-    Without `mass` and `density`, its model has a density of 1 kg/m³.
+    If `mass` and `density` are missing, the model has a density of 1 kg/m³.
 
     Raises:
         SceneError: the file is missing, outside the folder, or not a valid mesh for a body.
@@ -99,7 +99,7 @@ def _body(
     decomposes: bool,
     state: tuple[int, int],
 ) -> Shape:
-    """Return the shape of a mesh after a rotation (3, 3); `decomposes` and the file's state are for the cache key.
+    """Return the shape of a mesh after a rotation (3, 3); `decomposes` and the file's state are part of the cache key.
 
     Raises:
         SceneError: a mesh cannot be read, or the body does not rest as requested.
@@ -122,7 +122,7 @@ def _lying(shape: Shape, anyhow: bool) -> Shape:
     if not sideways:
         raise SceneError('the body does not rest like that; give another rests, such as "upright"')
     height = min(height for height, _ in sideways)
-    # Among equally high poses, the one nearest to the file is taken.
+    # Among poses of equal height, the one nearest to that in the file is taken.
     return turned_shape(
         shape, max((rows for low, rows in sideways if low <= height + 1e-6), key=lambda rows: rows[2, 2])
     )

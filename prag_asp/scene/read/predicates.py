@@ -1,4 +1,4 @@
-"""Read ``[scene.own]``, the spatial predicates that a domain adds.
+"""Read ``[scene.own]``: the spatial predicates that a domain adds.
 
 [scene.own.in_corner]           # boxes around the second argument: metres, in its frame, z from its lowest point
 arguments = ["object", "object"]
@@ -25,7 +25,7 @@ from prag_asp.scene.scene import IGNORED, BoxBounds, Own
 from prag_asp.tables.report import TableEntry, is_number
 
 ROLES = tuple(dict.fromkeys(role for roles in PREDICATE_ROLES.values() for role in roles))
-"""The possible roles of an argument of a spatial predicate."""
+"""The roles that an argument of a spatial predicate may have."""
 
 BOX_KEYS = ("arguments", "boxes", "inside", "around", "sentence")
 PYTHON_KEYS = ("arguments", "python")
@@ -99,7 +99,7 @@ def _composed(entry: TableEntry, name: str, roles: tuple[str, ...], names: Domai
 
 
 def _box(entry: TableEntry) -> BoxBounds:
-    """Return a box; it is unbounded along an axis that its table omits, and an end may be infinite."""
+    """Return a box; it is unbounded along each axis that its table omits, and its ends may be infinite."""
     if not isinstance(entry.value, Mapping) or not entry.value:
         entry.needs("a table like { x = [0.05, 0.12], y = [0, 0.1] }")
         return BoxBounds((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
@@ -117,7 +117,7 @@ def _box(entry: TableEntry) -> BoxBounds:
 
 
 def _sentence(entry: TableEntry) -> str:
-    """Return the template of a sentence with {0}, {1} and {is}."""
+    """Return the template of a sentence, with {0}, {1} and {is}."""
     if not isinstance(entry.value, str) or not entry.value.strip():
         entry.needs(f"a sentence like {EXAMPLE}")
         return ""
@@ -133,7 +133,7 @@ def _sentence(entry: TableEntry) -> str:
 
 
 def _file(entry: TableEntry, folder: Path) -> str:
-    """Return the path of a Python file within the folder of the domain."""
+    """Return the path of a Python file inside the folder of the domain."""
     value = entry.value
     if not isinstance(value, str) or not value.endswith(".py"):
         entry.needs('the name of a Python file of the domain, such as "predicates.py"')

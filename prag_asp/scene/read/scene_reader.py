@@ -55,13 +55,13 @@ LARGEST_RANGES: Mapping[str, tuple[float, str]] = {
 """The largest range of each kind, and its unit."""
 
 FARTHEST_BASE = 2.0
-"""The largest distance of the base of a robot from the origin along x and y, in metres: a table is no larger."""
+"""The largest distance of a robot's base from the origin along x and y, in metres; no table is larger."""
 
 CLOSEST_BASES = 0.4
 """The smallest distance between the bases of two robots, in metres."""
 
 LARGEST_BALANCE = 0.1
-"""The largest margin of balance in metres: more than half the width of most objects."""
+"""The largest balance margin in metres, which is more than half the width of most objects."""
 
 MATERIAL_LIMITS: Mapping[str, tuple[float, float, str]] = {
     "density": (1.0, 25000.0, "kilograms a cubic metre"),
@@ -73,10 +73,11 @@ MATERIAL_LIMITS: Mapping[str, tuple[float, float, str]] = {
 PALETTE = ("#e4572e", "#2e86ab", "#f2b134", "#3a9d5d", "#8e5bb5", "#d64577", "#4bb3b8", "#a0714f")
 CONTAINER_COLOR, FURNITURE_COLOR, ROBOT_COLOR = "#b9c4cc", "#b08457", "#edf0f2"
 AROUND = (CONTAINER_COLOR, FURNITURE_COLOR, TableTop().color, "#f7f9fc", "#40434a")
-"""The colours that surround objects: containers, furniture, the table, the sky, and the dark parts of robots."""
+"""The colours that surround objects: those of containers, furniture, the table, the sky, and the dark parts of robots.
+"""
 
 DISTINCT = 20.0
-"""The smallest Delta E in CIELAB at which people distinguish two colours."""
+"""The smallest Delta E in CIELAB at which people can distinguish two colours."""
 
 
 def read_scene(root: TableEntry, names: DomainNames) -> Scene:
@@ -143,7 +144,7 @@ def _check_bodies(root: TableEntry, scene: Scene, names: DomainNames) -> None:
 
 
 def _balance(entry: TableEntry) -> float:
-    """Return the margin of balance in metres."""
+    """Return the balance margin in metres."""
     margin = entry.number(0.0, LARGEST_BALANCE, "metres")
     return BALANCE if margin is None else margin
 
@@ -151,7 +152,7 @@ def _balance(entry: TableEntry) -> float:
 def _weighed(
     section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape], materials: Mapping[str, Material]
 ) -> dict[str, Shape]:
-    """Return the shapes of meshes without a mass or a density, with the density of their material."""
+    """Return the shapes, with the density of their material for meshes that have neither a mass nor a density."""
     found = {}
     for entity, shape in shapes.items():
         owner = next(name for name in names.line(entity) if name in section.value)
@@ -165,7 +166,7 @@ def _weighed(
 def _resting(
     section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape], fixed: Collection[str]
 ) -> dict[str, Shape]:
-    """Return the shapes at rest of the movable bodies with a model; report the bodies that do not come to rest."""
+    """Return the shapes at rest of the movable bodies that have a model; report bodies that do not come to rest."""
     models = {entity: shape for entity, shape in shapes.items() if shape.model is not None and entity not in fixed}
     if not models:
         return {}
@@ -203,7 +204,7 @@ def _rotations(section: TableEntry) -> dict[str, float]:
 
 
 def _ranges(section: TableEntry) -> Ranges:
-    """Return the ranges of domain randomization; a missing range has its default."""
+    """Return the ranges of domain randomization; missing ranges have their defaults."""
     usual, (low, high) = Ranges(), FACTORS
     section.require_known(Ranges._fields)
     ranges: dict[str, Any] = {}
@@ -221,7 +222,7 @@ def _ranges(section: TableEntry) -> Ranges:
 
 
 def _materials(section: TableEntry, names: DomainNames) -> dict[str, Material]:
-    """Return the material of every entity whose class or nearest ancestor has one; missing values have defaults."""
+    """Return the material of each entity whose class or nearest ancestor has one; missing values have defaults."""
     by_class = {}
     for name, entry in section.entries():
         if names.has_class(entry, name):
@@ -236,7 +237,7 @@ def _materials(section: TableEntry, names: DomainNames) -> dict[str, Material]:
 
 
 def _colors(section: TableEntry, names: DomainNames, shapes: Mapping[str, Shape], top: str) -> dict[str, str]:
-    """Return the colour of every entity: its own, the colour of its class, or one that differs visibly from all others.
+    """Return the colour of each entity: its own, that of its class, or one that differs visibly from all others.
 
     `top` is the colour of the table.
     """
@@ -274,7 +275,7 @@ def _is_painted(shape: Shape) -> bool:
 def _robots(section: TableEntry, shapes: Mapping[str, Shape], usual: str) -> dict[str, Mount]:
     """Return the mount of each robot by its entity; an empty table means one robot at the origin.
 
-    `usual` is the kind of a robot whose table does not name one.
+    `usual` is the kind of robot for a table that does not name one.
     """
     entities = [entity for entity, shape in shapes.items() if shape.kind == "robot"]
     mounts = {}

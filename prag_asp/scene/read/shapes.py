@@ -13,20 +13,20 @@ from prag_asp.tables.report import TableEntry, is_number, shown
 from prag_asp.wording import did_you_mean, nearest
 
 SIZES = 8
-"""The number of sizes in a range: each has its own body, because creating and removing bodies leaks memory."""
+"""The number of sizes in a range; each size has its own body, because creating and removing bodies leaks memory."""
 
 LEAST = (0.12, 0.12, 0.06)
-"""The smallest sides of furniture in metres: smaller furniture holds nothing, or has no room for a handle."""
+"""The smallest dimensions of furniture in metres; smaller furniture holds nothing or has no room for a handle."""
 
 WALL = 0.006
 """The default thickness of a container's walls and floor, in metres."""
 
 STAND_IN = (0.3, 0.3, 0.3)
-"""The sides in metres that replace wrong ones, so that they cause no further reports."""
+"""The dimensions, in metres, that replace wrong ones, so that they cause no further reports."""
 
 
 def read_shapes(section: TableEntry, names: DomainNames) -> dict[str, tuple[Shape, ...]]:
-    """Return the possible shapes of every entity, smallest first: the shapes of its class or its nearest ancestor."""
+    """Return the possible shapes of each entity, smallest first: those of its class or its nearest ancestor."""
     by_class: dict[str, tuple[Shape, ...]] = {}
     for name, entry in section.entries():
         if names.has_class(entry, name):
@@ -45,7 +45,7 @@ def read_shapes(section: TableEntry, names: DomainNames) -> dict[str, tuple[Shap
 
 
 def _shapes(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
-    """Return the shapes of one class: `SIZES` shapes if the table gives a range, otherwise one shape."""
+    """Return the shapes of one class: `SIZES` shapes if the table gives a range, and otherwise a single shape."""
     if not entry.is_table('like { kind = "box", size = [0.05, 0.05, 0.05] }'):
         return ()
     kind = entry.value.get("kind")
@@ -99,13 +99,13 @@ def _from_file(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
 
 
 def _sizes(entry: TableEntry, kind: str) -> tuple[Size, Size]:
-    """Return the sides of the smallest and the largest bounding box of a shape in metres."""
+    """Return the dimensions, in metres, of the smallest and the largest bounding box of a shape."""
     keys = KINDS[kind].keys
     if kind == "zone":
         sides = lengths(entry.at("size"), 2) or (0.0, 0.0)
         return (sides[0], sides[1], 0.0), (sides[0], sides[1], 0.0)
     if "size" in keys:
-        # Either a list of three sides, or a table of the smallest and the largest.
+        # either a list of three dimensions, or a table of the smallest and the largest
         size, ends = entry.at("size"), [entry.at("size")]
         if isinstance(size.value, Mapping):
             size.require_known(("low", "high"))

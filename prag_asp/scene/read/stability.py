@@ -1,7 +1,7 @@
-"""Find out whether a body from a file stands on the ground and, if not, how it comes to rest.
+"""Determine whether a body from a file stands on the ground and, if not, how it comes to rest.
 
 The base of a body is the convex hull of all its points within `CONTACT` of the lowest one. Boxes and meshes are sampled
-at their corners, cylinders and balls all around, balls also just above their lowest point.
+at their corners, cylinders and balls all around, and balls also just above their lowest point.
 """
 
 from __future__ import annotations
@@ -22,20 +22,21 @@ Floats = NDArray[np.float64]
 
 Rows = tuple[Size, Size, Size]
 CONTACT = 0.002
-"""The height in metres up to which a body touches the ground: PyBullet reports contacts up to this distance."""
+"""The height in metres up to which a body touches the ground, because PyBullet reports contacts up to this distance."""
 
 STABLE_DEPTH = 0.0025
-"""The smallest distance of the centre of mass from the edge of the base, in metres: a little more than `CONTACT`."""
+"""The smallest distance of the centre of mass from the edge of the base, in metres, which is a little more than
+`CONTACT`."""
 
 GRAZING, ROLLS = 0.0002, 0.0003
-"""The height in metres up to which the lowest points of a body support it, and the distance of its centre of mass from
-them beyond which it rolls, like a lemon until it lies on its side: points in files are rounded."""
+"""The height in metres up to which the lowest points of a body support it, and the distance from them beyond which its
+centre of mass makes it roll, as a lemon does until it lies on its side; points in files are rounded."""
 
 TOUCHING = 1e-7
 """The height in metres up to which a point is on the ground, apart from rounding errors."""
 
 MOST_STEPS = 500
-"""The largest number of edges over which a body tips: a ball sampled in 64 directions has 64 around."""
+"""The largest number of edges over which a body tips; a ball sampled in 64 directions has 64 of them."""
 
 TURNS = tuple(2 * math.pi * i / 64 for i in range(64))
 """The directions, in radians, in which bases and round surfaces are sampled: one every 5.6 degrees."""
@@ -58,23 +59,23 @@ def base_of(points: Floats, height: float = CONTACT) -> Outline:
 
 
 def crown_of(points: Floats) -> Outline:
-    """Return the convex outline, seen from above, of the highest of points (n, 3)."""
+    """Return the convex outline, seen from above, of the highest among points (n, 3)."""
     return base_of(points * (1.0, 1.0, -1.0))
 
 
 def falls(points: Floats, centre: Floats) -> bool:
-    """Return whether a body, given by points (n, 3) of its surface, falls over as it stands.
+    """Return whether a body, given by points (n, 3) on its surface, falls over as it stands.
 
     It falls over if its `centre` of mass (3,) is outside its base or at the edge of the base. It also falls over if it
-    rolls: if the centre is more than `ROLLS` outside the outline of its lowest points. The round base of a primitive
-    counts as flat.
+    rolls, that is, if the centre is more than `ROLLS` outside the outline of its lowest points. The round base of a
+    primitive counts as flat.
     """
     at = (float(centre[0]), float(centre[1]))
     return inside_by(base_of(points), at) < STABLE_DEPTH or _beside(base_of(points, GRAZING), at) > ROLLS
 
 
 def _beside(base: Outline, at: Point) -> float:
-    """Return the distance in metres of a point from a convex outline, which may be a line or a point; 0 inside."""
+    """Return the distance in metres of a point from a convex outline (or a line or a point), or 0 inside it."""
     if len(base) > 2 and inside_by(base, at) >= 0.0:
         return 0.0
     distances = []
@@ -112,7 +113,7 @@ def settle(points: Floats, centre: Floats) -> Floats | None:
 
 
 def _pivot(base: Outline, at: Point) -> tuple[Point, Point]:
-    """Return a point of the base around which a body tips, and the direction in which it tips, a unit vector.
+    """Return a point of the base around which a body tips, and the direction in which it tips as a unit vector.
 
     `at` is the point below its centre of mass.
     """

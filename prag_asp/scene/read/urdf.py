@@ -1,7 +1,7 @@
 """Read a URDF of one rigid body: its collision solids, mass, centre of mass and inertia.
 
-Several links are one body if all their joints are fixed. The solids are boxes, cylinders, balls and meshes; visual
-elements define the appearance, other elements are ignored. No simulator is loaded, so that the linter can measure a
+Several links form one body if all their joints are fixed. The solids are boxes, cylinders, balls and meshes; visual
+elements define the appearance, and other elements are ignored. No simulator is loaded, so that the linter can measure a
 body. Lengths are metres.
 """
 
@@ -36,10 +36,10 @@ Floats = NDArray[np.float64]
 
 ZEROS = "0 0 0"
 LARGEST = 1_000_000
-"""The largest size of a URDF in bytes, ample for a rigid body."""
+"""The largest size of a URDF in bytes, which is ample for a rigid body."""
 
 MOST_SOLIDS = 1000
-"""The largest number of collision solids of a body: each adds time to every check of every pose."""
+"""The largest number of collision solids of a body, because each adds time to every check of every pose."""
 
 
 PROLOGUE = re.compile(rb"((?:\xef\xbb\xbf|\s|<!--.*?-->)+)(<\?xml\s.*?\?>)", re.DOTALL)
@@ -123,7 +123,7 @@ def _paint(material: ElementTree.Element | None, path: Path, folder: Path) -> tu
 def _frames(
     root: ElementTree.Element, lines: Mapping[ElementTree.Element, int], path: Path
 ) -> dict[ElementTree.Element, Frame | None]:
-    """Return the frame of each link relative to the first link, whose frame is None; all joints are fixed.
+    """Return the frame of each link relative to the first link, whose frame is None; all joints have to be fixed.
 
     Raises:
         SceneError: there is no link, a joint moves, or the joints do not connect the links.
@@ -173,7 +173,7 @@ def _composed(outer: Frame, inner: Frame) -> Frame:
 
 
 def _moved(solid: Solid, frame: Frame) -> Solid:
-    """Transform a solid from the frame of its link to the frame of the body."""
+    """Transform a solid from the frame of its link to the frame of its body."""
     rows, at = _composed(frame, Frame(np.array(rotation(solid.turn)), np.array(solid.at)))
     x, y, z = map(float, at)
     return solid._replace(at=(x, y, z), turn=roll_pitch_yaw(rows))
@@ -182,7 +182,7 @@ def _moved(solid: Solid, frame: Frame) -> Solid:
 def _mass(
     link: ElementTree.Element, mass: ElementTree.Element, solids: list[Solid], frame: Frame | None, among_others: bool
 ) -> list[MassProperties]:
-    """Return the mass properties of a link in the frame of the body, or none for a massless link `among_others`."""
+    """Return the mass properties of a link in the body's frame, or none for a massless link `among_others`."""
     if among_others and _numbers(mass.get("value", ""), 1, "the value of <mass>")[0] == 0.0:
         return []
     kilograms = _lengths(mass, "value", 1)[0]
@@ -208,7 +208,7 @@ def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[Element
         content = read_bytes(path, within=folder, at_most=LARGEST)
     except OSError as error:
         raise SceneError(f"{path}: cannot be read: {error.strerror}") from error
-    # The declaration is moved to the start; it is on one line, so no line number changes.
+    # The declaration is moved to the start; it takes up one line, so no line number changes.
     before = PROLOGUE.match(content)
     if before is not None:
         content = before[2] + before[1].replace(b"\xef\xbb\xbf", b"") + content[before.end() :]
@@ -234,7 +234,7 @@ def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[Element
 
 @contextmanager
 def _errors_at(path: Path, line: int, what: str) -> Iterator[None]:
-    """Put the line and name of a URDF element in front of the messages of errors that the block raises."""
+    """Put the line and name of a URDF element before the messages of errors that the block raises."""
     try:
         yield
     except SceneError as error:
@@ -261,7 +261,7 @@ def _solid(element: ElementTree.Element, path: Path, folder: Path) -> Solid:
 
 
 def _origin(origin: ElementTree.Element | None) -> tuple[Size, Size]:
-    """Return the position in metres and roll, pitch and yaw in radians in an ``<origin>``; zeros if it is missing."""
+    """Return the position in metres and the roll, pitch and yaw in radians of an ``<origin>``, or zeros without one."""
     at, turn = ((ZEROS if origin is None else origin.get(name, ZEROS)) for name in ("xyz", "rpy"))
     return _numbers(at, 3, "the xyz of <origin>"), _numbers(turn, 3, "the rpy of <origin>")
 

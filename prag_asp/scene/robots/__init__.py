@@ -1,4 +1,4 @@
-"""The robots, one file each; the rest of physics uses the same kind of description for all robots."""
+"""The robots, one per file; they all have the same kind of description, which the rest of physics uses."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from prag_asp.scene.robots.robot import Hand, Joints, KinematicsSolver, Robot
 from prag_asp.scene.scene import Mount, Scene
 
 ROBOTS: Mapping[str, Robot] = {"panda": PANDA, "kuka": KUKA}
-"""The robots by their names in scenes. A new robot needs a row here, and its own file."""
+"""The robots by the names that they have in scenes. A new robot needs a row here, and its own file."""
 
 
 def robot_of(scene: Scene, name: str) -> Robot:

@@ -1,11 +1,11 @@
 """The KUKA LBR iiwa 14 R820 with a custom gripper: a palm and two fingers of boxes.
 
-Joint limits and speeds are KUKA's ("LBR iiwa 7 R800, LBR iiwa 14 R820: specification", axis data of the R820); the
-wheel's URDF has the limits too. The arm is a shoulder, an elbow and a wrist: the axes of joints 1 to 3 meet in one
-point, the axes of joints 5 to 7 in another point. Therefore its inverse kinematics is that of Shimizu, Kakuya, Yoon,
-Kitagaki and Kosuge ("Analytical inverse kinematic computation for 7-DOF redundant manipulators with joint limits",
-2008): for any flange pose, the elbow may turn about the line from shoulder to wrist, and for a fixed elbow angle each
-of the three has two configurations.
+The joint limits and speeds are KUKA's ("LBR iiwa 7 R800, LBR iiwa 14 R820: specification", axis data of the R820); the
+URDF in the PyBullet wheel has the same limits. The arm consists of a shoulder, an elbow and a wrist: the axes of joints
+1 to 3 meet in one point, and the axes of joints 5 to 7 in another. Its inverse kinematics is therefore that of Shimizu,
+Kakuya, Yoon, Kitagaki and Kosuge ("Analytical inverse kinematic computation for 7-DOF redundant manipulators with joint
+limits", 2008): for any flange pose, the elbow may turn about the line from the shoulder to the wrist, and for a fixed
+elbow angle, each of the three has two configurations.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ FACE = 0.045
 PALM = (0.07, 0.14, 0.06)
 TOOL_OFFSET = FACE + PALM[2] + 0.045
 TURN = math.pi
-"""The mounting angle of the gripper in radians: if the arm bends in a plane with joint 7 at 0, the tool's x axis points
+"""The mounting angle of the gripper in radians; if the arm bends in a plane with joint 7 at 0, the tool's x axis points
 away."""
 
 LOW, HIGH = -1.0, 1.0
@@ -63,7 +63,7 @@ class KukaSolver:
         return pose
 
     def solutions(self, flange: Floats, near: Joints, angles: Sequence[float]) -> Iterator[Sequence[float]]:
-        """Yield joint angles for a pose of the flange: eight solutions for each elbow angle, none beyond reach."""
+        """Yield joint angles for a pose of the flange: eight solutions for each elbow angle, or none beyond reach."""
         wrist = flange[:3, 3] - WRIST * flange[:3, 2] - (0.0, 0.0, SHOULDER)
         length = float(np.linalg.norm(wrist))
         if not UPPER - FOREARM + TINY < length < UPPER + FOREARM + TINY:
@@ -92,7 +92,7 @@ class KukaSolver:
 
 
 def _joints(elbow: Floats, forearm: Floats, flange: Floats, signs: Floats, near: Joints) -> Floats:
-    """Return joint angles, shape (n, 7), for directions of both arms (n, 3), a turned flange and signs (n, 3)."""
+    """Return joint angles (n, 7) for directions of both parts of the arm (n, 3), a turned flange and signs (n, 3)."""
     two = signs[:, 0] * np.arccos(np.clip(elbow[:, 2], -1.0, 1.0))
     one = _direction(signs[:, 0] * elbow[:, 1], signs[:, 0] * elbow[:, 0], near[0])
     upper = _z(one) @ _y(two)
@@ -108,7 +108,7 @@ def _joints(elbow: Floats, forearm: Floats, flange: Floats, signs: Floats, near:
 
 
 def _direction(y: Floats, x: Floats, otherwise: float) -> Floats:
-    """Return the angles of directions in a plane; `otherwise` if the angle is undefined, as for a straight joint."""
+    """Return the angles of directions in a plane, or `otherwise` where undefined, as for a straight joint."""
     return np.where(np.hypot(x, y) > TINY, np.arctan2(y, x), otherwise)
 
 
@@ -131,7 +131,7 @@ def _y(angle: float | Floats) -> Floats:
 
 
 def _rotation(angle: float | Floats, from_: int, to: int, axis: int) -> Floats:
-    """Return rotations about an axis that turn another axis to a third, shape (..., 3, 3)."""
+    """Return rotations about an axis that turn a second axis into a third one, shape (..., 3, 3)."""
     cosine, sine = np.cos(angle), np.sin(angle)
     matrix = np.zeros((*np.shape(angle), 3, 3))
     matrix[..., from_, from_] = matrix[..., to, to] = cosine
@@ -145,7 +145,7 @@ LIMITS = tuple(math.radians(degrees) for degrees in (170, 120, 170, 120, 170, 12
 KUKA = Robot(
     urdf="kuka_iiwa/model.urdf",
     solver=KukaSolver(),
-    # Measured on the hull of the base's mesh, which is up to 12 mm wider in places.
+    # This was measured on the hull of the base's mesh, which is up to 12 mm wider in places.
     footprint=(
         Footprint(Shape("cylinder", (0.24, 0.24, 0.0))),
         Footprint(Shape("box", (0.135, 0.127, 0.0)), (-0.0675, 0.0, 0.0)),
@@ -173,8 +173,7 @@ KUKA = Robot(
     reach_height=0.35,
     payload=14.0,
     grip_force=12.0,
-    # Pairs of links that can collide; joint limits prevent the other pairs, although not for the convex hulls of 4 and
-    # 6.
+    # Pairs of links that can collide; joint limits keep the other pairs apart, except for the convex hulls of 4 and 6.
     self_pairs=tuple((low, high) for low in (-1, 0) for high in (4, 5, 6, 7, 8, 9)),
     finger_names=(("left_finger", 1.0), ("right_finger", -1.0)),
     finger_boxes=FINGER_BOXES,

@@ -1,6 +1,6 @@
 """The Franka Emika Panda with its hand.
 
-The limits of joints, speeds and accelerations are Franka's
+The limits of joint angles, speeds and accelerations are Franka's
 (https://frankaemika.github.io/docs/control_parameters.html); they are narrower than those of PyBullet's URDF. The
 inverse kinematics is the analytic solution of He and Liu ("Analytical inverse kinematics for Franka Emika Panda",
 2021), which fixes joint 7 and finds up to four configurations.
@@ -61,7 +61,7 @@ class PandaSolver:
             yield (near[6],)
             yield tuple(near[6] + angle for angle in NARROW)
             return
-        # With joints 3 and 5 at 0 the arm bends in a plane, and joint 7 alone turns the tool away from it.
+        # With joints 3 and 5 at 0, the arm bends in a plane, and only joint 7 turns the tool out of it.
         heading = math.atan2(tool.position[1], tool.position[0])
         planar = wrap(POSTURE[6] + heading - yaw_of(tool.quaternion))
         yield tuple(min(max(planar + angle, -WRIST_LIMIT), WRIST_LIMIT) for angle in AROUND)
@@ -99,7 +99,7 @@ PANDA = Robot(
     reach_height=0.35,
     payload=3.0,
     grip_force=12.0,
-    # Pairs of links that can collide, without neighbours and pairs that the joint limits keep apart.
+    # Pairs of links that can collide, except neighbours and pairs that the joint limits keep apart.
     self_pairs=tuple((low, high) for low in range(-1, 4) for high in (4, 5, 6, 8) if high - low > 2),
     finger_names=(("panda_leftfinger", 1.0), ("panda_rightfinger", -1.0)),
     finger_boxes=FINGER_BOXES,

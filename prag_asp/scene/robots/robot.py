@@ -1,4 +1,4 @@
-"""The description of a robot for the rest of physics: an arm of seven joints with a parallel gripper.
+"""The description of a robot for the rest of physics: an arm with seven joints and a parallel gripper.
 
 The tool is the point between the fingertips; the fingers point along its z axis and open along its y axis.
 """
@@ -25,14 +25,15 @@ FINGER_BOXES = (
     Solid("box", (0.0176, 0.0142, 0.0176), (0.0, 0.0071, 0.045)),
     Solid("box", (0.0208, 0.0166, 0.036), (0.0, 0.0172, 0.018)),
 )
-"""The left finger of the Panda's hand, in metres: the pad, then the shank, which is set back. The KUKA has the same."""
+"""The left finger of the Panda's hand, in metres: the pad, then the shank, which is set back. The KUKA has the same
+finger."""
 
 
 class KinematicsSolver(Protocol):
     """The closed-form kinematics of an arm with seven degrees of freedom, one of which is a free angle.
 
-    `last_resort` holds free angles to try if no other angles give a solution, `weights` the costs of the joints'
-    distances from the robot's posture in the inverse kinematics.
+    `last_resort` holds free angles to try if no others give a solution; `weights` holds what each joint's distance from
+    the robot's posture costs in the inverse kinematics.
     """
 
     last_resort: tuple[float, ...]
@@ -46,8 +47,8 @@ class KinematicsSolver(Protocol):
     ) -> Iterator[Sequence[float]]:
         """Yield joint angles for a pose of the flange, a homogeneous matrix; some may be NaN.
 
-        Joint limits are not checked. `angles` has the free angles; joints that the pose leaves undetermined have their
-        angles in `near`.
+        Joint limits are not checked. `angles` holds the free angles; joints that the pose leaves undetermined keep
+        their angles in `near`.
         """
 
     def sweeps(self, tool: Pose, near: Joints | None) -> Iterator[tuple[float, ...]]:
@@ -57,8 +58,9 @@ class KinematicsSolver(Protocol):
 class Hand(NamedTuple):
     """A custom gripper for arms without one: a box as the palm, and sliding fingers.
 
-    `parent` is the link of the arm that carries it, `at` the distance in metres from that link's frame to the hand,
-    `turn` the rotation about that link's axis in radians, and `palm` the dimensions of the palm in metres.
+    `parent` is the link of the arm that carries the hand, `at` is the distance in metres from that link's frame to the
+    hand, `turn` is the rotation about that link's axis in radians, and `palm` holds the dimensions of the palm in
+    metres.
     """
 
     parent: str
@@ -69,18 +71,18 @@ class Hand(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Robot:
-    """An arm of seven joints with a parallel gripper; metres and radians.
+    """An arm with seven joints and a parallel gripper; units are metres and radians.
 
     `footprint` is the area of the table under the base, as pieces that lie wholly within it, in the robot's frame.
     `torques`, `speeds` and `accelerations` are the limits of the joints, in N m, rad/s and rad/s². `home` is the joint
     configuration of an idle arm; the inverse kinematics prefers configurations near `posture`. `tool_offset` is the
-    distance from the flange to the tool, `tool_turn` the rotation of the tool about the flange's axis. `finger_depth`
-    is the distance from the palm to the tool, `fingertip` the distance from the tool to the fingertips. `reach` is the
-    inner and outer radius of the ring around the base, seen from above, in which the gripper can be at an object and
-    above it, pointing straight down, at any yaw, up to `reach_height`. `payload` is the maximum mass that the arm may
-    carry, in kilograms, `grip_force` the force of each finger, in newtons. `finger_names` are the links of the fingers,
-    each with its side; `finger_boxes` make up the left finger, in its frame. `hand` is set if the gripper is
-    custom-made. `base` is the pose of the robot.
+    distance from the flange to the tool, and `tool_turn` is the rotation of the tool about the flange's axis.
+    `finger_depth` is the distance from the palm to the tool, and `fingertip` is the distance from the tool to the
+    fingertips. `reach` holds the inner and outer radii of the ring around the base, seen from above, in which the
+    gripper, pointing straight down, can be at an object and above it at any yaw, up to `reach_height`. `payload` is the
+    maximum mass that the arm may carry, in kilograms, and `grip_force` is the force of each finger, in newtons.
+    `finger_names` are the links of the fingers, each with its side; `finger_boxes` make up the left finger, in its
+    frame. `hand` is set if the gripper is custom-made. `base` is the pose of the robot.
     """
 
     urdf: str
@@ -115,7 +117,7 @@ class Robot:
 
     @property
     def driven(self) -> list[int]:
-        """The driven joints: seven of the arm, two of the fingers."""
+        """The driven joints: seven in the arm, and two in the fingers."""
         return [*self.arm_links, *self.finger_joints]
 
     def within_limits(self, joints: Sequence[float], tolerance: float = 0.0) -> bool:

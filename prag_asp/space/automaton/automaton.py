@@ -1,4 +1,4 @@
-"""Deterministic automata as arrays: exact counts, words in order, and ranks.
+"""Deterministic automata as arrays: exact counts, ordered enumeration, and ranks.
 
 Every level of a task space is the set of words of one automaton. The letters of plans and tasks are actions; the
 letters of skeletons are action names.
@@ -33,7 +33,8 @@ class Automaton:
     The edges of state s are the rows ``offsets[s]:offsets[s + 1]`` of `letters` and `targets`, in ascending order of
     the letters, which are integers. `accepting` has shape (states,), and `weights` has shape (edges,) with a
     nonnegative integer for each edge, or is None if all weights are 1. An automaton without states has no words.
-    `horizon` is the length up to which no word is missing, or None if no word is missing at any length.
+    `horizon` is the greatest length up to which the automaton has all words, or None if it has all words of every
+    length.
     """
 
     offsets: NDArray[np.int64]
@@ -55,7 +56,7 @@ class Automaton:
 
     @cached_property
     def edges(self) -> list[tuple[list[int], list[int]]]:
-        """The letters and the targets of the edges of each state, as lists, which are faster for single accesses."""
+        """The letters and the targets of the edges of each state, as lists for fast access to single entries."""
         letters, targets, offsets = self.letters.tolist(), self.targets.tolist(), self.offsets.tolist()
         return [(letters[begin:end], targets[begin:end]) for begin, end in pairwise(offsets)]
 
@@ -107,8 +108,9 @@ def accepts(automaton: Automaton, word: Sequence[int]) -> bool:
 class Completions:
     """For each number of remaining letters, the total weight of the completions from each state.
 
-    Values are exact: 64-bit integers while overflow is impossible, Python integers from then on. All rows are cached
-    while they fit into `KEPT_BYTES`; then only every second, fourth, ... row is cached, and the others are recomputed.
+    Values are exact: 64-bit integers as long as they cannot overflow, and Python integers after that. All rows are
+    cached while they fit into `KEPT_BYTES`; after that, only every second row is cached, then every fourth, and so on,
+    and the others are recomputed.
     """
 
     def __init__(self, automaton: Automaton) -> None:
@@ -130,7 +132,7 @@ class Completions:
         return self._climb(left) if row is None else row
 
     def _climb(self, left: int) -> NDArray[Any]:
-        """Compute a row from the last cached row before it, and return it."""
+        """Compute a row, starting from the nearest cached row before it, and return it."""
         place = left - left % self._every
         while place not in self._kept:
             place -= self._every
@@ -210,7 +212,7 @@ def count_following(
 
 
 def states_after(automaton: Automaton, prefix: Sequence[Callable[[int], bool]]) -> dict[int, int]:
-    """Return the states to which the paths with letters that satisfy `prefix` lead, each with their total weight."""
+    """Return the states after paths with letters that satisfy `prefix`, each with the weight of these paths."""
     reached: dict[int, int] = {0: 1}
     for allowed in prefix:
         following: dict[int, int] = {}

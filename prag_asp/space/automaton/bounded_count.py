@@ -11,7 +11,7 @@ from prag_asp.space.automaton.automaton import Automaton, Completions
 from prag_asp.stop_reason import LimitCheck, StopReason
 
 REPORTED = 4096
-"""Number of letters between two progress reports."""
+"""The number of letters between two progress reports."""
 
 
 def count_within(
@@ -23,7 +23,7 @@ def count_within(
     """Return the weight of all words of a given length and None, or a lower bound and the limit that was reached.
 
     The lower bound is the weight of the words that follow one fixed path up to the first step whose completions are
-    known. `tell` is called periodically with the progress.
+    known. `tell` is called periodically to report progress.
     """
     automaton = completions.automaton
     if not automaton.states:
@@ -40,12 +40,12 @@ def count_within(
 
 
 def _along_one_path(automaton: Automaton, steps: int, row: NDArray[Any]) -> int:
-    """Return a lower bound on the weight of the words that begin with one path of `steps` steps.
+    """Return a lower bound on the weight of the words that begin with a certain path of `steps` steps.
 
     `row` holds the weights of the completions after these steps.
 
-    The path leaves each state by the same edge, so that it soon cycles. Skipped cycles count as factor 1, which is a
-    lower bound because weights are integers.
+    The path always leaves a state by the same edge, so it soon runs into a cycle. Skipped cycles count as a factor of
+    1, which is a lower bound because weights are integers.
     """
     state, weight, left = 0, 1, steps
     seen: dict[int, int] = {}

@@ -1,7 +1,7 @@
 """Explore the automaton of the plans of a step function breadth-first, many states of a layer at once.
 
 States are numbered in the order of a breadth-first search that expands states in order of their numbers and tries
-actions in their order, so that numbers depend only on the step function.
+actions in their order, so the numbers depend only on the step function.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ if TYPE_CHECKING:
     from prag_asp.logic.symmetry.twins import Twins
 
 MOST, FEWEST = 16_384, 64
-"""Bounds on the states expanded together: enough to amortise the overhead of NumPy, few enough for the memory."""
+"""Bounds on the number of states expanded together: enough to amortise the overhead of NumPy, few enough to fit in
+memory."""
 
 MANY = 4096
-"""Number of states above which states that are too far from the end of a plan are pruned; below it, pruning gains
-nothing."""
+"""Above this number of states, states too far from the end of a plan are pruned; below it, pruning gains nothing."""
 
 FEW = 1 / 16
-"""Minimum share of states that are too far from the end for which pruning pays off."""
+"""Minimum share of states too far from the end of a plan for which pruning pays off."""
 
 ROOM = 2**26
-"""Target for the maximum memory of the successors of states expanded together, in bytes."""
+"""Target for the maximum memory, in bytes, of the successors of states that are expanded together."""
 
 
 @dataclass(frozen=True)
@@ -63,8 +63,9 @@ class Renamings:
     """The meaning of edges and states of an automaton with merged states.
 
     An edge stands for `multiplicities` actions, shape (edges,); its letter is the first of them. Its target is the
-    renamed successor: entity ``orders[order_of[edge], j]`` of the successor is entity j of the target. `twins` marks
-    for each state the entities that are indistinguishable from the previous one, shape (states, entities).
+    successor with renamed entities: entity ``orders[order_of[edge], j]`` of the successor is entity j of the target.
+    `twins` marks for each state the entities that are indistinguishable from the previous one, shape (states,
+    entities).
     """
 
     multiplicities: NDArray[np.int64]
@@ -77,8 +78,8 @@ class Renamings:
 class Exploration:
     """The automaton of the plans of a step function.
 
-    `labels` has shape (edges, number of labels). `stop` is the reason if exploration ended early; then some states lack
-    edges, so that words are missing but none is wrong.
+    `labels` has shape (edges, number of labels). If exploration ended early, `stop` is the reason; some states then
+    lack edges, so words may be missing, but none is wrong.
     """
 
     automaton: Automaton
@@ -97,10 +98,10 @@ def explore(
 ) -> Exploration:
     """Return the automaton of all plans of up to `length` actions, with states merged as `merging` allows.
 
-    Letters are numbers of `transition.actions`. If plans can end only in some states, and there are `MANY` states, a
-    state is not expanded if no plan can end within the remaining steps. Since a state is first reached with the most
-    remaining steps, only words of more than `length` actions may be missing. `object_to` receives all states, and may
-    return a reason to stop.
+    Letters are numbers of `transition.actions`. If plans can end only in some states, and there are at least `MANY`
+    states, states from which no plan can end within the remaining steps are not expanded. Since a state is first
+    reached with the most remaining steps, only words of more than `length` actions may be missing. `object_to` receives
+    all states, and may return a reason to stop.
     """
     search = _BreadthFirst(transition, merging)
     first, depth = 0, 0
@@ -144,7 +145,7 @@ class _BreadthFirst:
 
     @cached_property
     def _relaxation(self) -> Relaxation | None:
-        """The relaxation that bounds the distance from states to the end of a plan; None if plans may end anywhere."""
+        """The relaxation that bounds the distance to the end of a plan, or None if plans may end anywhere."""
         if not self._transition.step.final:
             return None
         from prag_asp.logic.step.relaxation import relax
@@ -153,11 +154,11 @@ class _BreadthFirst:
 
     @property
     def nbytes(self) -> int:
-        """The memory in bytes, including memory for concatenating the edges."""
+        """The memory in bytes, including the memory for concatenating the edges."""
         return self.states.nbytes + 2 * self._bytes
 
     def take(self, rows: Rows, left: int) -> None:
-        """Add the next states and, if steps remain, their edges and successors."""
+        """Add the next states and, if steps remain, their edges and their successors."""
         self._accepting.append(self._transition.accepts(rows))
         if self._merging:
             self._twins.append(self._merging.twins(rows))
@@ -187,7 +188,7 @@ class _BreadthFirst:
     def _near(self, rows: Rows, left: int) -> NDArray[np.intp]:
         """Return the indices of the states from which a plan may end within `left` steps.
 
-        If few states at the start of a layer are too far from the end, the others are not tested.
+        If only a few states at the beginning of a layer are too far from the end, the others are not tested.
         """
         if len(self.states) < MANY or self._relaxation is None or self._worth_a_look == (left, False):
             return np.arange(len(rows))
@@ -198,7 +199,7 @@ class _BreadthFirst:
         return places
 
     def _number_edges(self, successors: list[Successors], order: NDArray[np.intp], twins: Twins | None) -> _Edges:
-        """Return the edges of some successors in order of source and letter, and number their targets."""
+        """Return the edges to some successors, ordered by source and letter, and number their targets."""
         letters = np.concatenate([np.full(len(some.sources), some.letter, dtype=np.int32) for some in successors])[
             order
         ]
@@ -214,7 +215,7 @@ class _BreadthFirst:
         return _Edges(letters, targets, labels, multiplicities, self._orders.add(_pack(orders)).astype(np.int32))
 
     def result(self, horizon: int | None, stop: StopReason | None) -> Exploration:
-        """Return the exploration; without a horizon, it has all words."""
+        """Return the exploration; if it has no horizon, it contains all words."""
         offsets = np.zeros(len(self.states) + 1, dtype=np.int64)
         if self._degrees:
             np.cumsum(np.concatenate(self._degrees), out=offsets[1:])

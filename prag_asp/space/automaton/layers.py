@@ -39,7 +39,7 @@ WIDER = 4
 
 @dataclass(frozen=True)
 class DiagramEdge:
-    """One edge of a state: its letter, its weight, and the successor."""
+    """An edge of a state: its letter, its weight, and the successor."""
 
     letter: int
     weight: int
@@ -80,11 +80,11 @@ class Layers:
 
     @property
     def closed(self) -> bool:
-        """True if no further step reaches a new state."""
+        """Whether further steps reach no new state."""
         return not self._frontier
 
     def row(self, length: int, left: int) -> Node:
-        """Return the weight of the completions with `left` letters of each state within ``length - left`` steps."""
+        """Return, for each state within ``length - left`` steps, the weight of its completions with `left` letters."""
         self.extend(length)
         if self._covered < length:
             self._rows = [self._step.accepted(self.reached)]
@@ -95,7 +95,7 @@ class Layers:
         return self._rows[left]
 
     def rows_so_far(self, length: int) -> list[Node]:
-        """Return the rows computed so far for a given length, for 0, 1, ... letters left; the first is always included.
+        """Return the rows computed so far for a given length, for 0, 1, ... remaining letters; at least the first.
 
         Their values are lower bounds that take only the states and rows computed so far into account.
         """
@@ -117,7 +117,7 @@ class Layers:
         return summed
 
     def extend(self, length: int) -> None:
-        """Explore the states within `length` steps."""
+        """Explore the states that can be reached within `length` steps."""
         while self._depth < length and self._frontier:
             pieces: list[Piece] = []
             for piece in self._step.pieces(self._frontier, self._look):
@@ -253,7 +253,7 @@ class LayeredWords:
                 yield edge.letter, edge.state
 
     def _behind(self, edge: DiagramEdge, step: int) -> int:
-        """Return the total weight of the suffixes that start with an edge."""
+        """Return the total weight of the suffixes that begin with an edge."""
         left = self._length - step - 1
         early = len(self._prefix) - step - 1
         row = self.early[early - 1] if early > 0 else self._layers.row(self._length, left)
@@ -263,8 +263,9 @@ class LayeredWords:
 def count_along(layers: Layers, length: int, prefix: Sequence[Collection[int]], check: LimitCheck) -> int:
     """Return a lower bound on the number of words of a given length, computed until `check` reports a limit.
 
-    A beam search keeps the states with the most prefixes at each step: one in the first round, then four, and so on.
-    Known completions are used. Partial diagrams are sound, and each counted path is a word.
+    At each step, a beam search keeps the states with the most prefixes: one in the first round, then four, and so on.
+    It uses the completions that are already known. Since partial diagrams contain only reachable states, each counted
+    path is a word.
     """
     rows = layers.rows_so_far(length)
     left = min(len(rows) - 1, length - len(prefix))

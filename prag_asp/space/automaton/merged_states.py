@@ -23,7 +23,7 @@ from prag_asp.space.automaton.exploration import Renamings
 from prag_asp.space.automaton.walks import Choice, owner_of, words_along
 
 Names = NDArray[np.int64]
-"""For each entity of a merged state, the entity that it stands for, followed by -1 for none."""
+"""For each entity of a merged state, the entity that it stands for, followed by -1, which stands for none."""
 
 
 @dataclass(frozen=True)
@@ -47,8 +47,8 @@ class _Branches:
 class MergedAutomaton:
     """An automaton with merged states.
 
-    `base` has no weights; `own` holds the weight of each action that an edge stands for, shape (edges,), or is None if
-    all weights are 1.
+    `base` has no weights; `own` holds, for each edge, the weight of a single action that it stands for, shape (edges,),
+    or is None if all weights are 1.
     """
 
     base: Automaton
@@ -60,7 +60,7 @@ class MergedAutomaton:
 
     @property
     def automaton(self) -> Automaton:
-        """The merged automaton; the weight of an edge is the total of the actions that it stands for."""
+        """The merged automaton; the weight of an edge is the total weight of the actions that it stands for."""
         numbers = self.renamings.multiplicities
         weights = numbers if self.own is None else self.own * numbers.astype(object)
         return replace(self.base, weights=weights)
@@ -91,7 +91,7 @@ class MergedAutomaton:
         return UnmergedState(int(self.base.targets[edge]), np.append(place.names[swapped[order]], -1))
 
     def _orbit(self, state: int) -> tuple[NDArray[np.intp], NDArray[np.int64]]:
-        """Return each edge of a state once for each way to exchange twins in its action, and the resulting entities."""
+        """Return each edge of a state once for each exchange of twins in its action, with the resulting entities."""
         if state not in self._orbits:
             automaton, actions = self.base, self.actions
             twins = Twins.between(actions, self.renamings.twins[state : state + 1])
@@ -155,9 +155,10 @@ def count_following_merged(
 def _places_after(
     merged: MergedAutomaton, prefix: Sequence[frozenset[int]], distinguished_later: list[int]
 ) -> Iterable[tuple[int, UnmergedState]]:
-    """Return the states after the words that `prefix` allows, each with the weight of these words.
+    """Return the states after the words that `prefix` allows, each with the total weight of these words.
 
-    States are joined if they differ only in entities that neither the rest of the prefix nor later letters distinguish.
+    States are combined if they differ only in entities that neither the rest of the prefix nor later letters
+    distinguish.
     """
     reached: dict[tuple[int, ...], tuple[int, UnmergedState]] = {(): (1, merged.start)}
     for number, allowed in enumerate(prefix):
@@ -179,7 +180,7 @@ def _places_after(
 
 
 def _distinguished(actions: Patterns, prefix: Sequence[frozenset[int]]) -> list[int]:
-    """Return the entities that any of these sets of letters distinguishes from others of their groups."""
+    """Return the entities that at least one of these sets of letters distinguishes from others of their groups."""
     entities: set[int] = set()
     for allowed in prefix:
         letters = np.array(sorted(allowed), dtype=np.intp)
@@ -211,7 +212,7 @@ def merged_words(
 
 
 class MergedRanking:
-    """The words of one length with the order and ranks of the automaton before merging; see `Ranking`."""
+    """The words of one length, ordered and ranked as in the automaton before merging; see `Ranking`."""
 
     def __init__(self, merged: MergedAutomaton, completions: Completions, length: int) -> None:
         self._merged = merged
@@ -238,7 +239,7 @@ class MergedRanking:
         return rank
 
     def _totals(self, place: UnmergedState, branches: _Branches, left: int) -> NDArray[Any]:
-        """Return the running totals of the weights through the branches of a state with `left` letters left."""
+        """Return the running totals of the weights over the branches of a state with `left` remaining letters."""
         behind = self._completions.row(left - 1)[self._merged.base.targets[branches.edges]]
         exact = behind.astype(self._completions.row(left).dtype)
         return np.cumsum(exact if self._merged.own is None else exact * self._merged.own[branches.edges])

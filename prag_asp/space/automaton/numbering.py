@@ -51,7 +51,7 @@ class Numbering:
             occupants = self._table[slots]
             empty = np.flatnonzero(occupants == EMPTY)
             if len(empty):
-                # The first of several rows gets a slot, because NumPy keeps the last assignment to a slot.
+                # If several rows claim a slot, the first one gets it, because NumPy keeps the last assignment.
                 last_first = empty[::-1]
                 self._table[slots[last_first]] = size + waiting[last_first]
                 occupants[empty] = self._table[slots[empty]]
@@ -80,7 +80,7 @@ class Numbering:
     def _settle(
         self, rows: Rows, numbers: NDArray[np.int64], fresh: NDArray[np.int64], slots: NDArray[np.int64]
     ) -> None:
-        """Give the new rows their numbers, in the order of `rows`."""
+        """Assign numbers to the new rows, in the order of `rows`."""
         order = np.argsort(fresh)
         size, fresh = self._size, fresh[order]
         final = np.zeros(len(rows), dtype=np.int64)
@@ -113,7 +113,7 @@ class Numbering:
 
 
 def _hash(rows: Rows) -> NDArray[np.uint64]:
-    """Return a hash for each row, shape (number of rows,): Fibonacci hashing (Knuth, TAOCP 3, 6.4), word by word."""
+    """Return a hash for each row, shape (number of rows,), by Fibonacci hashing (Knuth, TAOCP 3, 6.4), word by word."""
     mixed = np.zeros(len(rows), dtype=np.uint64)
     for word in rows.T:
         mixed = (mixed ^ word) * MULTIPLIER

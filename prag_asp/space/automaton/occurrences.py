@@ -18,11 +18,11 @@ from prag_asp.space.automaton.automaton import Automaton, Completions
 from prag_asp.space.automaton.recurrence import count_by_recurrence
 
 Marks = Sequence[NDArray[np.bool_]]
-"""For each of some consecutive letters, whether an edge has that letter, shape (edges,)."""
+"""For each of several consecutive letters, whether an edge has that letter, shape (edges,)."""
 
 
 def occurrences_by_recurrence(automaton: Automaton, kinds: Iterable[Marks], length: int) -> list[int] | None:
-    """Return, for each kind, the total weight of all words, each counted once for every occurrence of that kind.
+    """Return, for each kind of occurrence, the total weight of all words, each counted once for every such occurrence.
 
     The result is None if a recurrence may be slower than counting step by step.
     """
@@ -56,5 +56,5 @@ def with_occurrence(automaton: Automaton, marks: Marks) -> Automaton:
 
 
 def _edges(lower: int, upper: int, edges: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return edges from one copy to another as three rows: the copies and the edges."""
+    """Return edges from one copy to another as three rows: the two copies and the edges."""
     return np.stack([np.full(len(edges), lower), np.full(len(edges), upper), edges])

@@ -13,15 +13,15 @@ FAR = 1e18
 """Number of states at which a forecast stops."""
 
 WORK, TIMES = 50_000_000, 5
-"""The work, in 64-bit words of the states that edges reach, after which an exploration gets a note if it will take
-`TIMES` times as much; this work takes some seconds."""
+"""After this amount of work, measured in 64-bit words of the states that edges reach, an exploration that will take
+`TIMES` times as much gets a note; this work takes a few seconds."""
 
 
 def forecast_states(sizes: Sequence[int], further: int) -> float:
-    """Forecast the number of states after some further steps, given the numbers of states within one, two, ... steps.
+    """Forecast the number of states after some further steps, from the numbers of states within one, two, ... steps.
 
-    The ratio of the new states of successive steps is assumed to keep falling at the same rate, because growth slows
-    down as a space fills up.
+    The forecast assumes that the ratio of new states in successive steps keeps falling at the same rate, because growth
+    slows down as a space fills up.
     """
     layers = [later - sooner for sooner, later in zip([0, *sizes], sizes, strict=False)]
     ratios = [later / sooner for sooner, later in zip([1, *layers], layers, strict=False) if sooner]
@@ -39,9 +39,9 @@ def forecast_states(sizes: Sequence[int], further: int) -> float:
 
 @dataclass
 class Outlook:
-    """A forecast that notes once if the exploration of some steps will take long.
+    """Forecast the size of an exploration, and send one note if it will take long.
 
-    `names` holds the action name of each letter; `width` is the number of 64-bit words of a state.
+    `names` holds the action name of each letter; `width` is the number of 64-bit words in a state.
     """
 
     tell: Callable[[str], None]

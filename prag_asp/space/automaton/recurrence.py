@@ -4,8 +4,8 @@ The numbers c(0), c(1), ... of words of an automaton with s states satisfy the r
 polynomial (Cayley and Hamilton), so their shortest recurrence has an order d of at most s. Its coefficients are
 integers because the minimal polynomial divides every monic integer polynomial that annihilates the sequence (Gauss). It
 is computed modulo a prime (Massey, Shift-register synthesis and BCH decoding, 1969) and then proved over the integers:
-the residual of c under a recurrence satisfies the characteristic recurrence too, and is 0 everywhere once it is 0 for s
-terms. The n-th number then follows from x^n modulo the polynomial (Fiduccia, An efficient formula for linear
+the residual of c under a recurrence satisfies the characteristic recurrence too, and is 0 everywhere if its first s
+terms are 0. The n-th number then follows from x^n modulo the polynomial (Fiduccia, An efficient formula for linear
 recurrences, 1985).
 """
 
@@ -23,10 +23,10 @@ HIGHEST_ORDER = 64
 """Maximum order for which a recurrence is faster than counting step by step."""
 
 MOST_WORK = 20_000_000
-"""Maximum number of edge traversals to prove a recurrence."""
+"""Maximum number of edge traversals allowed for proving a recurrence."""
 
 PRIMES = (2**127 - 1, 2**1279 - 1)
-"""Mersenne primes for computing coefficients; if they are too small for the coefficients, the proof fails."""
+"""Mersenne primes for computing the coefficients; if they are too small, the proof fails."""
 
 
 def count_by_recurrence(completions: Completions, length: int, check: LimitCheck = lambda: None) -> int | None:
@@ -64,7 +64,7 @@ def weight_of_length(completions: Completions, length: int) -> int:
 
 
 def shortest_recurrence(terms: Sequence[int], prime: int) -> list[int] | None:
-    """Return a[1], ..., a[d] with c(n) = a[1] c(n-1) + ... + a[d] c(n-d) modulo a prime, as residues nearest to 0.
+    """Return a[1], ..., a[d] with c(n) = a[1] c(n-1) + ... + a[d] c(n-d) modulo a prime, as the residues closest to 0.
 
     The result is None if there are too few terms to determine the recurrence.
     """
@@ -113,7 +113,7 @@ def _nth(recurrence: Sequence[int], terms: Sequence[int], place: int, check: Lim
 
 
 def _remainder(polynomial: list[int], recurrence: Sequence[int]) -> list[int]:
-    """Return a polynomial modulo x^d - a[1] x^(d-1) - ... - a[d]."""
+    """Return the remainder of a polynomial modulo x^d - a[1] x^(d-1) - ... - a[d]."""
     order = len(recurrence)
     while len(polynomial) > order:
         highest = polynomial.pop()

@@ -21,10 +21,10 @@ from prag_asp.space.automaton.automaton import Completions, Word
 from prag_asp.space.automaton.walks import Choice, owner_of, words_along
 
 REMEMBERED = 1 << 12
-"""Number of states whose completions are cached."""
+"""The number of states whose completions are cached."""
 
 Ways = tuple[int, ...]
-"""Total weights of words by length, from 0 on; missing entries are 0."""
+"""Total weights of words by length, starting at length 0; missing entries are 0."""
 
 NOTHING: Ways = (1,)
 """The weight of the empty word."""
@@ -35,7 +35,7 @@ State = tuple[int, ...]
 
 @dataclass(frozen=True)
 class PartEdge:
-    """One edge of a state: its letter, its weight, the acting part, and the successor of this part."""
+    """An edge of a state: its letter, its weight, the acting part, and the successor of this part."""
 
     letter: int
     weight: int
@@ -168,14 +168,14 @@ class ShuffledWords:
         return tuple([int(self._parts[part].row(left)[state]) for left in range(self._length + 1)])
 
     def _completions(self, state: State, left: int) -> int:
-        """Return the total weight of the completions of a state with `left` letters."""
+        """Return the total weight of the completions of a state that have `left` letters."""
         shuffled: Ways = NOTHING
         for part, own in enumerate(state):
             shuffled = _shuffle(shuffled, self._ways(part, own), left)
         return shuffled[left]
 
     def _compute_behind(self, state: State, left: int) -> list[int]:
-        """Return the total weight through each edge of a state, with `left` letters after the edge."""
+        """Return the total weight of the words through each edge of a state, with `left` letters after it."""
         ways = [self._ways(part, own) for part, own in enumerate(state)]
         beside = self._beside(tuple(sorted(ways)), left)
         return [
@@ -188,7 +188,7 @@ def _beside_each(ways: Sequence[Ways], left: int) -> dict[Ways, list[int]]:
     """Return, for each part and each length of its word, the factor that the other parts contribute.
 
     The factor is the weight of the shuffles of one word from each other part, times the number of ways to shuffle them
-    with the word of the part into `left` letters. Parts with equal completions have equal factors.
+    with the word of the part so that `left` letters result. Parts with equal completions have equal factors.
     """
     before = list(accumulate(ways[:-1], partial(_shuffle, length=left), initial=NOTHING))
     behind = list(accumulate(ways[:0:-1], partial(_shuffle, length=left), initial=NOTHING))

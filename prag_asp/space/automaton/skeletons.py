@@ -25,7 +25,7 @@ def skeleton_automaton(
     """Return the deterministic automaton of the words of `automaton` with each letter replaced by its name.
 
     `names` maps letters to numbers of names, shape (number of letters,). The limit that was reached, if any, is also
-    returned; in that case some states lack edges, so that words are missing but none is wrong.
+    returned. In that case, some states lack edges, so words may be missing, but none is wrong.
     """
     if not automaton.states:
         return automaton, None
@@ -56,10 +56,10 @@ def _quotient(
 
 
 def _distinct(*columns: NDArray[np.int64]) -> tuple[NDArray[np.int64], ...]:
-    """Return the distinct rows of some columns, sorted."""
+    """Return the distinct rows of a table given by its columns, sorted."""
     sizes = [int(column.max(initial=0)) + 1 for column in columns]
     if prod(sizes) < 2**62:
-        # np.unique would import numpy.ma, which costs a tenth of the time of a small count.
+        # np.unique would import numpy.ma, which takes a tenth of the time of a small count.
         codes = np.sort(np.ravel_multi_index(columns, sizes))
         codes = codes[np.append(True, codes[1:] != codes[:-1])[: len(codes)]]
         return tuple(np.asarray(column, dtype=np.int64) for column in np.unravel_index(codes, sizes))
@@ -69,7 +69,7 @@ def _distinct(*columns: NDArray[np.int64]) -> tuple[NDArray[np.int64], ...]:
 def _refine(
     blocks: NDArray[np.int64], sources: NDArray[np.int64], letters: NDArray[np.int64], targets: NDArray[np.int64]
 ) -> NDArray[np.int64]:
-    """Return the blocks refined by their sorted edges: the k-th edges of all states at once, for each k."""
+    """Return the blocks, refined by comparing the k-th edges of all states, which are sorted, for each k."""
     starts = np.searchsorted(sources, np.arange(len(blocks) + 1))
     degrees = np.diff(starts)
     kinds = blocks.copy()

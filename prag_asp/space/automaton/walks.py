@@ -10,7 +10,7 @@ State = TypeVar("State")
 Letter = TypeVar("Letter")
 
 Choice = Callable[[int, Sequence[int]], int]
-"""Select an edge by the number of the step and the running totals of the weights through each edge."""
+"""Selects an edge, given the number of the step and the running totals of the weights through each edge."""
 
 
 def words_along(
@@ -18,7 +18,7 @@ def words_along(
 ) -> Iterator[tuple[Letter, ...]]:
     """Yield the words of a given length from a state, lazily and depth-first.
 
-    `onward` yields the letters that continue words from a state at a step, in order, each with the successor.
+    `onward` yields, in order, the letters that can continue words from a state at a step, each with the successor.
     """
     if not length:
         yield ()

@@ -68,7 +68,7 @@ def fewest_actions(clause: Clause) -> int:
 
 @dataclass(frozen=True)
 class Range:
-    """A number from `low` to `high`; without `high`, there is no upper bound."""
+    """A number from `low` to `high`, or with no upper bound if `high` is None."""
 
     low: int = 0
     high: int | None = None
@@ -81,7 +81,7 @@ class Range:
 
 @dataclass(frozen=True)
 class Has:
-    """Actions that match one of some patterns, or pairs of consecutive names, occur `times` times."""
+    """Matching actions, or pairs of consecutive action names, occur `times` times."""
 
     pattern: str
     times: Range
@@ -109,7 +109,7 @@ class Has:
             which = _named_by_all(actions, facts)
             if not which and parsed.arguments is None:
                 which = str(number)
-            elif not which:  # the term contains the entities that the pattern names
+            elif not which:  # the term contains the entities that the pattern mentions
                 arguments = (f'"{ANY}"' if argument == ANY else argument for argument in parsed.arguments or ())
                 which = f'("{parsed.name}",{",".join(arguments)})'
             yield from _counted(which, self.times, actions)
@@ -117,7 +117,7 @@ class Has:
 
 @dataclass(frozen=True)
 class Uses:
-    """The actions use `number` entities of this name or class."""
+    """The actions use `number` entities with this name or of this class."""
 
     kind: str
     number: Range
@@ -135,7 +135,7 @@ class Uses:
 
 @dataclass(frozen=True)
 class Names:
-    """Some action, or no action, uses an entity of this kind: a special case of `Uses` with a smaller state."""
+    """Some action, or no action, uses an entity of this kind: a special case of `Uses` that needs a smaller state."""
 
     kind: str
     some: bool
@@ -158,7 +158,7 @@ class Names:
 
 @dataclass(frozen=True)
 class Matches:
-    """The sequence of action names matches a regular expression, or with `inverse` does not."""
+    """The sequence of action names matches a regular expression or, with `inverse`, does not match it."""
 
     expression: str
     inverse: bool = False
@@ -177,10 +177,10 @@ class Matches:
 
 @dataclass(frozen=True)
 class Part:
-    """The skeleton belongs to one part of all skeletons, divided evenly by a random automaton.
+    """The skeleton belongs to one of the parts into which a random automaton divides all skeletons evenly.
 
-    Each name permutes the numbers below `modulus`, at random, depending on `seed`; the class of a skeleton is the image
-    of 0.
+    Each name stands for a random permutation, determined by `seed`, of the numbers below `modulus`; the class of a
+    skeleton is the image of 0 under its permutations.
     """
 
     residues: tuple[int, ...]
@@ -217,7 +217,7 @@ class Part:
 
 @dataclass(frozen=True)
 class After:
-    """After `steps` actions (0: initially), fluents have these values; unknown values become known in hindsight."""
+    """After `steps` actions (0: initially), fluents have these values; a value may also become known in hindsight."""
 
     steps: int
     formula: str
@@ -253,7 +253,7 @@ class Ends:
         yield from end_requests(number, self.conjunctions(facts))
 
     def conjunctions(self, facts: Facts) -> Sequence[Mapping[str, bool]]:
-        """Return conjunctions; the final state satisfies at least one of them."""
+        """Return conjunctions of which the final state satisfies at least one."""
         return parse_formula(self.formula, map(str, facts.fluents))
 
 
@@ -318,7 +318,7 @@ def start_requests(conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
 
 
 def language_requests(number: int, machine: Recogniser) -> Iterator[str]:
-    """Yield the requests of ``matches.lp`` for the words of an automaton."""
+    """Yield the requests of ``matches.lp`` for the words that an automaton accepts."""
     yield f"language({number})"
     yield f"starts({number},0)"
     for state, row in enumerate(machine.moves):

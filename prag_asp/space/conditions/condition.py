@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 LARGE = 100
-"""The largest upper bound on occurrences that is kept for every length, so that lengths share engines."""
+"""The largest upper bound on occurrences that is not reduced for shorter lengths, so that lengths share engines."""
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Condition:
 
     @classmethod
     def parse(cls, *words: str) -> Condition:
-        """Return the condition that some texts state, each with one clause per line.
+        """Return the condition stated by texts, each of which has one clause per line.
 
         Raises:
             QueryError: a line is not a clause.

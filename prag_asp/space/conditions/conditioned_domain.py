@@ -1,4 +1,4 @@
-"""A domain under a condition: the encodings that test its clauses, and the facts that request the tests."""
+"""A domain under a condition: it adds the encodings that test the clauses, and the facts that request the tests."""
 
 from __future__ import annotations
 
@@ -59,10 +59,10 @@ def conditioned(domain: Domain, condition: Condition) -> Domain:
 
 
 def _last_state(ends: Sequence[Ends], facts: Facts) -> tuple[Assignment, Sequence[Conjunction] | None]:
-    """Return the requirements on the final state: a goal, and any conjunctions of which one must hold as well.
+    """Return the requirements on the final state: a goal, and conjunctions of which at least one must also hold.
 
-    All disjunctive clauses are combined, because one state must satisfy them all. Literals that all conjunctions share
-    are part of the goal.
+    All disjunctive clauses are combined, because one state must satisfy them all. Literals that occur in every
+    conjunction become part of the goal.
     """
     cases = [(clause, clause.conjunctions(facts)) for clause in ends]
     goal = [value for _, conjunctions in cases if len(conjunctions) == 1 for value in _assigned(conjunctions[0], facts)]

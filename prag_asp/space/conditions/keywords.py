@@ -1,4 +1,4 @@
-"""Parse conditions from their keywords."""
+"""Parse the clauses of conditions by their keywords."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ PART = re.compile(r"(?P<ranges>\d+-\d+(?:,\d+-\d+)*) of (?P<modulus>\d+) by seed
 
 
 MOST_CLASSES = 10_000
-"""Maximum number of classes of a `part`: a condition has a state for each of them."""
+"""Maximum number of classes of a `part` clause, because the condition has a state for each class."""
 
 
 def parse_clause(text: str) -> Clause:

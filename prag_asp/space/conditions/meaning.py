@@ -47,14 +47,14 @@ def simplest(clause: Clause, facts: Facts) -> Clause | None:
 def weakest(conjunctions: Sequence[Conjunction], goal: Assignment, facts: Facts) -> Sequence[Conjunction]:
     """Return the normal form of a disjunction of conjunctions, for states that satisfy `goal`.
 
-    It is empty if no state satisfies it, and has one empty conjunction if every state does.
+    It is empty if no state satisfies the disjunction, and consists of one empty conjunction if every state does.
     """
     normal = _weakest(conjunctions, goal, facts, invariant_graph(facts))
     return conjunctions if normal is None else normal
 
 
 def shared(conjunctions: Sequence[Conjunction], facts: Facts) -> Conjunction:
-    """Return the values that each of some conjunctions entails."""
+    """Return the values that every one of some conjunctions entails."""
     graph = invariant_graph(facts)
     names = {str(fluent): fluent for fluent in facts.fluents}
     closed = [
@@ -67,7 +67,7 @@ def shared(conjunctions: Sequence[Conjunction], facts: Facts) -> Conjunction:
 def known_where(conjunctions: Sequence[Conjunction], given: Assignment, facts: Facts) -> Sequence[Conjunction]:
     """Return the normal form of "some conjunction is known to hold" for states with the `given` values.
 
-    Impossible fluents are known to be false.
+    Fluents that cannot hold are known to be false.
 
     Raises:
         QueryError: there are too many conjunctions.

@@ -18,7 +18,7 @@ ANY = "_"
 
 @dataclass(frozen=True)
 class Pattern:
-    """An action, an action name, or an action with ``_`` for any argument; `arguments` is None for a mere name."""
+    """An action, an action name, or an action with ``_`` as a wildcard; `arguments` is None for a mere name."""
 
     name: str
     arguments: tuple[str, ...] | None = None
@@ -57,7 +57,7 @@ class Pattern:
 
 
 def alternatives(text: str) -> list[str]:
-    """Return the patterns of a text such as ``grasp | move(_,apple_1,_)``; bars within parentheses do not separate."""
+    """Return the patterns in a text such as ``grasp | move(_,apple_1,_)``; bars in parentheses do not count."""
     pieces, depth = [""], 0
     for character in text:
         depth += (character == "(") - (character == ")")

@@ -17,7 +17,7 @@ TOKEN = re.compile(r"\s*(?:(?P<name>[\w]+)|\{(?P<low>\d+)(?P<range>,(?P<high>\d*
 MOST_COPIES = 1000
 
 MOST_STATES = 20_000
-"""Maximum number of states of an automaton; for some expressions, each further name doubles the number."""
+"""Maximum number of states of an automaton; for some expressions, each additional name doubles the number."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class OneOf:
 class Chain:
     """A word of `first`, then a word of `rest`.
 
-    Its hash is cached, because a long chain would recompute its hash link by link.
+    Its hash is cached because the hash of a long chain would otherwise be recomputed link by link.
     """
 
     first: Expression
@@ -64,7 +64,7 @@ class Choice:
 
 @dataclass(frozen=True)
 class Star:
-    """Any number of words of `part`, one after the other."""
+    """Any number of words of `part` in sequence."""
 
     part: Expression
 
@@ -74,14 +74,14 @@ Expression = Nothing | Empty | OneOf | Chain | Choice | Star
 
 @dataclass(frozen=True)
 class Recogniser:
-    """A deterministic automaton that starts in state 0 and rejects names without a move."""
+    """A deterministic automaton that starts in state 0 and rejects a word if there is no move for one of its names."""
 
     moves: Sequence[Mapping[str, int]]
     accepting: frozenset[int]
 
 
 def recogniser(expression: Expression, names: Iterable[str], *, inverse: bool = False) -> Recogniser:
-    """Return the minimal automaton of the words of `expression` over `names`, or with `inverse` of all other words.
+    """Return the minimal automaton for the words of `expression` over `names` or, with `inverse`, for all other words.
 
     The minimal automaton without dead states is unique (Myhill 1957, Nerode 1958).
 
@@ -152,7 +152,7 @@ def nullable(expression: Expression) -> bool:
 
 @cache
 def derivative(expression: Expression, name: str) -> Expression:
-    """Return the expression of the words that may follow `name` in the words of an expression."""
+    """Return the expression for what may follow `name` in the words of an expression."""
     if isinstance(expression, OneOf):
         return Empty() if expression.names is None or name in expression.names else Nothing()
     if isinstance(expression, Chain):

@@ -57,7 +57,7 @@ class _FormulaParser:
         return conjunctions
 
     def _conjunction(self, word: str, positive: bool) -> list[_Literals]:
-        """Parse the operands of the operator `word`: ``,`` binds weakest, then ``or``, then ``and``."""
+        """Parse the operands of the operator `word`, where ``,`` binds weakest, followed by ``or`` and then ``and``."""
         below = {",": "or", "or": "and"}
         conjunctions = self._conjunction(below[word], positive) if word in below else self._negation(positive)
         while self._words[:1] == [word]:

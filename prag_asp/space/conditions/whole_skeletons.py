@@ -17,19 +17,19 @@ from prag_asp.space.parts.choice import NEAR, choose_parts, farthest
 from prag_asp.space.parts.shares import divided
 
 FEWEST_CLASSES = 20
-"""Minimum number of classes of skeletons; if there are many skeletons, parts are unions of whole classes."""
+"""Minimum number of classes of skeletons; if there are many skeletons, each part is a union of classes."""
 
 MANY_CLASSES, MOST_CLASSES = 200, 1000
-"""Maximum number of classes that give shares exactly, and maximum number of classes for the smallest share.
+"""Maximum number of classes for exact shares, and maximum number of classes that the smallest share may require.
 
 The time to count all classes one by one is proportional to their number: about 0.04 s each in the domain `prag`.
 """
 
 CLOSE = NEAR / 10
-"""Maximum distance of the share of classes from the requested share, if exact shares need many classes."""
+"""Maximum difference between the share of the classes and the requested share, if exact shares need many classes."""
 
 MOST_SKELETONS, LONGEST = 500, 30
-"""Maximum number of skeletons, and of actions in each, for which parts are chosen skeleton by skeleton."""
+"""Maximum number of skeletons, and maximum length, for which parts are chosen skeleton by skeleton."""
 
 FEW_SEQUENCES = 5000
 """Maximum number of sequences of action names for which the skeletons are listed first: that takes about as long as to
@@ -42,7 +42,7 @@ Count = Callable[[Condition], int]
 """Return the number of tasks that satisfy a condition."""
 
 Skeletons = Mapping[tuple[str, ...], int]
-"""The number of tasks of each skeleton."""
+"""The number of tasks with each skeleton."""
 
 
 class SharesWarning(UserWarning):
@@ -58,7 +58,7 @@ def divide_skeletons(
     names: int,
     length: int,
 ) -> dict[str, Condition]:
-    """Return conditions that partition a space at random into parts of whole skeletons.
+    """Return conditions that partition a space at random into parts that share no skeleton.
 
     A random automaton divides the skeletons evenly. If the shares of tasks come out uneven, skeletons are assigned by
     their exact numbers of tasks: one by one, or in classes if `listed` returns None because there are too many. If

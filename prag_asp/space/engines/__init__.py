@@ -16,8 +16,8 @@ CHOICE, OTHERWISE = (
     "prag_asp.space.engines.auto_engine.AutoEngine",
     "prag_asp.space.engines.auto_engine.searching_engine",
 )
-"""The class that ``auto`` tries first, and the function that returns clingo if a step is not a function of the
-state."""
+"""The class that ``auto`` tries first, and the function that returns clingo if a step is not a function of the state.
+"""
 
 
 def select(
@@ -25,8 +25,8 @@ def select(
 ) -> Engine:
     """Return the engine with a given name.
 
-    ``auto`` selects the automaton, or diagrams if the automaton would have too many states, or clingo with a parallel
-    model counter if a step is not a function of the state.
+    ``auto`` selects the automaton; if the automaton would have too many states, diagrams; and if a step is not a
+    function of the state, clingo with a parallel model counter.
 
     Raises:
         QueryError: there is no such engine.

@@ -1,7 +1,7 @@
-"""The choice of an engine: states are listed if they fit into memory, otherwise represented by diagrams.
+"""The choice of an engine: states are listed if they fit into memory; otherwise they are represented by diagrams.
 
-A forecast, based on the number of new states of each step, decides. If a step is not a function of the state, clingo
-enumerates; if that takes a long time, a model counter runs in parallel, and the first to finish answers.
+A forecast, based on the number of new states in each step, decides which. If a step is not a function of the state,
+clingo enumerates; if that takes a long time, a model counter runs in parallel, and the first to finish answers.
 """
 
 from __future__ import annotations
@@ -33,7 +33,8 @@ PATIENCE = 2.0
 """Seconds for which clingo enumerates alone, at about 100,000 words per second."""
 
 EARLY, SURE = 64, 4
-"""A forecast counts once states take 1/`EARLY` of the memory limit, if it exceeds `SURE` times this limit."""
+"""A forecast is used once states take 1/`EARLY` of the memory limit, provided that it exceeds `SURE` times this limit.
+"""
 
 
 Answer = TypeVar("Answer")

@@ -29,21 +29,21 @@ if TYPE_CHECKING:
     from prag_asp.space.automaton.shuffle_product import ShuffledWords
 
 WORTH_KEEPING = 0.2
-"""Minimum seconds of an exploration whose result is cached for the next run."""
+"""Minimum time of an exploration, in seconds, for its result to be cached for the next run."""
 
 RANKED = 8
-"""Number of lengths whose rankings are cached."""
+"""Number of lengths for which rankings are cached."""
 
 LONG = 10_000
-"""Minimum length for progress reports of counting."""
+"""Minimum length at which counting reports its progress."""
 
 
 class AutomatonEngine:
     """An engine that explores the automaton of one domain at one level and keeps it between queries.
 
-    `merge` decides whether states are merged up to renaming of interchangeable entities; None lets the number of states
-    decide. Results do not depend on it. `explorer` finds the states, by default by listing them. If `hopeless`
-    forecasts that they exceed the memory, queries raise `TooManyStates`.
+    `merge` determines whether states are merged up to renaming of interchangeable entities; with None, this depends on
+    the number of states. Results are the same either way. `explorer` finds the states; by default, it lists them. If
+    `hopeless` forecasts that they will not fit into memory, queries raise `TooManyStates`.
 
     Raises:
         EngineError: the step is not a function of the state and the action.
@@ -123,7 +123,7 @@ class AutomatonEngine:
                 if not apart.stop:
                     return apart.found
                 least = apart.found
-                if self._level != "skeleton":  # the partial exploration is of plans
+                if self._level != "skeleton":  # the partial exploration contains plans
                     least = max(least, count_within(reach.completions, length, clock.to_close().reached_limit)[0])
                 raise limit_error(apart.stop, least, self._level, length, apart.states)
             reach = self._reach(length, clock)
@@ -187,7 +187,7 @@ class AutomatonEngine:
         return prefix_sets(prefix, self._numbers, () if self._level == "skeleton" else self._names)
 
     def _reach(self, length: int, clock: LimitClock, halt: Halt | None = None) -> Reach:
-        """Return the exploration of a given length, and keep it if it is complete."""
+        """Return the exploration for a given length, and keep it if it is complete."""
         if self._reached is not None and self._reached.covers(length):
             return self._reached
         begun = monotonic()
@@ -204,7 +204,7 @@ class AutomatonEngine:
         return reach
 
     def known(self, length: int) -> Reach | ShuffledWords:
-        """Return the complete exploration of a length, or its words as shuffles of the words of independent parts.
+        """Return the complete exploration for a length, or its words as shuffles of the words of independent parts.
 
         Raises:
             LimitReached: a limit ended the exploration.
@@ -215,7 +215,7 @@ class AutomatonEngine:
         return shuffled or self.explored(length, clock)
 
     def explored(self, length: int, clock: LimitClock | None = None) -> Reach:
-        """Return the complete exploration of a given length.
+        """Return the complete exploration for a given length.
 
         Raises:
             LimitReached: a limit ended the exploration.
@@ -228,7 +228,7 @@ class AutomatonEngine:
         return reach
 
     def _ranking(self, length: int) -> Ranking | MergedRanking | ShuffledWords:
-        """Return the ranking of a given length; the latest ones are cached because lengths may alternate."""
+        """Return the ranking for a given length; the latest rankings are cached because lengths may alternate."""
         if length not in self._ranked:
             reach = self.known(length)
             stage("ranking")

@@ -26,7 +26,7 @@ HEADER = "header"
 SUFFIX = ".arrays"
 
 LARGEST_FILE, LARGEST_FOLDER = 200_000_000, 1_000_000_000
-"""Maximum sizes in bytes; the least recently used files are removed first."""
+"""Maximum sizes of a file and of the folder in bytes; the least recently used files are removed first."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ def read_entry(folder: Path, key: str, names: Collection[str]) -> CacheEntry | N
     content = read_cached(folder / f"{key}{SUFFIX}", LARGEST_FILE)
     if content is None:
         return None
-    from prag_asp.array_archive import BadArchive, read_arrays  # avoids loading zipfile without an entry
+    from prag_asp.array_archive import BadArchive, read_arrays  # avoids loading zipfile if there is no entry
 
     try:
         arrays = read_arrays(BytesIO(content), (HEADER, *names), LARGEST_FILE)

@@ -30,17 +30,19 @@ POLL = 0.2
 
 
 MOST_LISTED, REPORTED = 300_000, 2.0
-"""Maximum number of words listed for sampling, at about 4,000 per second, and seconds between reports."""
+"""Maximum number of words listed for sampling, at about 4,000 words per second, and seconds between progress reports.
+"""
 
 Ask = Callable[[], "int | None"]
-"""Return the count of another process, or None until it is finished."""
+"""Returns the count that another process computed, or None while it is still running."""
 
 Beside = Callable[[int, Letters], AbstractContextManager[Ask]]
-"""In parallel with clingo, count the words of a given length that begin with a prefix; the first to finish answers."""
+"""Starts counting, in parallel with clingo, the words of a given length that begin with a prefix; whichever finishes
+first answers."""
 
 
 class ClingoEngine:
-    """The search engine of one domain at one level; it caches the ground program of the latest length."""
+    """The search engine for one domain at one level; it caches the ground program for the latest length."""
 
     def __init__(
         self,
@@ -127,7 +129,7 @@ class ClingoEngine:
         return weigh_words(self._listed(length), self.letters, self._model, self._level, length, weights, goals)
 
     def _listed(self, length: int) -> list[Letters]:
-        """Return all words of a given length in order, found in the order of clingo's search, which is much faster."""
+        """Return all words of a given length in order, listed in the order of clingo's search for speed."""
         clock = self._limits.begin()
         numbers = {letter: number for number, letter in enumerate(self.letters)}
         words: list[Letters] = []
@@ -140,7 +142,7 @@ class ClingoEngine:
                 raise limit_error(stop, len(words), self._level, length)
 
         for word in self._plans(length).models(check):
-            if word is None:  # user-defined encodings may allow steps with no action or several
+            if word is None:  # user-defined encodings may allow steps with no action or with several actions
                 return list(self.words(length))
             if len(words) == MOST_LISTED:
                 raise EngineError(
@@ -151,7 +153,7 @@ class ClingoEngine:
         return sorted(words, key=lambda word: [numbers[letter] for letter in word])
 
     def _reports(self, length: int) -> Callable[[int], None]:
-        """Return a function that reports the number of listed words every `REPORTED` seconds, at first as a note."""
+        """Return a function that reports the number of listed words every `REPORTED` seconds, first as a note."""
         due, noted = monotonic() + REPORTED, False
 
         def report(found: int) -> None:
@@ -226,8 +228,8 @@ class _UnrolledPlans:
     def following(self, word: Letters, prefix: Letters) -> Iterator[str]:
         """Yield, in order and as soon as known, the letters that follow `word` in words that continue with `prefix`.
 
-        Each letter is tried on its own. After each failure, twice as many searches as before, starting with one, look
-        for any other letters, or prove that there are none. Thus n letters take at most n + 1 successful searches, and
+        Each letter is tried separately. After each failure, twice as many searches as before, starting with one, look
+        for any other letters or prove that there are none. Thus n letters take at most n + 1 successful searches, and
         one failed search for each doubling.
         """
         assumptions = self.assume((*word, *prefix))
@@ -254,7 +256,7 @@ class _UnrolledPlans:
     ) -> tuple[bool, int]:
         """Add possible literals to `possible`; return whether it is complete, and how many searches to try next time.
 
-        User-defined encodings may allow steps with no action or several; such searches are not continued.
+        User-defined encodings may allow steps with no action or with several actions; such searches are not continued.
         """
         for _ in range(searches):
             new = self._true_literals([*assumptions, *(-literal for literal in possible)], literals)
@@ -276,7 +278,7 @@ class _UnrolledPlans:
             return None if model is None else {literal for literal in literals if model.is_true(literal)}
 
     def models(self, check: Callable[[], None]) -> Iterator[Letters | None]:
-        """Yield all words, unordered; None stands for a word with a step that does not have exactly one letter.
+        """Yield all words in no particular order, or None for a word in which some step lacks exactly one letter.
 
         `check` is called regularly; an error that it raises ends the search.
         """
@@ -302,7 +304,7 @@ class _UnrolledPlans:
     def count(self, assumptions: Sequence[int], clock: LimitClock, ask: Ask) -> tuple[int, StopReason | None]:
         """Return the number of projected answer sets that satisfy the literals, and the limit that was reached, if any.
 
-        At a limit, the number is a lower bound. If `ask` returns a count first, that is the result.
+        If a limit was reached, the number is a lower bound. If `ask` returns a count first, that count is the result.
         """
         self._limit(0)
         stop: StopReason | None = None
@@ -318,7 +320,7 @@ class _UnrolledPlans:
                 handle.cancel()
                 raise
             handle.get()
-            # Models are numbered; the statistics also contain their number, but take milliseconds to read.
+            # Models are numbered; the statistics also contain the number of models, but take milliseconds to read.
             last = handle.last()
         if answer is not None:
             return answer, None
@@ -331,5 +333,5 @@ class _UnrolledPlans:
 
 
 _in_use: WeakValueDictionary[tuple[int, int, EncodingPredicate], _UnrolledPlans] = WeakValueDictionary()
-"""The ground programs in use, keyed by program, length and shown predicate; without interchangeable entities, the
-levels plan and task share one."""
+"""The ground programs in use, by program, length and shown predicate; without interchangeable entities, the levels plan
+and task share one."""

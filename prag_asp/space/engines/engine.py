@@ -32,9 +32,9 @@ class Draw:
 
 
 class Engine(Protocol):
-    """An engine that counts, enumerates and samples the words of one domain at one level.
+    """Count, enumerate and sample the words of one domain at one level.
 
-    `prefix` holds, for each of the first steps, the text of a letter or the name of several letters (see
+    `prefix` holds, for each of the first steps, the text of a letter or a name that stands for several letters (see
     `name_in_prefix`). Words are in lexicographic order of their letters: actions in clingo's order of terms, names in
     alphabetical order.
     """
@@ -83,10 +83,10 @@ class Engine(Protocol):
 
 
 Progress = Callable[[str], None]
-"""Called with a short text on the progress of a long computation."""
+"""Called with a short text about the progress of a long computation."""
 
 ALL = "(...)"
-"""Suffix of a prefix item that stands for all actions with a name, even if one action is spelled like the name."""
+"""Suffix of a prefix item that stands for all actions with a name, even if the text of one action equals that name."""
 
 
 def name_in_prefix(item: str, letters: Container[str]) -> str | None:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from prag_asp.space.automaton.shuffle_product import ShuffledWords
 
 FEW_STATES = 4096
-"""Number of states up to which a domain with parts is counted as a whole, because the result serves more queries."""
+"""Number of states up to which a domain with parts is counted as a whole, because that result serves more queries."""
 
 MANY_EDGES = 5_000_000
 """Number of edges above which words are searched part by part; below it, exploring the whole domain is fast."""
@@ -36,7 +36,7 @@ LARGE_PART = 5_000_000
 
 @dataclass(frozen=True)
 class PartCount:
-    """The number of words, the number of explored states, and the limit that ended the count, if any."""
+    """The number of words, the number of explored states, and the limit, if any, that ended the count."""
 
     found: int
     states: int
@@ -60,7 +60,7 @@ class IndependentParts:
 
     @property
     def counts(self) -> bool:
-        """True if words may be counted part by part, unless a later test fails."""
+        """Whether words may be counted part by part, unless a later test fails."""
         if self._explorer.merge is not None:
             return False
         if self._parts is None:
@@ -71,7 +71,7 @@ class IndependentParts:
 
     @property
     def finds(self) -> bool:
-        """True if words may be searched part by part: no part is known to be large."""
+        """Whether words may be searched part by part, which is so as long as no part is known to be large."""
         return self.counts and not self._large
 
     def falls_apart(self, extent: Extent) -> bool:
@@ -85,7 +85,7 @@ class IndependentParts:
     def count(self, length: int, clock: LimitClock) -> PartCount | None:
         """Return the number of words of a given length, or None if a part changes while another part acts.
 
-        With a limit, the count is a lower bound. For skeletons, parts share no action name, so that different
+        If a limit was reached, the count is a lower bound. For skeletons, parts share no action name, so different
         skeletons of the parts have different shuffles.
         """
         reaches = self._explore_parts(replace(self._explorer, hopeless=None), length, clock)
@@ -106,7 +106,7 @@ class IndependentParts:
     def words(self, length: int, numbers: Mapping[str, int], clock: LimitClock) -> ShuffledWords | None:
         """Return the words of a given length as shuffles of the parts' words; `numbers` has all letters of the domain.
 
-        The result is None if the parts turn out not to be independent, or one of them is large itself.
+        The result is None if the parts turn out not to be independent, or if one of them is large as well.
 
         Raises:
             LimitReached: a limit ended the exploration.
@@ -131,9 +131,9 @@ class IndependentParts:
     def _explore_parts(
         self, explorer: Explorer, length: int, clock: LimitClock, halt: Halt | None = None
     ) -> list[Reach] | None:
-        """Return the exploration of each part; None if `halt` stops one, or a part changes while another part acts.
+        """Return the exploration of each part, or None if `halt` stops one or a part changes while another part acts.
 
-        Once a limit ends one exploration, only the initial states of the others are explored.
+        Once a limit ends one exploration, only the initial states of the other parts are explored.
         """
         reaches: list[Reach] = []
         for part in self._parts or ():
@@ -153,7 +153,7 @@ def count_shuffles(counts: Sequence[Sequence[int]], check: LimitCheck = lambda: 
     """Return the number of shuffles of total length n of one word from each part, and None.
 
     `counts` has, for each part, the numbers of words of the lengths 0, 1, ..., n. If `check` reports a limit, the
-    result is a lower bound, computed from the parts shuffled so far, and that limit.
+    result is a lower bound, computed from the parts shuffled so far, and the limit.
     """
     first, *others = counts
     whole, length = list(first), len(first) - 1

@@ -1,4 +1,4 @@
-"""Weighted words of engines that enumerate them, and the engine for lengths without words."""
+"""Weighted words for engines that enumerate words, and the engine for lengths without words."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def word_tree(
     weights: Sequence[Fraction] | None = None,
     ends: Sequence[tuple[int, ...]] | None = None,
 ) -> Weighed:
-    """Return words of one length, in order, as a tree with a leaf for each word.
+    """Return ordered words of one length as a tree with a leaf for each word.
 
     `ends` has the values of the fluents in the final state of each word, as in `FluentValues`.
     """

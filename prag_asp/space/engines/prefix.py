@@ -20,7 +20,7 @@ Prefix = Sequence[str | Atom]
 
 
 def checked_level(by: Level) -> Level:
-    """Return a level if it exists.
+    """Return a level, after checking that it exists.
 
     Raises:
         QueryError: there is no such level.
@@ -31,9 +31,9 @@ def checked_level(by: Level) -> Level:
 
 
 def engine_prefix(prefix: Prefix, by: Level, length: int, domain: Domain, model: DomainLogic) -> tuple[str, ...]:
-    """Return a prefix in the form that engines of a level and length accept; for tasks, with canonical names.
+    """Return a prefix as the engines for a level and length expect it; for tasks, with canonical names.
 
-    `domain` has no conditions; `model` is the logic with them.
+    `domain` has no conditions; `model` is the logic of the domain with the conditions.
 
     Raises:
         QueryError: the prefix is a text, names no action of the domain, or has no canonical names.
@@ -56,7 +56,7 @@ def engine_prefix(prefix: Prefix, by: Level, length: int, domain: Domain, model:
 def parse_prefix(items: Sequence[str], by: Level, facts: Facts) -> tuple[str, ...]:
     """Return the parsed items of a prefix: actions without spaces, or names of actions.
 
-    An item without arguments is a name and stands for all actions of that name, including one without arguments.
+    An item without arguments is a name and stands for all actions of that name, including one that has no arguments.
 
     Raises:
         QueryError: an item is neither an action nor the name of one, or a skeleton begins with a single action.
@@ -78,7 +78,7 @@ def parse_prefix(items: Sequence[str], by: Level, facts: Facts) -> tuple[str, ..
 
 
 def parse_plan(items: Sequence[str | Atom], facts: Facts) -> tuple[clingo.Symbol, ...]:
-    """Return the actions of a plan; an item without arguments is the action spelled like it.
+    """Return the actions of a plan; an item without arguments is the action with exactly this text.
 
     Raises:
         QueryError: an item is not an action of the domain, or is only the name of several actions.

@@ -45,22 +45,22 @@ PATIENCE, WORDS, LARGE = 250_000, 4, 100
 number of renamings."""
 
 FEW_STATES, FEW_EDGES = 4096, 50_000
-"""Maximum numbers of states and edges of explorations that levels share."""
+"""Maximum numbers of states and edges of an exploration that levels share."""
 
 MORE_PATIENCE = 5_000_000
-"""Number of edges above which states with fewer renamings are merged; plain arrays are faster while they fit."""
+"""Number of edges above which states with fewer renamings are merged; plain arrays are faster as long as they fit."""
 
 SIZE, HALT, FORECAST = StopReason(StopKind.SIZE), StopReason(StopKind.HALT), StopReason(StopKind.FORECAST)
 """Reasons other than limits that end an exploration."""
 
 Halt = Callable[[Extent], bool]
-"""Return whether to stop an exploration of some extent."""
+"""Returns whether to stop an exploration of a given extent."""
 
 Forecast = Callable[[Extent, int], bool]
-"""Return whether an exploration of some extent is forecast to exceed the memory within a length."""
+"""Returns whether an exploration of a given extent is forecast to exceed the memory within a length."""
 
 Allow = Callable[[Rows], NDArray[np.bool_]]
-"""Return for each state whether it is allowed; a disallowed state halts the exploration."""
+"""Returns, for each state, whether it is allowed; a state that is not allowed halts the exploration."""
 
 Groups = Sequence[Sequence[Unit]]
 
@@ -69,9 +69,9 @@ Groups = Sequence[Sequence[Unit]]
 class Reach:
     """The known words of a level.
 
-    `letters` are the texts of the letters and `names` the names of their actions. `merged` walks along words if states
-    were merged. `stop` is the reason why exploration ended early, or None if it is complete up to the automaton's
-    horizon. With `sets`, the automaton's states are sets of states of the domain.
+    `letters` are the texts of the letters and `names` the names of their actions. If states were merged, `merged` finds
+    words, ranks and counts. `stop` is the reason why exploration ended early, or None if it is complete up to the
+    automaton's horizon. With `sets`, the automaton's states are sets of states of the domain.
     """
 
     letters: tuple[str, ...]
@@ -140,7 +140,7 @@ class Reach:
 
 
 class TooManyStates(Exception):
-    """Exploration would exceed the memory limit; `reach` is its partial result."""
+    """Exploration would exceed the memory limit; `reach` is the partial result."""
 
     def __init__(self, reach: Reach) -> None:
         super().__init__(StopKind.FORECAST.value)
@@ -149,9 +149,9 @@ class TooManyStates(Exception):
 
 @dataclass(frozen=True)
 class Explorer:
-    """The exploration of one level of a domain; if `merge` is None, the number of states decides whether to merge them.
+    """The exploration of one level of a domain; if `merge` is None, whether states are merged depends on their number.
 
-    Once that is decided, exploration stops if `hopeless` forecasts too many states.
+    Once this is settled, exploration stops if `hopeless` forecasts too many states.
     """
 
     model: DomainLogic
@@ -161,9 +161,9 @@ class Explorer:
     hopeless: Forecast | None = None
 
     def transition(self, weights: Weights | None = None, read: Sequence[clingo.Symbol] = ()) -> Transition:
-        """Return the step function to explore; its labels are the labels of the weights, then the atoms `read`.
+        """Return the step function to explore; its labels are those of the weights, followed by the atoms in `read`.
 
-        Skeletons need no canonical names because a skeleton has a plan exactly if it has a task.
+        Skeletons need no canonical names because a skeleton has a plan if and only if it has a task.
 
         Raises:
             EngineError: the step is not a function of the state and the action.
@@ -200,7 +200,7 @@ class Explorer:
     ) -> tuple[Reach, Fraction, NDArray[np.bool_]]:
         """Return the words with integer edge weights, their unit, and the truth values of `read` after each edge.
 
-        The truth values have shape (edges, atoms read).
+        The truth values have shape (edges, atoms in `read`).
         """
         transition = self.transition(weights, read)
         explored, merging = self._explore(transition, length, clock, weights, halt)
@@ -253,7 +253,7 @@ class Explorer:
     def _shared_exploration(
         self, transition: Transition, length: int, clock: LimitClock, halt: Halt | None
     ) -> Exploration | None:
-        """Return the identical exploration by another level's engine, if it exists and is small.
+        """Return the same exploration by the engine of another level, if there is one and it is small.
 
         With limits or progress reports, the exploration is repeated.
         """
@@ -300,11 +300,11 @@ class Explorer:
 
 
 _small: WeakKeyDictionary[Transition, Exploration] = WeakKeyDictionary()
-"""The last small exploration of each step function that still exists."""
+"""The latest small exploration of each step function that still exists."""
 
 
 def _known(transition: Transition, explored: Exploration, merging: Merging | None, automaton: Automaton) -> Reach:
-    """Return the words of an exploration, with the weights of `automaton`."""
+    """Return the words of an exploration with the weights of `automaton`."""
     letters, names = tuple(map(str, transition.actions)), tuple(map(action_name, transition.actions))
     if merging is None or explored.renamings is None:
         return Reach(letters, names, Completions(automaton), None, explored.stop)
@@ -318,7 +318,7 @@ def _known(transition: Transition, explored: Exploration, merging: Merging | Non
 def _present(groups: Groups, transition: Transition) -> list[Sequence[Unit]]:
     """Return the groups whose units all occur in the same way in a step function.
 
-    The step function of a part may lack units.
+    The step function of an independent part may lack some units.
     """
     entities = {entity for group in groups for unit in group for entity in unit}
     present = {entity for symbol in (*transition.actions, *transition.variables)

@@ -17,11 +17,11 @@ from prag_asp.space.limits import UNLIMITED, Limits, limit_error, within
 from prag_asp.space.weights.weights import Weighed, Weights
 
 REPORTED = 1000
-"""Number of words between two progress reports."""
+"""The number of words between two progress reports."""
 
 
 class SatEngine:
-    """The search engine of one domain at one level; it caches the formula of the latest length.
+    """The search engine for one domain at one level; it caches the formula for the latest length.
 
     Raises:
         EngineError: raised by each query if the program cannot be translated to clauses.
@@ -151,7 +151,7 @@ class _WordSearch:
                 ways.append(self._ways(len(ways), word, prefix))
 
     def _ways(self, place: int, word: Letters, prefix: Letters) -> Iterator[Letters]:
-        """Yield a word for each letter that can replace the letter of a word at a place, in order of these letters."""
+        """Yield a word for each letter that can stand at a given place of a word, in order of these letters."""
         for letter in self.formula.letters:
             if letter == word[place]:
                 yield word

@@ -21,7 +21,7 @@ from prag_asp.stop_reason import StopReason
 class SetWords:
     """The explored part of the skeleton automaton of a domain, whose states are sets of states.
 
-    A partial automaton lacks words but has no wrong words, because each of its sets has only reachable states.
+    A partial automaton may lack words but has no wrong ones, because its sets contain only reachable states.
     """
 
     edges: list[list[tuple[int, int]]] = field(default_factory=list)
@@ -29,7 +29,7 @@ class SetWords:
     horizon: int | None = None
 
     def follow(self, layers: Layers, names: Sequence[int], length: int) -> None:
-        """Explore the sets within `length` steps; `names` holds the number of each letter's name."""
+        """Explore the sets reachable within `length` steps; `names` holds the number of each letter's name."""
         start = layers.only_start()
         numbers: dict[Node, int] = {}
         frontier = [start]
@@ -55,7 +55,7 @@ class SetWords:
 
     @property
     def automaton(self) -> Automaton:
-        """The automaton; states that were not expanded have no edges."""
+        """The automaton, in which states that were not expanded have no edges."""
         if not self.accepting:
             return NOTHING
         rows = [*self.edges, *([] for _ in range(len(self.accepting) - len(self.edges)))]
@@ -67,7 +67,7 @@ class SetWords:
 
 @dataclass(frozen=True)
 class SetExplorer(Explorer):
-    """The explorer of the skeletons of a domain, which works on sets of states."""
+    """The explorer of a domain's skeletons, which works on sets of states."""
 
     def reach(
         self,
@@ -77,7 +77,7 @@ class SetExplorer(Explorer):
         halt: Halt | None = None,
         allow: Allow | None = None,
     ) -> Reach:
-        """Return the skeletons of up to `length` steps, as far as the clock permits."""
+        """Return the skeletons of up to `length` steps, as far as the limits permit."""
         actions = list(map(action_name, transition.actions))
         letters = tuple(sorted(set(actions)))
         names = [letters.index(name) for name in actions]
@@ -102,7 +102,7 @@ class _Spent(Exception):
 
 @dataclass
 class _Watch:
-    """A check of the limits; `stop` is the first limit that was reached."""
+    """Check the limits; `stop` is the first limit that was reached."""
 
     clock: LimitClock
     stop: StopReason | None = None
@@ -115,5 +115,5 @@ class _Watch:
             raise _Spent
 
     def close(self) -> None:
-        """Extend the clock a little, to report partial results."""
+        """Extend the time limit a little, to leave time for partial results."""
         self.clock = self.clock.to_report()

@@ -1,6 +1,6 @@
 """The sharp engine: an exact model counter on the unrolled program, for state graphs that are too large to explore.
 
-`estimate_words` uses an approximate counter, for spaces that no engine counts.
+`estimate_words` uses an approximate counter, for spaces that no engine can count.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from prag_asp.space.weights.weights import Weighed, Weights
 
 
 class SharpEngine:
-    """An engine for one domain at one level, which counts the models of a formula.
+    """An engine for one domain at one level that counts the models of a formula.
 
-    The sat engine enumerates words; ranks are computed from counts of words with a prefix.
+    It enumerates words with the sat engine, and computes ranks by counting the words with a given prefix.
 
     Raises:
         EngineError: the model counter is not installed; each query raises this error if the program cannot be

@@ -32,17 +32,17 @@ ARRAYS = {"offsets": ("i", 1), "letters": ("i", 1), "targets": ("i", 1), "accept
 
 @dataclass(frozen=True)
 class AutomatonSlot:
-    """The cached automaton of one level of a domain."""
+    """The place in the cache for the automaton of one level of a domain."""
 
     folder: Path
     key: str
 
     def read(self) -> Reach | None:
-        """Return the cached automaton if it is valid, otherwise None."""
+        """Return the cached automaton if it is valid, or else None."""
         entry = read_entry(self.folder, self.key, ARRAYS)
         try:
             return _restore(entry) if entry and entry.texts["code"] == code_digest() else None
-        except (KeyError, TypeError, ValueError, RuntimeError):  # clingo raises RuntimeError if a text is not a term
+        except (KeyError, TypeError, ValueError, RuntimeError):  # clingo raises a RuntimeError if a text is not a term
             return None
 
     def write(self, reach: Reach) -> bool:
@@ -70,11 +70,11 @@ OF_TASKS = ("canonical_names", "joint_names", "closed_invariants")
 
 
 def automaton_slot(folder: Path, model: DomainLogic, level: str, merge: bool | None) -> AutomatonSlot | None:
-    """Return the slot of a level of a domain in the cache folder, or None if the encodings cannot be read.
+    """Return the slot for a level of a domain in the cache folder, or None if the encodings cannot be read.
 
-    The key covers all inputs of the arrays except the code: the program and its unreachable actions, also for the model
-    without conditions and for the models that contain it as a part, and the rules of tasks. The entry itself contains
-    the digest of the code, which is computed only if there is an entry.
+    The key covers everything that the arrays depend on except the code: the rules of tasks, and the program with its
+    unreachable actions, also for the model without conditions and for the models of which this model is a part. The
+    entry itself contains the digest of the code, which is computed only if there is an entry.
     """
     domain = model.domain
     rules = [domain.encodings / "rules" / f"{name}.lp" for name in OF_TASKS] if level == "task" else []

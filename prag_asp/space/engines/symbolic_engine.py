@@ -1,4 +1,4 @@
-"""The symbolic engine: decision diagrams over the states, for more states than fit into memory."""
+"""The symbolic engine: decision diagrams over the states, for spaces whose states do not fit into memory."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ class SymbolicEngine:
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
         """Return the weighted words of a given length, and cache the latest result.
 
-        With `goals` or `plain`, each path is one word, which requires listing states within the same limits.
+        With `goals` or `plain`, each path is one word, so the states have to be listed, within the same limits.
         """
         refuse_weights(self._level, weights, self._model, length)
         if goals or plain:

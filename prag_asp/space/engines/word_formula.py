@@ -44,13 +44,13 @@ class WordFormula:
         return None if -TRUE in literals else literals
 
     def fits(self, letter: str, prefix_names: Sequence[str]) -> bool:
-        """Return whether a letter matches the first item of `prefix_names`; without items, every letter matches."""
+        """Return whether a letter matches the first item of `prefix_names`; without items, every letter does."""
         if not prefix_names or letter == prefix_names[0]:
             return True
         return letter.partition("(")[0] == name_in_prefix(prefix_names[0], self.letters)
 
     def word(self, model: Sequence[Literal]) -> Letters:
-        """Return the word of a model.
+        """Return the word that a model represents.
 
         Raises:
             EngineError: a step of the model does not have exactly one action.
@@ -67,7 +67,7 @@ class WordFormula:
 
     @cached_property
     def _shown(self) -> tuple[list[tuple[str, ...]], dict[Literal, tuple[int, str]]]:
-        """The letters of each step that are in all models, and the step and the letter of each variable."""
+        """For each step, the letters that are in all models; for each variable, its step and its letter."""
         always: list[tuple[str, ...]] = [()] * self.length
         meaning: dict[Literal, tuple[int, str]] = {}
         may_be = {TRUE, *self.cnf.shown}
@@ -82,7 +82,7 @@ class WordFormula:
 
 
 def word_formula(model: DomainLogic, level: Level, length: int) -> WordFormula:
-    """Return the formula of the words of a given level and length.
+    """Return the formula whose models are the words of a given level and length.
 
     Raises:
         EngineError: the program cannot be translated to clauses.

@@ -1,4 +1,4 @@
-"""Distribute whole pieces among parts whose sizes come close to the requested shares."""
+"""Distribute whole pieces among parts so that the sizes of the parts come close to the requested shares."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 
 NEAR = Fraction(2, 100)
-"""Maximum distance of a part from its share in a random choice: two percentage points."""
+"""Maximum difference between a part and its share in a random choice: two percentage points."""
 
 ATTEMPTS, NODES = 20, 200_000
-"""Number of random choices before branch and bound, and maximum number of nodes of that search."""
+"""Number of random choices before branch and bound starts, and maximum number of nodes in that search."""
 
 SWAPPED = 100
-"""Maximum number of pieces for which exchanges of two pieces are tried as well."""
+"""Maximum number of pieces for which exchanges of two pieces are also tried."""
 
 
 def farthest(sizes: Sequence[int], shares: Sequence[Fraction]) -> Fraction:
@@ -25,8 +25,8 @@ def farthest(sizes: Sequence[int], shares: Sequence[Fraction]) -> Fraction:
 def choose_parts(pieces: Sequence[int], shares: Sequence[Fraction], seed: int) -> list[int]:
     """Return the index of each piece's part, given the sizes of the pieces, at least one of which is above 0.
 
-    Pieces are assigned at random to parts in deficit and improved by local search. If no attempt comes near enough,
-    branch and bound searches for the nearest assignment.
+    Pieces are assigned at random to parts that are still too small, and the assignment is improved by local search. If
+    no attempt comes close enough, branch and bound searches for the closest assignment.
     """
     chance = random.Random(f"parts {seed}")
     best: list[int] = []
@@ -51,7 +51,7 @@ def _sums(parts: Sequence[int], pieces: Sequence[int], number: int) -> list[int]
 
 
 def _random_parts(pieces: Sequence[int], shares: Sequence[Fraction], chance: random.Random) -> list[int]:
-    """Return an assignment of the pieces, in random order, to parts in proportion to their deficits."""
+    """Return an assignment of the pieces, in random order, to parts in proportion to how much each part still lacks."""
     total = sum(pieces)
     lacking = [share * total for share in shares]
     parts = [0] * len(pieces)
@@ -68,7 +68,7 @@ def _random_parts(pieces: Sequence[int], shares: Sequence[Fraction], chance: ran
 
 
 def _improved(parts: list[int], pieces: Sequence[int], shares: Sequence[Fraction]) -> list[int]:
-    """Return a local optimum under moves of one piece and exchanges of two."""
+    """Return a local optimum, which neither moving a piece nor exchanging two pieces improves."""
     total = sum(pieces)
     excess = [size - share * total for size, share in zip(_sums(parts, pieces, len(shares)), shares, strict=True)]
     while True:
@@ -107,7 +107,7 @@ def _steps(
 
 
 def _nearest(pieces: Sequence[int], shares: Sequence[Fraction], best: list[int]) -> list[int]:
-    """Return the nearest assignment if the search ends within `NODES`, otherwise the best one so far.
+    """Return the closest assignment if the search ends within `NODES` nodes, or otherwise the best one found.
 
     Pieces are placed in order of decreasing size. An excess never shrinks, which bounds each branch.
     """

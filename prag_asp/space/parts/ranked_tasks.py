@@ -18,7 +18,7 @@ from prag_asp.wording import plural
 
 
 class Ranks(Protocol):
-    """A sequence of any number of distinct ranks."""
+    """A sequence of distinct ranks, possibly longer than `len` allows."""
 
     @property
     def size(self) -> int:
@@ -56,7 +56,7 @@ class Space(Protocol):
 
 @dataclass(frozen=True)
 class RankRange:
-    """The ranks of a range."""
+    """The ranks in a range."""
 
     ranks: range
 
@@ -81,7 +81,7 @@ class RankRange:
 
 @dataclass(frozen=True)
 class ShuffledRanks:
-    """The ranks at some places of a shuffle."""
+    """The ranks that a shuffle has at certain places."""
 
     order: Shuffle
     places: RankRange

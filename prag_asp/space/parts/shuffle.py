@@ -13,7 +13,7 @@ ROUNDS = 6
 class Shuffle:
     """A permutation of the numbers below `size`, given by a seed.
 
-    A Feistel network permutes the numbers that have the next even number of bits (Luby and Rackoff 1988); cycle walking
+    A Feistel network permutes the numbers with the next even number of bits (Luby and Rackoff 1988); cycle walking
     repeats it until the result is below `size` (Black and Rogaway 2002).
     """
 
@@ -49,7 +49,7 @@ class Shuffle:
         return (1 << self._half) - 1
 
     def _mixed(self, number: int, half: int) -> int:
-        """Return the round function: pseudo-random bits for half a number."""
+        """Compute the round function: pseudo-random bits for half of a number."""
         size = (self._half + 7) // 8
         text = f"{self.seed} {number} {half}".encode()
         random_bytes = b"".join(

@@ -1,1 +1,1 @@
-"""Tasks from plans: states, subgoals, canonical names and readings."""
+"""Turn plans into tasks: states, subgoals, canonical names and readings."""

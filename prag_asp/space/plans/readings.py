@@ -41,8 +41,8 @@ Reading = tuple[Atom | Composite, ...]
 class Hierarchy:
     """The units of readings: `units` maps a sequence of actions to its free action and its composites.
 
-    The action comes first, then the composites in clingo's order of terms. `units` is None if the domain has no
-    composites: every action is free.
+    The free action comes first, followed by the composites in clingo's order of terms. If the domain has no composites,
+    `units` is None: every action is free.
     """
 
     units: Mapping[tuple[Atom, ...], tuple[Atom | Composite, ...]] | None
@@ -87,14 +87,14 @@ class Readings:
 
     @cached_property
     def _counts(self) -> Sequence[int]:
-        """For each place, the number of readings of the actions from that place on."""
+        """For each place, the number of readings of the actions from that place to the end."""
         counts = [0] * len(self.actions) + [1]
         for place in range(len(self.actions) - 1, -1, -1):
             counts[place] = sum(len(units) * counts[end] for end, units in self._units(place))
         return counts
 
     def _units(self, place: int) -> Iterator[tuple[int, tuple[Atom | Composite, ...]]]:
-        """Yield the ends of the units that begin at a place, with the units that end there."""
+        """Yield the ends of the units that begin at a place, each with the units that end there."""
         for length in self.hierarchy.lengths:
             if place + length > len(self.actions):
                 break

@@ -30,7 +30,7 @@ from prag_asp.stop_reason import StopKind, StopReason
 from prag_asp.task import State
 
 MOST_STATES = 2_000_000
-"""Maximum number of states of a search: at 64 bytes per state, they and their edges take about 1 GB."""
+"""Maximum number of states in a search: at 64 bytes per state, they and their edges take about 1 GB."""
 
 TOGETHER = 4096
 """Number of states that are expanded together."""
@@ -56,7 +56,7 @@ TRUTH = {True: "true", False: "false"}
 
 @dataclass(frozen=True)
 class ShortestPlans:
-    """The length of the shortest plans that solve a task, and their number; equal plans have equal actions."""
+    """The length of the shortest plans that solve a task, and their number; plans are equal if their actions are."""
 
     length: int
     number: int
@@ -64,11 +64,11 @@ class ShortestPlans:
 
 @dataclass(frozen=True)
 class PlanLayer:
-    """The states that plans of `depth` actions reach and shorter ones do not.
+    """The states that plans of `depth` actions reach but shorter plans do not.
 
-    `numbers` holds the number of plans to each state; `ends` tells whether a plan may end there; `meets` tells, for
-    each fluent and value, whether a goal may demand it there, packed, shape (states, bytes). All have one row for each
-    state.
+    `numbers` holds the number of plans that lead to each state; `ends` states whether a plan may end there; `meets`
+    states, for each fluent and value, whether a goal may require it there, packed, shape (states, bytes). Each array
+    has one row per state.
     """
 
     depth: int
@@ -77,7 +77,7 @@ class PlanLayer:
     meets: Bits
 
     def solving(self, goal: Bits) -> NDArray[np.bool_]:
-        """Return which states reach a goal, which is packed like a row of `meets`."""
+        """Return which states satisfy a goal, which is packed like a row of `meets`."""
         solving: NDArray[np.bool_] = self.ends & ((self.meets & goal) == goal).all(axis=1)
         return solving
 
@@ -91,7 +91,7 @@ class Start:
 
     @classmethod
     def of(cls, program: Program, initial: Iterable[tuple[object, bool]]) -> Start:
-        """Return the initial state in which fluents have these values, for plans of a program.
+        """Return the initial state, for the plans of a program, in which fluents have these values.
 
         Raises:
             DomainError: clingo cannot ground the program.
@@ -105,14 +105,14 @@ class Start:
         return cls(grounder, {(str(fluent), value.name == "true") for fluent, value, _ in values})
 
     def row(self, transition: Transition) -> Rows:
-        """Return the packed state, shape (1, words); no row if it is contradictory."""
+        """Return the packed state, shape (1, words), or no row if the state is contradictory."""
         at_start = (clingo.Function(each.name, [*each.arguments, START]) for each in transition.variables)
         atoms = self.grounder.control.symbolic_atoms
         bits = np.array([[(atom := atoms[each]) is not None and atom.is_fact] for each in at_start], dtype=np.bool_)
         return pack(bits.reshape(-1, 1))[: 0 if self.grounder.control.is_conflicting else 1]
 
     def covered(self, transition: Transition) -> bool:
-        """Return whether the step is ground for all atoms of the initial state that it may read."""
+        """Return whether the step has been ground for all atoms of the initial state that it may read."""
         before = transition.step.ground.before
         signatures = {(symbol.name, len(symbol.arguments)) for symbol in before}
         return all(
@@ -123,7 +123,7 @@ class Start:
         )
 
     def closed(self, values: Iterable[tuple[object, bool]]) -> Literals:
-        """Return values of fluents with all values that follow from them by the invariants."""
+        """Return values of fluents together with all values that follow from them by the invariants."""
         follows: dict[tuple[str, bool], list[tuple[str, bool]]] = {}
         for one, value, other, then in (each.arguments for each in _true(self.grounder, *PROPAGATES)):
             follows.setdefault((str(one), value.name == "true"), []).append((str(other), then.name == "true"))
@@ -136,13 +136,13 @@ class Start:
         return found
 
     def may_end(self) -> bool:
-        """Return whether the plan without actions may end here; call this before any step is ground."""
+        """Return whether the plan without actions may end here; this must be called before any step is ground."""
         self.grounder.ground([("check", [START])])
         return bool(self.grounder.control.solve().satisfiable)
 
 
 class CommonStart:
-    """The base part of a program, ground once for all initial states, whose facts are left open."""
+    """The base part of a program, ground once for all initial states, with their facts left open."""
 
     def __init__(self, program: Program) -> None:
         given = REQUEST.fact("start(F,V)").removesuffix(".")
@@ -152,7 +152,7 @@ class CommonStart:
         self._assigned: list[clingo.Symbol] = []
 
     def covered(self, transition: Transition) -> bool:
-        """Return whether the step is ground for all atoms that an initial state may have."""
+        """Return whether the step has been ground for all atoms that an initial state may have."""
         before, atoms = transition.step.ground.before, self._grounder.control.symbolic_atoms
         return not self._grounder.control.is_conflicting and all(
             clingo.Function(atom.symbol.name, atom.symbol.arguments[:-1]) in before
@@ -186,7 +186,7 @@ def _true(grounder: Grounder, name: str, arity: int) -> Iterator[clingo.Symbol]:
 class PlanSearch:
     """The searches for shortest plans of one domain, which share one ground step.
 
-    Conditions of a space are no part of the domain: a shortest plan need not satisfy them.
+    The conditions of a space are not part of the domain, so a shortest plan need not satisfy them.
     """
 
     def __init__(self, model: DomainLogic) -> None:
@@ -233,9 +233,8 @@ class PlanSearch:
     ) -> list[NDArray[np.bool_]]:
         """Return which goals can be reached from each initial state by a plan of at most `at_most` actions.
 
-        ``goals[k]`` has a row for each goal from the k-th initial state, as returned by `goal_row`, closed under the
-        invariants; the result has an array of the same number of truth values. The states of all searches are expanded
-        together.
+        ``goals[k]`` has one row, as returned by `goal_row`, for each goal to be reached from the k-th initial state;
+        the result has an array of as many truth values. The states of all searches are expanded together.
 
         Raises:
             EngineError: the step is not a function of the state and the action.
@@ -291,7 +290,7 @@ class PlanSearch:
         return Start.of(self._model.program, ())
 
     def _row(self, literals: Literals) -> Bits:
-        """Return values of fluents as a packed row, shape (bytes,), with bits for true and false for each fluent."""
+        """Return values of fluents as a packed row, shape (bytes,), with two bits per fluent: true and false."""
         row = np.zeros(len(self._places), dtype=np.bool_)
         row[[self._places[each] for each in literals]] = True
         return np.packbits(row)
@@ -345,9 +344,9 @@ class PlanLayers:
 
 @dataclass(frozen=True)
 class PlanGraph:
-    """The states of several searches and the edges between them, in order of their sources, which begin at `offsets`.
+    """The states of several searches and the edges between them, by source; `offsets` is where each source begins.
 
-    `ends` tells whether a plan may end after the action of an edge, `meets` what a goal may demand there.
+    `ends` states whether a plan may end after the action of an edge, and `meets` what a goal may require there.
     """
 
     offsets: NDArray[np.int64]
@@ -359,14 +358,14 @@ class PlanGraph:
     def of(
         cls, sources: list[NDArray[np.int64]], targets: list[NDArray[np.int64]], ends: NDArray[np.bool_], meets: Bits
     ) -> PlanGraph:
-        """Return the graph of some edges."""
+        """Return the graph that has some edges."""
         nothing = np.zeros(0, dtype=np.int64)
         own, others = (np.concatenate([nothing, *each]) for each in (sources, targets))
         order = np.argsort(own, kind="stable")
         return cls(np.searchsorted(own[order], np.arange(len(ends) + 1)), others[order], ends, meets)
 
     def within(self, start: int, steps: int) -> NDArray[np.int64]:
-        """Return the states that 1 to `steps` edges reach from a state."""
+        """Return the states that can be reached from a state over 1 to `steps` edges."""
         reached = frontier = np.array([start])
         after = np.zeros(0, dtype=np.int64)
         for _ in range(steps):
@@ -382,7 +381,7 @@ class PlanGraph:
 
 
 def solved_by(meets: Bits, goals: Bits) -> NDArray[np.bool_]:
-    """Return which `goals`, one in each row, are contained in some row of `meets`."""
+    """Return which of `goals`, one per row, are contained in some row of `meets`."""
     exact = set(map(bytes, meets))
     solved = np.array([bytes(goal) in exact for goal in goals], dtype=np.bool_)
     if solved.all() or not len(meets):
@@ -390,7 +389,7 @@ def solved_by(meets: Bits, goals: Bits) -> NDArray[np.bool_]:
     distinct = np.unique(meets, axis=0)
     sizes = np.unpackbits(distinct, axis=1).sum(axis=1, dtype=np.int64)
     order = np.argsort(-sizes, kind="stable")
-    for place in np.flatnonzero(~solved):  # a state may meet more than the goal
+    for place in np.flatnonzero(~solved):  # a state may satisfy more than the goal
         larger = distinct[order[: np.searchsorted(-sizes[order], -int(np.unpackbits(goals[place]).sum()))]]
         solved[place] = ((larger & goals[place]) == goals[place]).all(axis=1).any()
     return solved
@@ -413,7 +412,7 @@ def _check(clock: LimitClock, seen: Numbering) -> None:
 def _advance(
     transition: Transition, rows: Rows, numbers: NDArray[Any], seen: Numbering, clock: LimitClock
 ) -> tuple[Rows, NDArray[Any], Bits]:
-    """Return the new states after one more action, the number of plans to each, and what goals may demand there."""
+    """Return the new states after one more action, the number of plans to each, and what goals may require there."""
     known = len(seen)
     targets, paths, meets = [], [], [np.zeros((0, -(-len(transition.labels) // 8)), dtype=np.uint8)]
     for first in range(0, len(rows), TOGETHER):

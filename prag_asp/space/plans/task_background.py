@@ -1,4 +1,4 @@
-"""The data for comparing tasks of a domain, as plain values: classes, preconditions, interchangeable entities."""
+"""The data for comparing tasks of a domain as plain values: classes, preconditions and interchangeable entities."""
 
 from __future__ import annotations
 

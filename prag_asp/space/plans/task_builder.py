@@ -21,14 +21,14 @@ from prag_asp.program.facts import Assignment
 from prag_asp.task import FrozenDict, Task
 
 BATCH = 2048
-"""Maximum number of plans that are evaluated together; a lazy iteration waits for one batch."""
+"""Maximum number of plans that are evaluated together; lazy iteration has to wait for one batch."""
 
 BATCH_STATES = 1 << 14
-"""Approximate number of states in a batch; stored states are only dropped between batches."""
+"""Approximate number of states in a batch; cached states are dropped only between batches."""
 
 Known = FrozenDict[Atom, bool]
 Entities = int
-"""A set of entities: bit i for the i-th."""
+"""A set of entities, in which bit i stands for the i-th entity."""
 
 WeighedPlan = tuple[Sequence[str], "float | None"]
 """A plan as the texts of its actions, and the log-probability of its draw, or None if it was not sampled."""
@@ -91,7 +91,7 @@ class TaskBuilder:
         return [tuple(int(state.get(fluent, UNKNOWN)) for fluent in self._fluents) for state in known]
 
     def _state_numbers(self, plans: Sequence[Sequence[str]]) -> list[list[int]]:
-        """Return the numbers in `_states` of the states of each plan; all plans have the same length."""
+        """Return, for each plan, the numbers that its states have in `_states`; all plans have the same length."""
         if self._plan_states.full:
             self._plan_states = self._new_plan_states()
             self._states, self._entities_of, self._classes = [], [], {}

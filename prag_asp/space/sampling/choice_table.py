@@ -3,7 +3,7 @@
 An edge is chosen with a probability exactly proportional to its weight, an integer of any size. A uniform real number U
 in [0, 1) chooses the first edge whose cumulative share of the weights exceeds U. The first 64 bits of U decide, unless
 they equal the first 64 bits of some cumulative share; then further bits of U are drawn. For most U, a guide table (Chen
-and Asau 1974) gives the edge from the leading bits; for the others, binary search does.
+and Asau 1974) looks up the edge from the leading bits; for the others, it is found by binary search.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ GUIDE_CELLS = 1 << 15
 LARGEST = (1 << WORD) - 1
 Integers = NDArray[np.int64]
 Resolve = Callable[[int, int], int]
-"""Return the edge by further bits, given the index of a draw in its batch and the slot of its state."""
+"""Finds the edge from further bits, given the index of a draw in its batch and the slot of its state."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,8 @@ class ChoiceTable:
     """The choices of one step: for some states, called slots 0, 1, ..., their edges with thresholds.
 
     The edges of slot s are ``first[s]:first[s + 1]``; `edges` are their numbers in the automaton, and `thresholds` are
-    floor(2^64 * cumulative share); the last one of each state is unused. `guide` has 2^bits cells for each slot with
-    the chosen edge, or -1 if a threshold lies within the cell; it is empty if bits is 0.
+    floor(2^64 * cumulative share), of which the last one for each state is unused. `guide` has 2^bits cells for each
+    slot with the chosen edge, or -1 if a threshold lies within the cell; it is empty if bits is 0.
     """
 
     states: Integers
@@ -90,7 +90,7 @@ def make_choice_table(automaton: Automaton, states: Integers, row: NDArray[Any],
 
 
 def weights_behind(automaton: Automaton, edges: Integers, row: NDArray[Any]) -> list[int]:
-    """Return the total weight through each of some edges; `row` holds the weight of each state's completions."""
+    """Return the total weight through each of the given edges; `row` holds the weight of each state's completions."""
     behind: list[int] = row[automaton.targets[edges]].tolist()
     if automaton.weights is None:
         return behind
@@ -98,7 +98,7 @@ def weights_behind(automaton: Automaton, edges: Integers, row: NDArray[Any]) -> 
 
 
 def _guide(thresholds: Words, first: Integers, bits: int) -> NDArray[np.int32]:
-    """Return the edge of each slot for each value of the leading bits, or -1 if a threshold lies within the cell."""
+    """Return, for each slot and each value of the leading bits, the edge, or -1 if a threshold lies within the cell."""
     if not bits:
         return np.zeros(0, dtype=np.int32)
     slots = len(first) - 1
@@ -112,7 +112,7 @@ def _guide(thresholds: Words, first: Integers, bits: int) -> NDArray[np.int32]:
 
 
 def exact_choice(running: Sequence[int], word: int, further: Callable[[], Iterator[int]]) -> int:
-    """Return the index of the first running total whose ratio to the last total exceeds a uniform number.
+    """Return the index of the first running total that, divided by the last total, exceeds a uniform number.
 
     The number is 0.word further... in base 2^64; only the digits that decide are read.
     """

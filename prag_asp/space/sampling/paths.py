@@ -13,20 +13,21 @@ from prag_asp.space.automaton.automaton import Completions
 from prag_asp.space.sampling.choice_table import ChoiceTable, Integers, exact_choice, make_choice_table, weights_behind
 
 CHUNK_WORDS = 1 << 17
-"""Approximate number of random words per chunk, which fit into the processor cache."""
+"""Approximate number of random words per chunk, so that a chunk fits into the processor cache."""
 
 FEW = 64
-"""Maximum number of draws for which building tables of all states does not pay off."""
+"""Maximum number of draws for which building tables for all states does not pay off."""
 
 KEPT_EDGES = 1 << 23
-"""Maximum number of edges of all tables for caching them; otherwise each chunk builds the tables that it visits."""
+"""Maximum number of edges in all tables for the tables to be cached; above it, each chunk builds the tables that it
+needs."""
 
 
 class PathSampler:
     """A sampler of accepting paths of one length.
 
     Each path uses one random word for each edge. Results depend neither on the number of paths drawn together nor on
-    cached tables, because tables are functions of the automaton.
+    whether tables are cached, because tables depend only on the automaton.
     """
 
     def __init__(self, completions: Completions, length: int, starts: Integers | None = None) -> None:
@@ -46,9 +47,9 @@ class PathSampler:
         return edges
 
     def descend(self, states: Integers, words: Words, bits: Bits, first: int) -> NDArray[np.int64]:
-        """Return the edges of paths from states, shape (length, paths), chosen by random words, shape (paths, length).
+        """Return the edges, shape (length, paths), of paths from states, chosen by random words, shape (paths, length).
 
-        Further random words of a path are bits of its draw; `first` is the number of the first draw.
+        If a path needs further random words, they are bits of its draw; `first` is the number of the first draw.
         """
         automaton, row = self._completions.automaton, self._completions.row
         columns = np.ascontiguousarray(words.T)
@@ -115,7 +116,7 @@ class PathSampler:
 
 
 def chunks(count: int, words: int) -> Iterator[tuple[int, int]]:
-    """Yield the range of draws in each chunk; each draw uses `words` random words."""
+    """Yield the range of draws in each chunk, where each draw uses `words` random words."""
     size = max(CHUNK_WORDS // max(words, 1), 2 * FEW)
     for begin in range(0, count, size):
         yield begin, min(begin + size, count)

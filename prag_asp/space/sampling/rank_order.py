@@ -1,4 +1,4 @@
-"""Orders of sampling without replacement with random access to the k-th task."""
+"""Orders for sampling without replacement, with random access to the k-th task."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ class ShareOrder:
 
 @dataclass(frozen=True)
 class EvenOrder:
-    """Alternating shuffled stretches; exhausted ones are skipped."""
+    """Tasks taken in turn from shuffled stretches; exhausted stretches are skipped."""
 
     shuffled: tuple[ShuffledRanks, ...]
 
@@ -90,7 +90,7 @@ class EvenOrder:
 
 @dataclass(frozen=True)
 class RemainingOrder:
-    """The remaining tasks of an order, renumbered; `excluded` has the numbers of the other tasks in ascending order."""
+    """The remaining tasks of an order, renumbered; `excluded` holds the numbers of the others in ascending order."""
 
     order: RankOrder
     excluded: tuple[int, ...]
@@ -114,5 +114,5 @@ class RemainingOrder:
 
     @cached_property
     def _remaining_before(self) -> Sequence[int]:
-        """The number of remaining tasks before each excluded one."""
+        """The number of remaining tasks before each excluded task."""
         return [number - place for place, number in enumerate(self.excluded)]

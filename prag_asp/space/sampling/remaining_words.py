@@ -1,7 +1,7 @@
-"""Exact sampling without replacement: each word is sampled by its weight among the remaining words of a set.
+"""Exact sampling without replacement: each word is sampled by weight from the remaining words of a set.
 
-The weights of the words already taken are summed for each prefix of choices and subtracted during a walk. No draw is
-therefore rejected, and sampling ends only when no weight remains.
+For each prefix of choices, the weights of the words already taken are summed; a walk subtracts them. Thus no draw is
+rejected, and sampling ends only when no weight remains.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class RemainingWords:
 
 
 def walks_of(weighed: Weighed, length: int) -> Walks:
-    """Return walks that choose the words of a given length one letter after the other."""
+    """Return walks that choose the words of a given length letter by letter."""
     return weighed.ranking or PathWalks(weighed.completions, length)
 
 

@@ -26,10 +26,10 @@ Over = Literal["skeletons", "goals"]
 OVER: tuple[Over, ...] = ("skeletons", "goals")
 
 KEPT_SUMS = 1 << 26
-"""Maximum memory for cached sums of skeletons, in bytes."""
+"""Maximum memory for the cached sums of skeletons, in bytes."""
 
 Sums = tuple[list[dict[int, list[int]]], int]
-"""For each step of a skeleton and each state, the running sums of the weights of its moves; and the total weight."""
+"""For each step of a skeleton and each state, the running totals of the weights of its moves; and the total weight."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class DrawArray:
 
 @dataclass
 class WordGroup:
-    """The words of one skeleton or goal: their total weight, and a function that walks to one of them."""
+    """The words with one skeleton or goal: their total weight, and a function that walks to one of them."""
 
     total: int
     walk: Callable[[Choice], tuple[Word, int]]
@@ -75,7 +75,7 @@ class WeightSampler:
 
 
 class WalkSampler:
-    """A sampler with the distribution of `WeightSampler` that walks word by word.
+    """A sampler with the same distribution as `WeightSampler` that chooses one word at a time.
 
     It serves automata in which a path stands for several words, or whose states are not listed.
     """
@@ -104,7 +104,7 @@ class GoalSampler:
     """A sampler that chooses a goal uniformly, and then a word with this goal by weight.
 
     A goal is the known part of a final state. Words are sampled backward, from their last edge to their first: in the
-    automaton with reversed edges, a state for each goal leads to the last edges that reach it.
+    automaton with reversed edges, each goal has a state from which the last edges of its words lead.
     """
 
     def __init__(self, weighed: Weighed, length: int) -> None:
@@ -119,7 +119,7 @@ class GoalSampler:
         self._paths = PathSampler(completions, length, self._starts)
 
     def sample(self, bits: Bits, first: int, count: int, *, with_probabilities: bool) -> DrawArray:
-        """Return the draws from number `first` on; the first random word of each draw chooses its goal."""
+        """Return the draws from number `first` on; the first random word of each draw determines its goal."""
         running = list(range(1, len(self._starts) + 1))
         edges = np.empty((self._length, count), dtype=np.int64)
         goals = np.empty(count, dtype=np.int64)
@@ -139,11 +139,11 @@ class GoalSampler:
 
     @property
     def weights(self) -> Sequence[int]:
-        """The weight of the words of each goal, which is their number if there are no weights."""
+        """The total weight of the words with each goal, which is their number if there are no weights."""
         return self._totals
 
     def of_goal(self, goal: int, bits: Bits, number: int) -> list[int]:
-        """Return a word with one goal, given by its index in `weights`, sampled by weight for draw `number`."""
+        """Return a word with one goal, given by its index in `weights`, sampled by weight with draw `number`."""
         words = bits.words(number, 1, self._length)
         edges = self._paths.descend(self._starts[[goal]], words, bits, number)
         letters: list[int] = self._letters[edges[::-1, 0]].tolist()
@@ -151,11 +151,11 @@ class GoalSampler:
 
     @property
     def count(self) -> int:
-        """The number of goals of words with positive weight."""
+        """The number of goals that words of positive weight have."""
         return len(self._starts)
 
     def groups(self) -> Iterator[Walks]:
-        """Yield walks to the words of each goal, which choose the last letter of a word first."""
+        """Yield walks to the words with each goal, which choose the last letter of a word first."""
         for start in self._starts.tolist():
             backward = PathWalks(self._completions, self._length, start)
             yield WordGroup(backward.total, partial(_walk_backward, backward))
@@ -186,7 +186,7 @@ def _reversed(automaton: Automaton, goals: NDArray[np.int64]) -> tuple[Automaton
 class SkeletonSampler:
     """A sampler that chooses a skeleton uniformly, and then a word with this skeleton by weight.
 
-    `count` is the number of skeletons of words with positive weight.
+    `count` is the number of skeletons that words of positive weight have.
     """
 
     def __init__(self, weighed: Weighed, length: int, names: NDArray[np.int64]) -> None:
@@ -203,7 +203,7 @@ class SkeletonSampler:
 
     @cached_property
     def _moves(self) -> list[dict[int, list[tuple[int, int, int]]]]:
-        """For each state and name: the edges, their targets and weights."""
+        """For each state and name: the edges, their targets and their weights."""
         automaton = self._automaton
         weights = [1] * len(automaton.letters) if automaton.weights is None else automaton.weights.tolist()
         moves: list[dict[int, list[tuple[int, int, int]]]] = [{} for _ in range(automaton.states)]
@@ -214,7 +214,7 @@ class SkeletonSampler:
         return moves
 
     def sample(self, bits: Bits, first: int, count: int, *, with_probabilities: bool) -> DrawArray:
-        """Return the draws from number `first` on; the first half of each draw's random words chooses its skeleton."""
+        """Return the draws from number `first` on; the first half of a draw's random words determines its skeleton."""
         edges = np.empty((self._length, count), dtype=np.int64)
         totals: list[int] = []
         for begin, end in chunks(count, 2 * self._length):
@@ -242,7 +242,7 @@ class SkeletonSampler:
         return _letters(self._automaton, edges)[0].tolist(), _shares(self._automaton, edges, [total])[0]
 
     def skeleton(self, rank: int) -> tuple[int, ...]:
-        """Return the numbers of the names of the skeleton with a rank, from 0 to `count` - 1."""
+        """Return the skeleton with a given rank, from 0 to `count` - 1, as numbers of names."""
         if self._ranking is None:
             self._ranking = Ranking(self._completions, self._length)
         return tuple(self._ranking.unrank(rank))
@@ -252,7 +252,7 @@ class SkeletonSampler:
         return self._sums(self.skeleton(rank))[1]
 
     def groups(self) -> Iterator[Walks]:
-        """Yield walks to the words of each skeleton, in the order of the names."""
+        """Yield walks to the words with each skeleton, in the order of the names."""
         ranking = Ranking(self._completions, self._length)
         for rank in range(self.count):
             skeleton = tuple(ranking.unrank(rank))
@@ -274,8 +274,8 @@ class SkeletonSampler:
     ) -> tuple[list[int], int]:
         """Return the edges of a word with a skeleton, chosen by random bits, and the weight of all such words.
 
-        Sums are cached because short skeletons are sampled often. An upper bound on their memory limits the cache: the
-        last running sum is the largest.
+        Sums are cached because short skeletons are sampled often. The cache is limited by an upper bound on their
+        memory, which follows from the last running total, because it is the largest.
         """
         known = self._known.get(skeleton)
         if known is None:
@@ -297,7 +297,7 @@ class SkeletonSampler:
         return path, total
 
     def _sums(self, skeleton: tuple[int, ...]) -> Sums:
-        """Return, for each step and state, the running sums of the moves, and the weight of all words."""
+        """Return, for each step and state, the running totals of the moves, and the weight of all words."""
         layers: list[set[int]] = [{0}]
         for name in skeleton:
             layers.append({move[1] for state in layers[-1] for move in self._moves[state].get(name, ())})
@@ -315,7 +315,7 @@ class SkeletonSampler:
 
 
 def _walk_backward(walks: Walks, choose: Choice) -> tuple[Word, int]:
-    """Return a word and its weight, given walks to reversed words."""
+    """Return a word and its weight, given walks that choose reversed words."""
     letters, weight = walks.walk(choose)
     return letters[::-1], weight
 
@@ -325,7 +325,7 @@ def _letters(automaton: Automaton, edges: NDArray[np.int64]) -> NDArray[np.int32
 
 
 def _shares(automaton: Automaton, edges: NDArray[np.int64], totals: Sequence[int]) -> list[Fraction]:
-    """Return the weight of each path, a column of `edges`, as a share of the respective total."""
+    """Return the weight of each path, which is a column of `edges`, as a share of its total."""
     weights = [1] * edges.shape[1]
     if automaton.weights is not None:
         for step in automaton.weights[edges]:

@@ -1,4 +1,4 @@
-"""Shards of draws: each of N workers gets every N-th draw."""
+"""Shards of draws: each of N workers takes every N-th draw."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ MOST = 1_000_000
 
 @dataclass(frozen=True)
 class Deal:
-    """One of several shards: `number` counts from 1, `of` is how many there are. Its draws are renumbered from 0.
+    """One of `of` shards; `number` counts from 1. Its draws are renumbered from 0.
 
     Raises:
         QueryError: there is no shard with that number.
@@ -47,16 +47,16 @@ class Deal:
         return f"{self.number}/{self.of}"
 
     def whole(self, own: int) -> int:
-        """Return the overall number of a draw of this shard."""
+        """Return the overall number of a draw, given its number in this shard."""
         return own * self.of + self.number - 1
 
     def own(self, whole: int) -> int | None:
-        """Return the number of a draw in this shard, given its overall number, or None if it is in another shard."""
+        """Return the number of a draw in this shard, given its overall number, or None if another shard has it."""
         own, remainder = divmod(whole - self.number + 1, self.of)
         return None if remainder else own
 
     def share(self, size: int) -> int:
-        """Return the number of draws of this shard among the first `size` draws."""
+        """Return how many of the first `size` draws belong to this shard."""
         return max(-(-(size - self.number + 1) // self.of), 0)
 
 

@@ -1,7 +1,7 @@
-"""Exact statistics of the words of a level that are sampled by weight.
+"""Exact statistics of the words of a level when words are sampled by weight.
 
 No word is enumerated: the weight of all words through an edge is the weight of all paths to it times the weight of all
-paths from it (forward-backward algorithm, Baum et al. 1970), here in integers of any size.
+paths from it (forward-backward algorithm, Baum et al. 1970), computed here with integers of any size.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from prag_asp.space.weights.weights import Weights
 from prag_asp.wording import unknown
 
 ENTROPY_PLACES = 30
-"""Number of correct decimal places of an entropy."""
+"""The number of correct decimal places of an entropy."""
 
 Objects = NDArray[np.object_]
 """Integers of any size."""
@@ -38,11 +38,11 @@ Objects = NDArray[np.object_]
 
 @dataclass(frozen=True)
 class Statistics:
-    """Exact statistics of a random word, sampled by weight: a plan, a task or a skeleton with `length` letters.
+    """Exact statistics of a random word (a plan, task or skeleton of `length` letters), sampled by weight.
 
     `words` is the number of words of positive weight and `total_weight` the sum of their weights. `entropy` is in bits,
-    with 30 decimal places. The `expected` mappings hold the expected numbers of occurrences of an action, a name and
-    two consecutive names; the `contains` mappings hold the probability that a word contains an action, a name, an
+    with 30 decimal places. The `expected` mappings hold the expected numbers of occurrences of an action, of a name and
+    of two consecutive names; the `contains` mappings hold the probability that a word contains an action, a name, an
     entity, or an entity of a class. Actions, names and pairs that never occur are absent; entities and classes are
     complete. Skeletons have only names and pairs.
     """
@@ -62,7 +62,7 @@ class Statistics:
 
 
 def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights: Weights) -> Statistics:
-    """Return the statistics of the words of a given level and length, sampled by weight.
+    """Return the statistics of the words of a given level and length when they are sampled by weight.
 
     Raises:
         QueryError: there is nothing to sample.
@@ -111,7 +111,7 @@ def statistics_of(engine: Engine, facts: Facts, by: Level, length: int, weights:
 def weight_of_words_without(
     engine: Engine, facts: Facts, by: Level, length: int, weights: Weights, what: Collection[str]
 ) -> Fraction:
-    """Return the weight of all words of a given level and length without some names and pairs of names.
+    """Return the weight of all words of a given level and length that lack certain names and pairs of names.
 
     Raises:
         QueryError: an item is neither an action's name nor a pair of names.
@@ -209,9 +209,9 @@ def weight_without(
     single: Collection[int],
     pairs: Collection[tuple[int, int]],
 ) -> int:
-    """Return the weight of all words without any of the `single` names and `pairs` of consecutive names.
+    """Return the weight of all words that have none of the `single` names and `pairs` of consecutive names.
 
-    `names` maps letters to numbers of names. States are split by the name of the preceding action.
+    `names` maps letters to numbers of names. States are split according to the name of the preceding action.
     """
     if not automaton.states:
         return 0
@@ -241,7 +241,7 @@ def weight_without(
 def entropy(completions: Completions, length: int, total: int) -> Decimal:
     """Return the entropy in bits of a word sampled by weight: log2 of the total minus the expected log2 of a weight.
 
-    The expected numbers of edges are exact; only logarithms are rounded.
+    The expected numbers of edges are exact; only the logarithms are rounded.
     """
     factors = _factors(completions.automaton).tolist()
     different = sorted({*factors} - {0, 1})
@@ -256,7 +256,7 @@ def entropy(completions: Completions, length: int, total: int) -> Decimal:
 
 
 def _forward(automaton: Automaton, length: int) -> Iterator[tuple[int, Objects]]:
-    """Yield for each step, from 0, the weight of all paths that end with each edge."""
+    """Yield, for each step from 0 on, the weight of all paths that end with each edge."""
     row = np.zeros(automaton.states, dtype=object)
     row[0] = 1
     factors = _factors(automaton)
@@ -273,7 +273,7 @@ def _factors(automaton: Automaton) -> Objects:
 
 
 def _summed(values: Sequence[int] | Objects, places: NDArray[np.int64], size: int) -> list[int]:
-    """Return the sums of the values at each place."""
+    """Return, for each place, the sum of the values there."""
     sums = [0] * size
     for place, value in compress(zip(places.tolist(), values, strict=True), values):
         sums[place] += value

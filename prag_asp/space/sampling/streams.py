@@ -1,4 +1,4 @@
-"""Streams of random plans: a sampler for each request, and the draws of one or several lengths in batches."""
+"""Streams of random plans: a sampler for each request, and draws of one or several lengths in batches."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Portion:
 def make_sampler(
     engine: Engine, facts: Facts, by: Level, length: int, weights: Weights, over: Over | None = None
 ) -> Sampler:
-    """Return the sampler of the words of a given level and length; with `over`, skeletons or goals are sampled first.
+    """Return the sampler for the words of a given level and length; with `over`, skeletons or goals are sampled first.
 
     Raises:
         QueryError: there is nothing to sample, or the options contradict each other.
@@ -100,7 +100,7 @@ def weighed_words(
 
 
 def sample_batches(sampler: Sampler, letters: Letters, seed: int) -> Iterator[list[Draw]]:
-    """Yield words of one length with their probability, in growing batches, endlessly.
+    """Yield words of one length, each with its probability, endlessly, in batches that grow.
 
     A draw depends only on the seed and its number.
     """
@@ -122,7 +122,7 @@ def _sample(
 
 
 def sample_batches_of_lengths(portions: Sequence[Portion], seed: int) -> Iterator[list[Draw]]:
-    """Yield words with their probability among all portions, in growing batches, endlessly.
+    """Yield words, each with its probability among all portions, endlessly, in batches that grow.
 
     The length is sampled first, with its exact share of the weight as its probability. Lengths, and the words of each
     length, use independent random bits, so all draws are independent; a draw depends only on the seed and its number.
@@ -148,6 +148,6 @@ def sample_batches_of_lengths(portions: Sequence[Portion], seed: int) -> Iterato
 
 @lru_cache(maxsize=1 << 16)
 def log_probability(probability: Fraction) -> float:
-    """Return the natural logarithm, correctly rounded, so that every machine gives the same float."""
+    """Return the correctly rounded natural logarithm, so that every machine gives the same float."""
     with localcontext(Context(prec=40, Emax=10**9, Emin=-(10**9))):
         return float((Decimal(probability.numerator) / Decimal(probability.denominator)).ln())

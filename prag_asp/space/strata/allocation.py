@@ -1,4 +1,4 @@
-"""The allocation of a sample to strata: proportional, equal, or by given standard deviations (Neyman)."""
+"""The allocation of a sample to strata: proportional, equal, or based on given standard deviations (Neyman)."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ StratifiedBy = Literal["length", "skeleton", "goal"]
 STRATIFIED_BY: tuple[StratifiedBy, ...] = ("length", "skeleton", "goal")
 
 FEWEST = 2
-"""The minimum number of tasks of a stratum, unless it has fewer: the variance in a stratum needs two."""
+"""The minimum number of tasks from a stratum, unless it has fewer: the variance in a stratum needs two."""
 
 PROPORTIONAL, EQUAL = "proportional", "equal"
 
 
 class NamedSize(Protocol):
-    """What an allocation needs to know about a stratum: its name and its size."""
+    """What an allocation has to know about a stratum: its name and its size."""
 
     @property
     def name(self) -> str:
@@ -31,13 +31,13 @@ class NamedSize(Protocol):
 
     @property
     def size(self) -> int:
-        """The number of its tasks."""
+        """The number of tasks in the stratum."""
         ...
 
 
 @dataclass(frozen=True)
 class Stratification:
-    """What divides tasks into strata, and how a sample is allocated to them.
+    """The criterion that divides tasks into strata, and how a sample is allocated to them.
 
     `allocation` is ``proportional`` or ``equal``, or maps names of strata to the standard deviation of a result in
     them; a stratum without one gets the largest of them.
@@ -74,14 +74,15 @@ class Stratification:
         return ",".join(f"{name}={number}" for name, number in sorted(self.allocation.items()))
 
     def counts(self, strata: Sequence[NamedSize], count: int) -> list[int]:
-        """Return the number of tasks of each stratum in a sample of `count` tasks.
+        """Return the number of tasks from each stratum in a sample of `count` tasks.
 
-        Each stratum has at least two tasks, or all that it has. Otherwise, the numbers are proportional to the sizes of
-        the strata, equal, or proportional to the products of sizes and standard deviations, which minimises the
-        variance (Neyman 1934; Cochran, Sampling Techniques, 1977, section 5.5). They are rounded by largest remainders.
+        Each stratum contributes at least two tasks, or all of its tasks if it has fewer. Apart from that, the numbers
+        are proportional to the sizes of the strata, equal, or proportional to the products of sizes and standard
+        deviations, which minimises the variance (Neyman 1934; Cochran, Sampling Techniques, 1977, section 5.5). They
+        are rounded by the method of largest remainders.
 
         Raises:
-            QueryError: no allocation has this number of tasks, or a name is not that of a stratum.
+            QueryError: no allocation has this number of tasks, or there is no stratum with a given name.
         """
         sizes, allocation = [stratum.size for stratum in strata], self.allocation
         if isinstance(allocation, str):
@@ -97,7 +98,7 @@ class Stratification:
 
 
 def allocate(sizes: Sequence[int], count: int, shares: Sequence[Fraction]) -> list[int]:
-    """Return numbers of tasks that sum to `count`, in proportion to `shares` as far as the `sizes` of strata allow.
+    """Return numbers of tasks that sum to `count`, in proportion to `shares` as far as the `sizes` of the strata allow.
 
     Each number is between two and the size of its stratum, or equal to the size if that is smaller.
 
@@ -125,9 +126,9 @@ def allocate(sizes: Sequence[int], count: int, shares: Sequence[Fraction]) -> li
 def _quotas(
     fewest: Sequence[int], sizes: Sequence[int], count: int, shares: Sequence[Fraction]
 ) -> list[Fraction] | None:
-    """Return the multiples of `shares`, each moved into its bounds, that sum to `count`; None if there are none.
+    """Return multiples of `shares`, each clipped to its bounds, that sum to `count`, or None if there are none.
 
-    The sum grows with the multiple, and is linear between the multiples at which a bound is met.
+    The sum grows with the multiple, and is linear between the multiples at which a share reaches a bound.
     """
     bounds = list(zip(fewest, shares, sizes, strict=True))
 

@@ -22,14 +22,14 @@ from prag_asp.space.word_set import WordSet
 _OVER: dict[StratifiedBy, Over] = {"skeleton": "skeletons", "goal": "goals"}
 
 LONGEST_NAME = 60
-"""The longest name of a stratum, in characters, because it becomes part of the names of files."""
+"""The maximum length of the name of a stratum, in characters, because it becomes part of file names."""
 
 
 @dataclass(frozen=True)
 class Stratum:
-    """A stratum: its name, the exact number of its tasks, and these in the order of sampling without replacement.
+    """A stratum: its name, the exact number of its tasks, and its tasks in the order of sampling without replacement.
 
-    The probability of a draw is 1 divided by the number of tasks of the whole space.
+    The probability of a draw is 1 divided by the number of tasks in the whole space.
     """
 
     name: str
@@ -42,7 +42,7 @@ class StratumOrder:
     """The tasks of a stratum of one length in uniformly random order.
 
     `draw` returns the independent uniform draw with a given number. Repeated draws are skipped; this is sampling
-    without replacement, because each new task is uniform among those that have not occurred.
+    without replacement because each new task is uniformly distributed among those that have not occurred yet.
     """
 
     words: WordSet
@@ -95,7 +95,7 @@ def strata_of(space: TaskSpace, by: StratifiedBy, *, seed: int, most: int) -> li
 def _strata_of_length(
     space: TaskSpace, by: StratifiedBy, words: WordSet, seed: int, probability: Fraction, most: int
 ) -> list[Stratum]:
-    """Return the strata of the skeletons or goals of one length.
+    """Return the strata for the skeletons or goals of one length.
 
     Raises:
         QueryError: there are more than `most` strata.
@@ -137,7 +137,7 @@ def _with_goal(sampler: GoalSampler, goal: int, bits: SeededBits, letters: Lette
 
 
 def _named(strata: Sequence[Stratum], by: StratifiedBy) -> list[Stratum]:
-    """Return the strata, numbered if their names are not unique or cannot be part of the names of files."""
+    """Return the strata, numbered if their names are not unique or cannot be part of file names."""
     folded = Counter(stratum.name.casefold() for stratum in strata)
     usable = all(
         folded[stratum.name.casefold()] == 1

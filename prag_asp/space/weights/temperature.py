@@ -15,7 +15,7 @@ from prag_asp.space.weights.weights import Weights
 INFINITE = "inf"
 LARGEST_DENOMINATOR = 10_000
 DIGITS = 40
-"""Digits after the decimal point: far more than needed to distinguish fractions with such denominators."""
+"""Digits after the decimal point: far more than are needed to distinguish fractions with such denominators."""
 
 LARGEST_EXPONENT = 1000
 """Largest decimal exponent of a weight."""

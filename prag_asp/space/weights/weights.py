@@ -1,7 +1,7 @@
 """Sampling weights of tasks, as exact fractions.
 
-The weight of a plan is the product of the weights of its actions, of its pairs of consecutive actions, and of each
-distinct entity that it uses; the weight of an entity includes the weights of its classes.
+The weight of a plan is the product of the weights of its actions, of its pairs of consecutive actions, and of the
+distinct entities that it uses; the weight of an entity includes the weights of its classes.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ Each state has a total for each number of remaining steps. In the domain `prag`,
 """
 
 MANY_KINDS = 1 << 61
-"""Numbers of edge kinds are compressed above this bound, so that doubling them fits into 64 bits."""
+"""Above this bound, the numbers of edge kinds are compressed, so that twice such a number still fits into 64 bits."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Weights:
 
     @property
     def of_actions_alone(self) -> bool:
-        """True if the weight of a plan is the product of the weights of its single actions."""
+        """Whether the weight of a plan is the product of the weights of its single actions."""
         return not self.pairs and not self.entities
 
     def of_action(self, action: clingo.Symbol) -> Fraction:
@@ -181,7 +181,7 @@ def refuse_unequal(weights: Weights, groups: Sequence[Sequence[clingo.Symbol]]) 
 
 
 def weighing_facts(weights: Weights) -> tuple[list[str], list[clingo.Symbol]]:
-    """Return the facts for ``rules/weights.lp``, and the atoms that this file derives to weigh an edge."""
+    """Return the facts for ``rules/weights.lp``, and the atoms that this file derives for weighing an edge."""
     pairs = [clingo.Function("weighed", list(map(clingo.Function, pair))) for pair in sorted(weights.pairs)]
     entities = [clingo.Function("weighed", [entity]) for entity in sorted(weights.entities)]
     findings = [clingo.Function("follows", pair.arguments) for pair in pairs]
@@ -204,12 +204,12 @@ class Walks(Protocol):
 
 @dataclass(frozen=True)
 class Weighed:
-    """The words of a level as paths of an automaton; its weight is the product of its edge weights, times `unit`.
+    """The words of a level as paths of an automaton; a word's weight is the product of its edge weights, times `unit`.
 
-    `goals` numbers the known final states after each edge, shape (edges,), and `goal_values` has their values, as in
-    `FluentValues`, shape (fluents, goals); both are None if they were not requested.
-    `ranking` walks along the words if a path stands for several words, or if states are not listed, so that the
-    automaton is empty; it is None if each path is one word.
+    `goals` holds the number of the known final state after each edge, shape (edges,), and `goal_values` the values of
+    these states, as in `FluentValues`, shape (fluents, goals); both are None if they were not requested. `ranking`
+    finds the words if a path stands for several words, or if the automaton is empty because states are not listed; it
+    is None if each path is one word.
     """
 
     completions: Completions

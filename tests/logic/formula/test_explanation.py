@@ -48,10 +48,10 @@ def test_the_step_and_the_conflict_are_those_of_the_definition(toy: Toy, data: s
 GRASPS = ["approach(panda,apple_1)", "grasp(panda,apple_1)"]
 SHIPPED = [
     ("prag", [*GRASPS, "grasp(panda,apple_2)"], (), 3, (2, 3), [
-        "it needs open(panda) to be true, which is false since step 2, grasp(panda,apple_1)",
-        "it needs at(panda,apple_2) to be true, which is false since step 1, approach(panda,apple_1)",
+        "it needs open(panda) to be true, but that has been false since step 2, grasp(panda,apple_1)",
+        "it needs at(panda,apple_2) to be true, but that has been false since step 1, approach(panda,apple_1)",
     ]),
-    ("blocks", ["stack(a,b)"], (), 1, (1,), ["it needs holding(a) to be true, which is false from the start"]),
+    ("blocks", ["stack(a,b)"], (), 1, (1,), ["it needs holding(a) to be true, but that has been false from the start"]),
     ("prag", ["approach(panda,apple_1)", "withdraw(panda,apple_1)"], ("no_undo",), 2, (1, 2), [
         "no_undo.lp:19 forbids it: :- occurs(A,t-1), occurs(B,t), _undoes(B,A)."
     ]),
@@ -81,9 +81,9 @@ action(a). action(b). postcondition(a,f,true). postcondition(b,g,true).
 @pytest.mark.parametrize(
     ("more", "plan", "step", "reasons", "conflict"),
     [
-        ("goal(g,true).", "a", 2, ["the goal needs g to be true, which is false from the start"], (1,)),
-        ("goal(f,false).", "ab", 3, ["the goal needs f to be false, which is true since step 1, a"], (1,)),
-        ("goal(h,true).", "ab", 3, ["the goal needs h to be true, which is false from the start"], ()),
+        ("goal(g,true).", "a", 2, ["the goal needs g to be true, but that has been false from the start"], (1,)),
+        ("goal(f,false).", "ab", 3, ["the goal needs f to be false, but that has been true since step 1, a"], (1,)),
+        ("goal(h,true).", "ab", 3, ["the goal needs h to be true, but that has been false from the start"], ()),
         ("exclusive(f,g).", "ab", 2, ["f would have to be both true and false", "g would have to be"], (1, 2)),
         ("implies(g,f).", "b", 1, ["f would have to be both true and false", "g would have to be"], (1,)),
         ("initially(f,true).", "ab", 0, ["f would have to be both true and false"], ()),

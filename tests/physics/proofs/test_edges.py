@@ -66,7 +66,9 @@ def test_what_the_pads_do_not_overlap_is_proved_never_held_and_what_is_higher_is
     verdict = validate_task(LIFTED, made, seed=1)
     assert verdict.status == ("feasible" if held else "infeasible")
     if verdict.witness is None:
-        assert verdict.reason.endswith("cube 1 is 2.49 mm high, the gripper takes what is at least 2.5 mm high")
+        assert verdict.reason.endswith(
+            "cube 1 is 2.49 mm high, but the gripper holds only bodies that are at least 2.5 mm high"
+        )
     else:
         assert check_witness(LIFTED, verdict.witness, made) == []
 

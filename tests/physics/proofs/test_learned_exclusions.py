@@ -28,7 +28,7 @@ from tests.strategies import toys
 WAREHOUSE = Path(__file__).parents[3] / "examples" / "warehouse"
 ITEMS = ("cube_1", "cube_2", "crate_1", "crate_2", "rod_1")
 LEARNED = """\
-% Y is 100 mm wide, the gripper opens 80 mm
+% Y is 100 mm wide, but the gripper opens only to 80 mm
 impossible(holding(X,Y), holding(X,Y)) :- fluent(holding(X,Y)), is_a(Y,crate).
 
 % X is larger than the cavity of Y
@@ -37,7 +37,7 @@ impossible(inside(X,Y), inside(X,Y)) :- fluent(inside(X,Y)), is_a(X,crate).
 % X is larger than the cavity of Y
 impossible(inside(X,Y), inside(X,Y)) :- fluent(inside(X,Y)), is_a(X,rod).
 
-% it cannot be that X is on Y and X is within reach
+% it is impossible that X is on Y and X is within reach
 impossible(on_top(X,shelf_2), reachable(Z,X)) :- fluent(on_top(X,shelf_2)), fluent(reachable(Z,X)).
 """
 
@@ -164,7 +164,7 @@ def test_the_command_proposes_measures_and_writes(tmp_path: Path, after: Domain)
     assert int(table["passed"][0]) < int(table["passed"][3])
 
     written = run("learn", folder, "-n", "2", "--count", "0", "--write")
-    assert written.returncode == 0 and written.stdout.startswith("4 rules state 10 proofs\n")
+    assert written.returncode == 0 and written.stdout.startswith("4 rules from 10 proofs\n")
     assert "10 learned invariants" in run("check", folder).stdout
     for options, count in (([], plans[1]), (["--no-learned"], plans[0])):
         assert run("count", folder, "-n", "2", "--by", "plan", *options).stdout == f"{count}\n"

@@ -62,7 +62,7 @@ KNOWN = {
 @pytest.mark.parametrize("name", KNOWN)
 def test_a_body_with_a_model_is_proved_too_wide_by_its_faces_alone(name: str) -> None:
     shape, proved = KNOWN[name]
-    expected = "thing 1 is wider than the gripper between all sides that face each other, the gripper opens 80 mm"
+    expected = "all sides of thing 1 that face each other are too far apart: the gripper opens only to 80 mm"
     assert reasons(shape) == ([expected] if proved else [])
 
 

@@ -171,7 +171,7 @@ def test_a_circle_is_proved_by_its_relations_alone() -> None:
     assert found is not None and {str(f.arguments) for f in found.facts} == {
         str(arguments) for arguments in (("cube_1", "can_1"), ("ball_1", "can_1"), ("ball_1", "cube_1"))
     }
-    assert str(found).startswith("the initial state: the relations along y form a circle: ")
+    assert str(found).startswith("the initial state: the relations along y form a cycle: ")
 
 
 def test_a_row_names_every_fact_that_it_needs_and_fits_where_it_is_a_little_shorter() -> None:
@@ -232,5 +232,5 @@ def test_what_is_heavier_than_an_arm_carries_cannot_be_held() -> None:
         for kilograms, heavy in ((limit - 0.1, False), (limit + 0.1, True)):
             made = scene(robots={"panda": Mount(robot)}, materials={"cube_1": Material(kilograms / cube)})
             found = next(own_reasons(held[0], made), None)
-            expected = f"cube 1 weighs {kilograms:.3g} kg, the gripper carries {limit:g} kg"
+            expected = f"cube 1 weighs {kilograms:.3g} kg, but the gripper carries at most {limit:g} kg"
             assert found == (expected if heavy else None)

@@ -49,7 +49,7 @@ def test_a_sentence_says_which_gripper_it_means_where_there_are_several(fluent: 
 @pytest.mark.parametrize(
     ("fluents", "reason"),
     [
-        (("holding(left_arm,big_box)",), "big box is 200 mm wide, the {}gripper opens 80 mm"),
+        (("holding(left_arm,big_box)",), "big box is 200 mm wide, but the {}gripper opens only to 80 mm"),
         (
             ("holding(left_arm,cube_1)", "holding(left_arm,cube_2)"),
             "the {}gripper cannot hold cube 1 and cube 2 at once",
@@ -59,7 +59,7 @@ def test_a_sentence_says_which_gripper_it_means_where_there_are_several(fluent: 
         (("inside(big_box,my_tray)",), "big box is larger than the cavity of my tray"),
         (("on_top(cube_1,red_ball)",), "nothing rests on red ball, which is a ball"),
         (("near(cube_1,cube_2)", "far(cube_1,cube_2)"), "cube 1 and cube 2 cannot be near and far at once"),
-        (("left_of(cube_1,cube_2)", "left_of(cube_2,cube_1)"), "the relations along y form a circle: cube 1, cube 2"),
+        (("left_of(cube_1,cube_2)", "left_of(cube_2,cube_1)"), "the relations along y form a cycle: cube 1, cube 2"),
     ],
 )
 def test_a_proof_names_things_as_sentences_do(fluents: tuple[str, ...], reason: str) -> None:

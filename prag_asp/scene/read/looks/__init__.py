@@ -1,1 +1,1 @@
-"""The appearance of bodies from files: their visible surfaces with materials and textures."""
+"""The appearance of bodies loaded from files: their visible surfaces with materials and textures."""

@@ -1,4 +1,4 @@
-"""Read the surfaces of a Wavefront .obj and its material libraries."""
+"""Read the surfaces in a Wavefront .obj file and its material libraries."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from prag_asp.scene.read.asset_paths import find_asset
 from prag_asp.scene.read.looks.surface import Floats, Surface, hex_color
 
 LARGEST_LIBRARY, LARGEST_TEXTURE = 1_000_000, 64_000_000
-"""The largest sizes of a material library and of a texture in bytes."""
+"""The largest sizes of a material library and of a texture, in bytes."""
 
 TEXTURES = (".png", ".jpg", ".jpeg", ".bmp", ".tga")
-"""The texture formats that PyBullet reads."""
+"""The texture formats that PyBullet can read."""
 
 Corner = tuple[int, int, int]
-"""The indices of a corner's point, texture coordinates and normal, from 0; -1 for a missing one."""
+"""The indices of a corner's point, texture coordinates and normal, counting from 0, or -1 if one is missing."""
 
 
 class ObjMaterial(NamedTuple):
@@ -34,7 +34,7 @@ class ObjMaterial(NamedTuple):
 
 
 def read_obj(content: bytes, path: Path, folder: Path) -> tuple[Surface, ...]:
-    """Return the surfaces of an .obj, one for each material; libraries and textures must be inside a folder.
+    """Return the surfaces in an .obj file, one for each material; libraries and textures must be inside a folder.
 
     Raises:
         ValueError: the file is malformed.
@@ -64,7 +64,7 @@ def read_obj(content: bytes, path: Path, folder: Path) -> tuple[Surface, ...]:
 
 
 def read_materials(name: str, model: Path, folder: Path) -> Mapping[str, ObjMaterial]:
-    """Return the materials of a library that a model names, or none if the library is missing or outside a folder."""
+    """Return the materials in a library that a model names, or none if the library is missing or outside a folder."""
     path = _beside(name, model, folder)
     if path is None:
         return {}
@@ -101,7 +101,7 @@ def read_texture(path: str, folder: Path) -> bytes:
 
 
 def _beside(name: str, model: Path, folder: Path) -> Path | None:
-    """Return the file that a model or a library names, or None if a folder has no such file."""
+    """Return the file that a model or a library names, or None if there is no such file in a folder."""
     try:
         return find_asset(PureWindowsPath(name).as_posix(), model, folder) if name else None
     except SceneError:
@@ -129,7 +129,7 @@ def _surface(triangles: NDArray[np.int64], tables: list[Floats], material: ObjMa
 
 
 def _floats(words: list[str]) -> list[float]:
-    """Convert words to finite numbers; the result is empty if a word is not a finite number."""
+    """Convert words to finite numbers; return nothing if a word is not a finite number."""
     try:
         numbers = [float(word) for word in words]
     except ValueError:

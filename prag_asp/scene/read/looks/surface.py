@@ -1,4 +1,4 @@
-"""A visible surface: triangles of one material."""
+"""A visible surface: triangles of the same material."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ Floats = NDArray[np.float64]
 
 
 class Surface(NamedTuple):
-    """Triangles of one material; without a colour or a texture, they have the colour of their entity.
+    """Triangles of the same material; without a colour or a texture, they have the colour of their entity.
 
-    `corners` and `normals` have the shape (n, 3, 3), `places`, the texture coordinates of the corners, (n, 3, 2), from
-    the lower left at 0 to the upper right at 1; None if the file has none. `color` is ``#rrggbb``, `texture` the
-    content of an image file, and `suffix` the suffix of its name.
+    `corners` and `normals` have the shape (n, 3, 3); `places`, which are the texture coordinates of the corners, have
+    the shape (n, 3, 2) and range from 0 at the lower left to 1 at the upper right. They are None if the file has none.
+    `color` is ``#rrggbb``, `texture` the content of an image file, and `suffix` the suffix of its name.
     """
 
     corners: Floats

@@ -1,6 +1,6 @@
 """Read the visible surfaces of a mesh: its triangles with colours, textures and normals.
 
-Wavefront .obj with its material library is read here, other formats by trimesh; an .stl has no colours.
+Wavefront .obj files with their material libraries are read here, and other formats by trimesh; an .stl has no colours.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from prag_asp.scene.scene import Look, Shape
 def mesh_surfaces(path: str, folder: str) -> tuple[Surface, ...]:
     """Return the visible surfaces of a mesh in the unit of its file; the files that it names must be inside a folder.
 
-    A material has its plain colour if the texture is missing, is outside the folder or has an unknown format.
+    A material has its plain colour if its texture is missing, is outside the folder or has an unknown format.
 
     Raises:
         SceneError: the file cannot be read.

@@ -13,10 +13,10 @@ from prag_asp.scene.read.looks.surface import Floats, Surface, hex_color
 from prag_asp.scene.read.mesh import trimesh_parts
 
 SMOOTH = (".glb", ".gltf", ".dae")
-"""The formats that have normals."""
+"""The formats that contain normals."""
 
 MOST_COLOURS = 4096
-"""The number of face colours in the palette of a surface: an image of 64 x 64 pixels."""
+"""The maximum number of face colours in the palette of a surface, which is an image of 64 x 64 pixels."""
 
 
 def read_surfaces(path: str, content: bytes) -> tuple[Surface, ...]:
@@ -43,7 +43,7 @@ def _surface(mesh: Any, smooth: bool) -> Surface:
 
 
 def _with_material(surface: Surface, looks: Any, faces: NDArray[np.int64]) -> Surface:
-    """Return a surface with its texture, or the plain colour of its material."""
+    """Return a surface with its texture, or with the plain colour of its material."""
     material = looks.material
     picture = getattr(material, "baseColorTexture", None) or getattr(material, "image", None)
     if picture is not None and looks.uv is not None:
@@ -56,7 +56,7 @@ def _with_material(surface: Surface, looks: Any, faces: NDArray[np.int64]) -> Su
 
 
 def _with_palette(surface: Surface, colors: NDArray[np.uint8]) -> Surface:
-    """Return a surface with a colour (n, 3) for each triangle, as texture coordinates in an image of all colours.
+    """Return a surface whose triangles have colours (n, 3), given as texture coordinates in an image of all colours.
 
     PyBullet does not draw face colours. If there are more than `MOST_COLOURS`, they are rounded.
     """
@@ -77,7 +77,7 @@ def _with_palette(surface: Surface, colors: NDArray[np.uint8]) -> Surface:
 
 
 def portable_picture(colors: NDArray[np.uint8]) -> bytes:
-    """Return a Targa image file of pixels (height, width, 3), without an imaging package."""
+    """Return pixels (height, width, 3) as a Targa image file, made without an imaging package."""
     height, width = colors.shape[:2]
     header = bytes([0, 0, 2, 0, 0, 0, 0, 0, 0, 0, 0, 0, width & 255, width >> 8, height & 255, height >> 8, 24, 32])
     return header + colors[:, :, ::-1].tobytes()

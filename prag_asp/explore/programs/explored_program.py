@@ -1,4 +1,4 @@
-"""A program whose answer sets pages explore: its counts and facets by choices, within a time for each view."""
+"""A program whose answer sets pages explore: counts and facets under choices, within a time limit for each view."""
 
 from __future__ import annotations
 
@@ -16,13 +16,14 @@ from prag_asp.space.limits import UNLIMITED, LimitClock, Limits
 from prag_asp.stop_reason import StopKind
 
 SECONDS = 60.0
-"""Seconds after which counting for a view ends."""
+"""The number of seconds after which counting for a view ends."""
 
 RESULTS = 256
 """The number of results that are cached."""
 
 MOST_COMPARED = 2000
-"""The maximum number of atoms for which significance is computed: its cost grows with their number and the diagram."""
+"""The maximum number of atoms for which significance is computed, because the cost grows with their number and the
+diagram."""
 
 
 class Watch:
@@ -37,7 +38,7 @@ class Watch:
         self._clock = self._limits.begin()
 
     def look(self, words: str = "") -> None:
-        """Check the limits; the words of a progress report do not matter.
+        """Check the limits; the text of a progress report is ignored.
 
         Raises:
             LimitReached: a limit is reached.
@@ -53,7 +54,7 @@ class Watch:
 
 @dataclass(frozen=True)
 class AtomNumbers:
-    """The number of answer sets with an atom, and how much choosing and excluding it narrows them, if computed."""
+    """The number of answer sets with an atom and, if computed, how much choosing or excluding it narrows them."""
 
     count: int
     chosen: Narrowing | None
@@ -64,7 +65,8 @@ class AtomNumbers:
 class ModelsResult:
     """The number of answer sets under choices, and the numbers of each shown atom.
 
-    Without answer sets, there are no atoms. If a limit was reached, `count` is None and `problem` says which.
+    If there are no answer sets, there are no atoms. If a limit was reached, `count` is None and `problem` says which
+    limit.
     """
 
     count: int | None
@@ -76,8 +78,8 @@ class ModelsResult:
 class ExploredProgram:
     """The answer sets of a program; `answers` must report progress to `watch`.
 
-    `words` name the program on a command line, `options` are those of ``prag-asp models``, and `call` reads the program
-    in Python; they are shown beside each view.
+    `words` are the arguments that name the program on a command line, `options` are those of ``prag-asp models``, and
+    `call` is the code that reads the program in Python; they are shown beside each view.
     """
 
     title: str
@@ -95,7 +97,7 @@ class ExploredProgram:
         return tuple(conditions_of_symbols(self.answers.ground, project=self.answers.project))
 
     def where(self, literals: tuple[str, ...]) -> AnswerSets:
-        """Return the answer sets that agree with some literals.
+        """Return the answer sets that agree with the given literals.
 
         Raises:
             QueryError: a text is not a literal, or no answer set can show its symbol.
@@ -127,9 +129,10 @@ class ExploredProgram:
             return ModelsResult(None, {}, _problem(error))
 
     def _compile(self, found: AnswerSets) -> str:
-        """Compile a diagram, if there is one, and return the limit that was reached, or ""."""
+        """Compile a diagram if there is one, and return the limit that was reached, or ""."""
         self.watch.begin()
         try:
+            self.watch.look()
             found.compile(self.watch.look)
         except LimitReached as error:
             return _problem(error)

@@ -1,4 +1,4 @@
-"""The view of a program's answer sets: their number, the facets with exact numbers, the choices and a sample.
+"""The view of a program's answer sets: their number, their facets with exact numbers, the choices and a sample.
 
 Numbers are texts of digits, because JavaScript's numbers are exact only up to 2^53. Shares are decimal texts.
 """
@@ -13,12 +13,13 @@ from fractions import Fraction
 import clingo
 
 from prag_asp.errors import QueryError
-from prag_asp.explore.explored_program import MOST_COMPARED, AtomNumbers, ExploredProgram, ModelsResult
-from prag_asp.explore.models_state import ModelsState
 from prag_asp.explore.plan_view import share
+from prag_asp.explore.programs.explored_program import MOST_COMPARED, AtomNumbers, ExploredProgram, ModelsResult
+from prag_asp.explore.programs.models_state import ModelsState
 from prag_asp.explore.same_result import SameResult
 from prag_asp.integers import digits_of
 from prag_asp.models.questions.choices import NOT
+from prag_asp.models.questions.facets import Narrowing
 
 SHOWN_FACETS = 200
 """The maximum number of facets that a view lists."""
@@ -29,7 +30,7 @@ SHOWN_ATOMS = 1000
 
 @dataclass(frozen=True)
 class Significance:
-    """The reduction of the number of facets by a choice as a share of that number: a fraction and a decimal text."""
+    """By how much a choice reduces the number of facets, as a share of that number: a fraction and a decimal text."""
 
     exact: str
     share: str
@@ -37,7 +38,7 @@ class Significance:
 
 @dataclass(frozen=True)
 class AtomFacet:
-    """A shown atom that some answer sets contain and others do not; the links choose and exclude it.
+    """A shown atom that some answer sets contain and others do not, with links that choose and exclude it.
 
     `count` answer sets contain it, and `excluded` do not; both are empty texts if they are not counted. The
     significances are None if they are not computed.
@@ -55,7 +56,7 @@ class AtomFacet:
 
 @dataclass(frozen=True)
 class Decision:
-    """A choice, and the number of answer sets left after it; links go back to it, and drop it alone."""
+    """A choice, and the number of answer sets that remain after it; the links go back to it, and drop only it."""
 
     literal: str
     count: str
@@ -65,7 +66,7 @@ class Decision:
 
 @dataclass(frozen=True)
 class AtomList:
-    """Some atoms, the first ones listed, and their number."""
+    """Some atoms: the first of them, which are listed, and their total number."""
 
     number: int
     atoms: tuple[str, ...]
@@ -75,10 +76,10 @@ class AtomList:
 class ModelsView:
     """What a page shows of a program.
 
-    `total` is the number of answer sets without choices and `count` the number with them; a number that could not be
-    computed is an empty text, and `problem` says why. `notes` say what counts as an answer set. `open` is the number of
-    facets, of which `matching` contain the text to find; the first of them are listed. The atoms `certain` are in all
-    answer sets that are left, and those in `impossible` in none. `sample` is None without a seed.
+    `total` is the number of answer sets without choices, and `count` is the number with them; a number that could not
+    be computed is an empty text, and `problem` says why. `notes` say what counts as an answer set. `open` is the number
+    of facets, of which `matching` contain the text to find; the first of them are listed. The atoms in `certain` are in
+    all answer sets that remain, and those in `impossible` are in none. `sample` is None without a seed.
     """
 
     query: str
@@ -103,8 +104,8 @@ class ModelsView:
 class ModelsConflictView:
     """Lines of the program, and choices, that together exclude every answer set, as ``file:line: text``.
 
-    If `optimal`, answer sets agree with the choices, but none of them is optimal. The set of lines is `minimal` unless
-    the solver gave up on a smaller one.
+    If `optimal` is true, some answer sets agree with the choices, but none of them is optimal. The set of lines is
+    `minimal` unless the solver gave up on a smaller one.
     """
 
     lines: tuple[str, ...]
@@ -154,7 +155,7 @@ def models_conflict_view(explored: ExploredProgram, state: ModelsState) -> Model
     """Return why no answer set agrees with the choices of a page.
 
     Raises:
-        QueryError: a literal does not fit the program, or an answer set is left.
+        QueryError: a literal does not fit the program, or an answer set remains.
     """
     found = explored.where(state.where)
     if explored.result(state.where).count != 0:
@@ -176,7 +177,7 @@ def _is_open(symbol: clingo.Symbol, atom: AtomNumbers, result: ModelsResult, dec
 
 
 def _order(state: ModelsState, atom: AtomNumbers) -> Fraction | int:
-    """Return the number by which facets are sorted, the largest first; equal ones stay in clingo's order."""
+    """Return the number by which facets are sorted, the largest first; equal ones remain in clingo's order."""
     if state.sort == "share":
         return atom.count
     if state.sort == "significance" and atom.chosen is not None and atom.excluded is not None:
@@ -208,20 +209,20 @@ def _decisions(explored: ExploredProgram, state: ModelsState) -> Iterable[Decisi
 
 def _facet(symbol: clingo.Symbol, atom: AtomNumbers, result: ModelsResult, state: ModelsState) -> AtomFacet:
     text, count = str(symbol), result.count
-    chosen, excluded = (
-        narrowing and Significance(_fraction(narrowing.of_facets), _share(narrowing.of_facets))
-        for narrowing in (atom.chosen, atom.excluded)
-    )
     return AtomFacet(
         text,
         "" if count is None else digits_of(atom.count),
         "" if count is None else share(atom.count, count),
-        chosen,
+        _significance(atom.chosen),
         state.choosing(text).query,
         "" if count is None else digits_of(count - atom.count),
-        excluded,
+        _significance(atom.excluded),
         state.choosing(f"{NOT}{text}").query,
     )
+
+
+def _significance(narrowing: Narrowing | None) -> Significance | None:
+    return None if narrowing is None else Significance(_fraction(narrowing.of_facets), _share(narrowing.of_facets))
 
 
 def _sample(explored: ExploredProgram, state: ModelsState, result: ModelsResult) -> AtomList | None:

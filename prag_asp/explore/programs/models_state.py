@@ -11,7 +11,7 @@ from prag_asp.explore.page_state import MOST_FIELDS
 from prag_asp.wording import unknown
 
 Sorting = Literal["name", "significance", "share"]
-"""The orders of facets: by clingo's order of symbols, or the largest numbers first."""
+"""The orders of facets: clingo's order of symbols, or the largest numbers first."""
 
 LARGEST_SEED = 2**63 - 1
 
@@ -20,7 +20,7 @@ FIELDS = ("where", "find", "sort", "seed")
 
 @dataclass(frozen=True)
 class ModelsState:
-    """What a page shows of a program: the answer sets that agree with the literals `where`, in the order of choosing.
+    """What a page shows of a program: the answer sets that agree with the literals `where`, as ordered by choosing.
 
     The facets whose text contains `find` are listed. With a `seed`, a sample is shown.
     """
@@ -44,7 +44,7 @@ class ModelsState:
 
 
 def parse_models_query(query: str) -> ModelsState:
-    """Return the state that a query states.
+    """Return the state that a query describes.
 
     Raises:
         QueryError: a field is unknown, repeated or wrong.

@@ -1,16 +1,16 @@
-"""The views of the page of a program by name, as functions of the fields of a request."""
+"""The views on the page of a program by name, as functions of the fields of a request."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from prag_asp.explore.explored_program import ExploredProgram
-from prag_asp.explore.models_state import parse_models_query
-from prag_asp.explore.models_view import models_conflict_view, models_view
 from prag_asp.explore.page_server import View
+from prag_asp.explore.programs.explored_program import ExploredProgram
+from prag_asp.explore.programs.models_state import parse_models_query
+from prag_asp.explore.programs.models_view import models_conflict_view, models_view
 
 MODELS_PAGE = "models.html"
-"""The file of the page, in the folder of all pages."""
+"""The file of the page, in the folder that holds all pages."""
 
 
 def program_views(explored: ExploredProgram) -> Mapping[str, View]:

@@ -1,0 +1,28 @@
+"""What a dataset of chosen tasks reaches, as stored in dataset.json."""
+
+from __future__ import annotations
+
+import msgspec
+
+from prag_asp.tables.json_fields import Whole
+
+
+class CoverFigures(msgspec.Struct, frozen=True):
+    """The numbers of reachable and of covered combinations of `strength` factors, and those that are missing."""
+
+    strength: Whole
+    reachable: Whole
+    covered: Whole
+    missing: list[str]
+
+
+class DiverseFigures(msgspec.Struct, frozen=True):
+    """How far apart the tasks are: the smallest distance between two of them, by a metric.
+
+    Each of the `candidates` is within `radius` of a task.
+    """
+
+    metric: str
+    candidates: Whole
+    separation: float
+    radius: float
