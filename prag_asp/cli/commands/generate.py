@@ -50,7 +50,7 @@ SHOWN = 5
 )  # fmt: skip
 @click.option(
     "--diverse", type=whole(1), metavar="K",
-    help="Instead of --tasks: K tasks that are far apart, chosen among sampled ones.",
+    help="Instead of --tasks: choose K of the sampled tasks that are far apart.",
 )  # fmt: skip
 @click.option(
     "--candidates", type=whole(1, MOST_CANDIDATES), metavar="N",
@@ -276,6 +276,6 @@ def chosen_lines(manifest: Manifest) -> Iterator[str]:
         )
     for name, figures in (manifest.diverse or {}).items():
         yield (
-            f"{name}: tasks at least {figures.separation:.4g} apart ({figures.metric}); each of "
-            f"{plural(figures.candidates, 'candidate')} is within {figures.radius:.4g} of one of them"
+            f"{name}: tasks at least {figures.separation:.4g} apart ({figures.metric}), and at most "
+            f"{figures.radius:.4g} from any of {plural(figures.candidates, 'candidate')}"
         )
