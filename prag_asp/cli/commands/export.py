@@ -86,8 +86,8 @@ def dimacs(*, request: DomainOptions, by: Any, format: str, output: str | None) 
 )
 @click.option(
     "-o", "--output", metavar="DIR", required=True, shell_complete=shell_completion.files,
-    help="New folder, written completely or not at all: domain.pddl, problem.pddl, the view, and plan.txt for a task; for "
-    "several tasks domain_1.pddl, ..., numbered by rank or by position in the file.",
+    help="New folder, written completely or not at all: domain.pddl, problem.pddl, the view, and plan.txt for a task; "
+    "for several tasks domain_1.pddl, ..., numbered by rank or by position in the file.",
 )  # fmt: skip
 def pddl(*, request: DomainOptions, selection: TaskSelection, positive: bool, unconditional: bool, output: str) -> None:
     """Write a domain, or some of its tasks, as PDDL domains and problems.
