@@ -50,7 +50,7 @@ class Images:
 
 @dataclass(frozen=True)
 class PairDistances:
-    """The distances between all pairs of some tasks.
+    """The distances between all pairs of the given tasks.
 
     `place` maps each task to its feature; several tasks can have the same feature. `groups` are the images of all
     features for each group of rows, with the features of the group, which are consecutive.

@@ -199,7 +199,7 @@ class EditRows:
     def move(
         self, held: Bytes, origins: NDArray[np.int64], letters: NDArray[np.int64], place: int
     ) -> tuple[Bytes, NDArray[np.int64]]:
-        """Return the distinct rows after some rows have read one more letter, and the number of each."""
+        """Return the distinct rows after the given rows have read one more letter, and the number of each."""
         widest = max([len(sources) for sources, _, _ in self._steps], default=1)
         size = max(TOGETHER // max(widest, held.shape[1]), 1)
         parts = [
@@ -219,7 +219,7 @@ class EditRows:
         return np.ones(len(held), dtype=np.bool_) if last is None else last[:, 0] >= self._distance
 
     def _layers(self, place: int) -> range:
-        """Return the layers that plans may have reached with fewer edits than the distance after some letters."""
+        """Return the layers that plans may have reached with fewer edits than the distance after the given letters."""
         if self._plans.edges is None:
             return range(0)
         nearest = self._distance - 1

@@ -188,7 +188,7 @@ def _letter_classes(step: LayerEdges, target: Target) -> Iterator[tuple[int, NDA
 
 
 def _passed(numbers: NDArray[Any], step: LayerEdges, edges: NDArray[np.int64], states: int) -> NDArray[Any]:
-    """Return, for each row, the number of words that reach each state of the next layer through some edges."""
+    """Return, for each row, the number of words that reach each state of the next layer through the given edges."""
     targets, begins = np.unique(step.targets[edges], return_index=True)
     passed = np.zeros((len(numbers), states), dtype=numbers.dtype)
     passed[:, targets] = np.add.reduceat(numbers[:, step.sources[edges]], begins, axis=1)

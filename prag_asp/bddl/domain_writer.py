@@ -217,7 +217,8 @@ def read_suite(path: str | Path) -> SuiteDomain:
     """Return the domain of a BDDL file, or of all BDDL files in a folder and its subfolders.
 
     Raises:
-        DomainError: there is no such file, or some files are not BDDL problems; the message has a line for each error.
+        DomainError: there is no such file, or some files are not BDDL problems; the message contains a line for each
+            error.
     """
     path = Path(path)
     files = bddl_files(path) if path.is_dir() else [path]

@@ -159,7 +159,7 @@ def read_scenarios(file: str | Path) -> Iterator[Scenario]:
 
     Raises:
         OSError: the file cannot be read.
-        QueryError: a line is not a scenario id; the message names the line.
+        QueryError: a line is not a scenario id; the message gives the line.
     """
     with open_text(file) as stream:
         for number, line in enumerate(lines_of(stream), 1):

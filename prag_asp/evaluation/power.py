@@ -183,7 +183,7 @@ class ComparisonDesign:
         return paired_power(int(scenarios), *alone, alpha)
 
     def _discordant_shares(self, effect: Fraction) -> tuple[float, float] | None:
-        """Return the shares of scenarios in which only the first and only the second policy succeeds.
+        """Return the shares of scenarios in which only the first policy succeeds, and in which only the second does.
 
         A share is negative if rates, effect and correlation contradict each other; the result is None if samples are
         not paired.

@@ -167,7 +167,7 @@ GROUPINGS = ("part", "length", "action", "class")
 
 
 def rate(episodes: Sequence[EvaluatedEpisode]) -> Rate:
-    """Return the success rate in some episodes."""
+    """Return the success rate in the given episodes."""
     return Rate(sum(episode.success for episode in episodes), len(episodes))
 
 

@@ -92,7 +92,7 @@ def check(
     `like` maps entities that are not ground to ground representatives; settings may refer to both.
 
     Raises:
-        DomainError: the domain has errors; the message has one line for each problem.
+        DomainError: the domain has errors; the message contains one line for each problem.
     """
     sources = owned(program)
     statements, problems = parse_sources(sources)

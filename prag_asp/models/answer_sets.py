@@ -64,7 +64,8 @@ def answer_sets(
     another engine counts in parallel, and `progress` receives the progress of long computations.
 
     Raises:
-        DomainError: a file cannot be read or ground, or has unsupported statements; the message has one line for each.
+        DomainError: a file cannot be read or ground, or has unsupported statements; the message contains one line for
+            each.
         QueryError: the engine does not exist, or the program has no weights or nothing to optimise.
     """
     if engine not in ENGINES:

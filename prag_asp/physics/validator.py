@@ -49,7 +49,7 @@ class Validator:
         `staging` holds the options of the demonstration, if the budget includes that tier.
 
         Raises:
-            SceneError: the task names an entity that has no shape.
+            SceneError: the task contains an entity that has no shape.
             QueryError: the scene lacks a camera that `staging` names.
         """
         budget = budget or Budget()
@@ -127,7 +127,7 @@ def validate_task(
     """Return the verdict on one task; use `open_validator` for many tasks.
 
     Raises:
-        SceneError: the task names an entity that has no shape.
+        SceneError: the task contains an entity that has no shape.
     """
     with open_validator(scene) as validator:
         return validator.validate(task, seed=seed, index=index, budget=budget, staging=staging)

@@ -223,7 +223,7 @@ class _Step:
                 yield Case(case, (), tuple(ConditionalEffect((), each) for each in effects))
 
     def _where(self, function: Node, fixed: Mapping[int, bool]) -> Node:
-        """Restrict a function to the states that are consistent with some values under the invariants."""
+        """Restrict a function to the states that are consistent with the given values under the invariants."""
         fixed_values = [*map(self._value, fixed.items())]
         functions = self._functions
         return functions.any(

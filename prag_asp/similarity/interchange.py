@@ -31,7 +31,7 @@ class Interchange(Generic[Entity]):
         return frozenset(entity for group in self.groups if len(group) > 1 for entity in group).union(units)
 
     def fixing(self, fixed: Iterable[Entity]) -> Interchange[Entity]:
-        """Return the renamings that leave some entities in their places (the pointwise stabilizer)."""
+        """Return the renamings that leave the given entities in their places (the pointwise stabilizer)."""
         still = frozenset(fixed)
         groups = (tuple(entity for entity in group if entity not in still) for group in self.groups)
         joint = (tuple(unit for unit in units if still.isdisjoint(unit)) for units in self.joint)

@@ -104,7 +104,7 @@ class _Source(NamedTuple):
 
 @dataclass(frozen=True)
 class WeightedOrder:
-    """Tasks of some lengths, each sampled with its probability among the remaining ones.
+    """Tasks of the given lengths, each sampled with its probability among the remaining ones.
 
     Repeated draws are rejected; after `MISSES` misses in a row, tasks are sampled exactly from the remaining words.
     Both give the same distribution. Tasks of weight 0 are never sampled.

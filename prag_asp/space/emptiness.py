@@ -135,7 +135,7 @@ def _steps_to_acceptance(automaton: Automaton) -> int | None:
 
 
 def _program(space: TaskSpace, clauses: Sequence[Clause]) -> Program:
-    """Return the program of a space's domain under some conditions, without pruning any actions."""
+    """Return the program of a space's domain under the given conditions, without pruning any actions."""
     domain = conditioned(space.domain, Condition(tuple(clauses)))
     return whole_program(replace(domain, facts=replace(domain.facts, pruned=(), unreachable=(), static=())))
 

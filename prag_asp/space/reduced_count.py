@@ -49,7 +49,7 @@ class ReducedCounter:
         """Return the number of words of a given length, or None if the reduction does not apply.
 
         Raises:
-            LimitReached: a limit ended the count; the error has the number of words counted so far.
+            LimitReached: a limit ended the count; the error gives the number of words counted so far.
         """
         sizes, groups = self.reduction.sizes(length), self.reduction.groups
         if sizes not in self._models:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class TaskSampling:
-    """Random plans, tasks or (uniformly sampled) skeletons of some lengths, and their exact statistics.
+    """Random plans, tasks or (uniformly sampled) skeletons of given lengths, and their exact statistics.
 
     With `over`, a skeleton or a goal is sampled uniformly first. A draw depends only on the seed and its number.
     """

@@ -285,7 +285,7 @@ def _excluded_words(
 
 
 def _without(order: RankOrder, sets: Sequence[RankedWords], words: Iterable[tuple[int, tuple[str, ...]]]) -> RankOrder:
-    """Return the order of a part without some words, which may belong to other parts."""
+    """Return the order of a part without certain words, which may belong to other parts."""
     ranks = ((place, sets[place].rank(word)) for place, word in words)
     numbers = {order.number(place, rank) for place, rank in ranks if rank is not None}
     return RemainingOrder(order, tuple(sorted(number for number in numbers if number is not None)))

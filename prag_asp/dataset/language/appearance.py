@@ -72,7 +72,7 @@ class Appearance:
     robots: frozenset[str] = frozenset()
 
     def recoloured(self, colors: Mapping[str, str]) -> Appearance:
-        """Return the appearance with different colours for some entities."""
+        """Return the appearance with different colours for the given entities."""
         new = {entity: color_terms(color) for entity, color in colors.items() if entity in self.nouns}
         return replace(self, colors={**self.colors, **new})
 

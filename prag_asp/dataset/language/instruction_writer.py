@@ -69,7 +69,7 @@ class InstructionWriter:
         self._aims: dict[State, State] = {}
 
     def recoloured(self, colors: Mapping[str, str]) -> InstructionWriter:
-        """Return a writer for pictures in which some entities have different colours."""
+        """Return a writer for pictures in which the given entities have different colours."""
         if not colors:
             return self
         other = copy(self)

@@ -43,7 +43,7 @@ class Explanation:
 
 
 def explain(model: DomainLogic, plan: Sequence[clingo.Symbol]) -> Explanation | None:
-    """Return why a sequence of actions of the domain is not a plan, or None if it is one.
+    """Return why a sequence of the domain's actions is not a plan, or None if it is one.
 
     Raises:
         EngineError: the program has no counterpart in clauses.

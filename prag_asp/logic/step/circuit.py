@@ -63,11 +63,11 @@ class Gates:
         return CONSTANTS + place
 
     def all(self, operands: Iterable[int]) -> int:
-        """Return the conjunction of some gates."""
+        """Return the conjunction of gates."""
         return self._gate(True, operands)
 
     def any(self, operands: Iterable[int]) -> int:
-        """Return the disjunction of some gates."""
+        """Return the disjunction of gates."""
         return self._gate(False, operands)
 
     def _gate(self, conjunction: bool, operands: Iterable[int]) -> int:

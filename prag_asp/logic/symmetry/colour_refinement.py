@@ -24,7 +24,7 @@ TOGETHER = 2**22
 
 @dataclass(frozen=True)
 class StateBits:
-    """The bits set in some packed states, each a term: `state` and `term` have shape (bits,), in order of the states.
+    """The bits set in packed states, each a term: `state` and `term` have shape (bits,), in order of the states.
 
     `alone` holds, for each state and entity, the patterns of the bits that name only that entity, as a set packed into
     words, shape (states, entities, words). `related` are the indices, in `state` and `term`, of the bits that relate

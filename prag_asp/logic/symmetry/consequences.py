@@ -93,7 +93,7 @@ class Consequences:
 
 @dataclass(frozen=True)
 class _Closure:
-    """The consequences of some literals, and the sums that they reach in the bodies of rules, by rule number.
+    """The consequences of given literals, and the sums that they reach in the bodies of rules, by rule number.
 
     Both contain only the differences from the closure `below`.
     """

@@ -118,7 +118,7 @@ class _Terms:
     has: Callable[[Shaped], bool]
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[MissingImage]:
-        """Yield the terms that name some entities and whose image is not a term."""
+        """Yield the terms that name any of the given entities and whose image is not a term."""
         for entity in entities:
             for shape, inside in self.naming.get(entity, ()):
                 if not self.has((shape, tuple([names.get(each, each) for each in inside]))):
@@ -133,7 +133,7 @@ class _Terms:
         return iter(())
 
     def size(self, entities: Iterable[int]) -> int:
-        """Return the total number of terms that name each of some entities, a measure of the work."""
+        """Return the total number of terms that name each of the given entities, as a measure of the work."""
         return sum(len(self.naming.get(entity, ())) for entity in entities)
 
 
@@ -178,7 +178,7 @@ class _Rules:
         return False
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[MissingImage]:
-        """Yield the atoms of rules that name some entities and whose image is not an atom."""
+        """Yield the atoms of rules that name any of the given entities and whose image is not an atom."""
         yield from self._terms.lacking(names, entities)
         if self._others:
             yield from self._others.lacking(names, entities)
@@ -211,7 +211,7 @@ class _Rules:
         return self._consequences[rule.last].has(rule)
 
     def size(self, entities: Iterable[int]) -> int:
-        """Return the total number of atoms that name each of some entities."""
+        """Return the total number of atoms that name each of the given entities."""
         return self._terms.size(entities)
 
     @cached_property

@@ -52,7 +52,7 @@ class Renamed(Protocol):
         ...
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[MissingImage]:
-        """Yield the atoms that name at least one of some entities and have no image."""
+        """Yield the atoms that name at least one of the given entities and have no image."""
         ...
 
     def broken(self, names: Mapping[int, int]) -> Iterator[MissingImage]:
@@ -60,7 +60,7 @@ class Renamed(Protocol):
         ...
 
     def size(self, entities: Iterable[int]) -> int:
-        """Return the total number of atoms that name each of some entities."""
+        """Return the total number of atoms that name each of the given entities."""
         ...
 
 
@@ -249,7 +249,7 @@ class _UnitSearch:
         return None
 
     def _names(self, moved: Swap) -> dict[int, int]:
-        """Return the renaming of entities by a swap of blocks."""
+        """Return the renaming of entities that a swap of blocks amounts to."""
         pairs = (zip(self._blocks[place], self._blocks[goes], strict=True) for place, goes in moved.items())
         return {entity: name for pair in pairs for entity, name in pair}
 

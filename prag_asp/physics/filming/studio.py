@@ -59,7 +59,7 @@ RESTING = 0.002
 
 
 class Studio:
-    """A world for rendering some objects of a scene; use `open_studio`, which closes it.
+    """A world for rendering given objects of a scene; use `open_studio`, which closes it.
 
     `movable` are the objects that can move, and the furniture with a part that can.
     """
@@ -277,7 +277,7 @@ def matrices(camera: Camera, pose: NDArray[np.float64]) -> tuple[list[float], li
 def open_studio(
     scene: Scene, objects: Sequence[str], light: Vector = USUAL_LIGHT, fineness: Fineness = COARSE
 ) -> Iterator[Studio]:
-    """Open a world for rendering some objects of a scene, and close it afterwards.
+    """Open a world for rendering given objects of a scene, and close it afterwards.
 
     `light` is the direction to the light, and `fineness` sets how finely robots and shadows are rendered.
 

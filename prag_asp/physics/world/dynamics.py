@@ -95,7 +95,7 @@ class Dynamics:
         self._parts: dict[tuple[int, int], int] = {}
 
     def begin(self, objects: Sequence[str], moment: Moment, scene: Scene | None = None) -> None:
-        """Build a world with some objects and the arms as at a moment; `scene` may have different sizes.
+        """Build a world with the given objects and with the arms as at a moment; `scene` may have different sizes.
 
         Raises:
             SceneError: a robot cannot be loaded, or PyBullet refuses a body.

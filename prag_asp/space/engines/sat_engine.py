@@ -41,7 +41,7 @@ class SatEngine:
         """Return the number of words of a given length, by finding each word and blocking it with a clause.
 
         Raises:
-            LimitReached: a limit ended the search; the error has the number of words counted so far.
+            LimitReached: a limit ended the search; the error gives the number of words counted so far.
         """
         clock = self._limits.begin()
         counted = 0
@@ -62,7 +62,7 @@ class SatEngine:
         """Yield the words of a given length in order, lazily, by one search for each extension of a prefix.
 
         Raises:
-            LimitReached: a limit ended the search; the error has the number of words counted so far.
+            LimitReached: a limit ended the search; the error gives the number of words counted so far.
         """
         return within(self._limits, self._searching(length).words(prefix), self._level, length)
 
