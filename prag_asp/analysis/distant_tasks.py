@@ -54,7 +54,7 @@ def tasks_apart(space: TaskSpace, other: TaskSpace, distance: int) -> RankedTask
 
 
 def tasks_apart_from_all(space: TaskSpace, others: Iterable[tuple[TaskSpace, int]]) -> TasksApart:
-    """Return the tasks of a space of one length that have a distance from each task of other parts of any lengths.
+    """Return the tasks of a space of one length that are far from each task of other parts, whatever their lengths.
 
     Raises:
         QueryError: a distance is not between 1 and 100, or the spaces have different symmetries.
@@ -106,7 +106,7 @@ class TasksApart:
         return self.plan_at(rank)
 
     def rank(self, word: Sequence[str]) -> int | None:
-        """Return the rank of the task of a plan, given as texts of actions; None if it is not one of these tasks."""
+        """Return the rank of the task with a plan, given as texts of actions; None if it is not one of these tasks."""
         words = WordSet(self.space.engines, "task", self.length)
         place = words.rank(tuple(word))
         return None if place is None else self.ranking.rank([self.letters.index(each) for each in words.word(place)])

@@ -195,9 +195,9 @@ class DatasetRun:
         write_manifest(self._folder, self._manifest)
 
     def _fill(self, writer: PartWriter, part: TaskOrder, journaled: list[DrawResult]) -> DrawChoice | None:
-        """Add draws to a part until it has the requested tasks, or the limit of draws is reached.
+        """Add draws to a part until it has the requested tasks, or until the limit on draws is reached.
 
-        Returns the choice of draws, or None if all of them are sampled.
+        Return the choice of draws, or None if all of them are sampled.
         """
         note, spec, limit = writer.note, self._spec, min(self._limit(writer.note.name), part.size)
         choice = choice_of(self._space, spec, part, spec.candidates_of(self._shares[note.name]))
@@ -225,7 +225,7 @@ class DatasetRun:
     def _add(
         self, writer: PartWriter, part: TaskOrder, journaled: list[DrawResult], requested: int, limit: int
     ) -> set[int]:
-        """Add draws of an order to a part until it has the requested tasks, or `limit` draws; return the feasible."""
+        """Add draws of an order to a part until it has the requested tasks or `limit` draws; return feasible ones."""
         note, parts, passed = writer.note, self._parts, set[int]()
         plan = DrawPlan(self._spec.deal) if parts is None else parts.plan(note.name)
         with closing(self._records(writer, part, plan, journaled, limit)) as records:
@@ -327,9 +327,9 @@ class DatasetRun:
 
 
 def too_few(part: PartManifest, available: TaskOrder, limit: int, candidates: int = 0) -> str:
-    """Return the message for a part with fewer tasks than requested, with the reason.
+    """Return the message for a part that has fewer tasks than requested, with the reason.
 
-    `candidates` is the number of tasks among which those of the part are chosen, or 0 if they are sampled.
+    `candidates` is the number of tasks from which those of the part are chosen, or 0 if they are sampled.
     """
     draws = plural(part.draws, "draw")
     summary = f"only {part.tasks} of {plural(part.requested, 'task')} for {part.name} found in {draws}"

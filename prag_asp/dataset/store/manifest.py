@@ -138,7 +138,7 @@ class Manifest(msgspec.Struct):
     """The contents of dataset.json.
 
     `lengths` and `where` define the space of its tasks; `spaces` holds the exact size of that space by length. `cover`
-    and `diverse` (by part) hold what chosen tasks reach.
+    and `diverse` hold, for each part, what its chosen tasks achieve.
     """
 
     complete: bool

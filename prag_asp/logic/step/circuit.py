@@ -84,7 +84,7 @@ class Gates:
         return self._numbers[key]
 
     def circuit(self, roots: Sequence[int]) -> tuple[Circuit, Mapping[int, int]]:
-        """Return the circuit of some gates and all gates that they read, and the number that each gate has in it."""
+        """Return the circuit of the given gates and of all gates that they read, and each gate's number in it."""
         before = CONSTANTS + self._inputs
         needed: set[int] = set()
         waiting = [gate for gate in roots if gate >= before]

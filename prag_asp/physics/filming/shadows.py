@@ -143,7 +143,7 @@ def _doubled(images: Floats) -> Floats:
 
 
 def blurred(images: Floats, radius: int) -> Floats:
-    """Return images (..., H, W) after two box filters with a radius in pixels; beyond its edges, an image repeats."""
+    """Return images (..., H, W) after two box filters with a radius in pixels; edge pixels are repeated outwards."""
     width = np.float32(2 * radius + 1)
     for _ in range(2):
         for axis in (-2, -1):

@@ -213,7 +213,7 @@ def _fill(
 def _places(
     corners: NDArray[np.float64], taken: NDArray[np.float64], touching: NDArray[np.float64], spacing: float
 ) -> NDArray[np.float64]:
-    """Return the places in the bounding box of some corners, shape (n, 2), that keep a spacing from `taken` places.
+    """Return the places in the bounding box of corners, shape (n, 2), that keep a spacing from `taken` places.
 
     They are on lines through the corners, on lines through `touching` places, and on the lines of a lattice.
     """
