@@ -180,7 +180,7 @@ class NearestNeighbours:
     distances: NDArray[np.float64]
 
     def save(self, file: str | Path) -> None:
-        """Write a row for each task and neighbour: `task`, `other` and `distance`, to a .npz or .parquet.
+        """Write a row for each task and neighbour (`task`, `other` and `distance`) to a .npz or .parquet file.
 
         Raises:
             QueryError: the file has neither extension.
@@ -221,7 +221,7 @@ class NearDuplicates:
             yield int(pair[0]), int(pair[1]), float(pair[2])
 
     def save(self, file: str | Path) -> None:
-        """Write a row for each pair: `task`, `other` and `distance`, to a .npz or .parquet.
+        """Write a row for each pair (`task`, `other` and `distance`) to a .npz or .parquet file.
 
         Raises:
             QueryError: the file has neither extension.

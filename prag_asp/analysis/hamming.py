@@ -212,7 +212,7 @@ class AgreementCount:
         following: Sequence[Agreements],
         prime: int,
     ) -> NDArray[np.int64]:
-        """Return the matrices of a layer, shape (agreements, states, states), from those of the next layer."""
+        """Return the matrices of a layer, shape (agreements, states, states), computed from those of the next layer."""
         number = {vector: place for place, vector in enumerate(following)}
         same = np.array([number[vector] for vector in vectors])
         result = np.zeros((len(following), step.states, step.states), dtype=np.int64)

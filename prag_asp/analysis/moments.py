@@ -166,7 +166,7 @@ def texts_of(space: TaskSpace, feature: Feature, by: Level, letters: Sequence[st
 
 
 def _single(feature: Feature) -> Feature:
-    """Return the feature of single actions of which a feature consists."""
+    """Return the feature of single actions from which a feature is composed."""
     return "names" if feature == "pairs" else feature
 
 

@@ -207,7 +207,7 @@ def _summed(rows: NDArray[np.int8], numbers: NDArray[Any]) -> tuple[NDArray[np.i
 
 
 def _shortest(words: LayeredAutomaton, target: Target) -> NearestTask:
-    """Return the nearest word: a shortest path, found backwards from the smallest number of edits at the end."""
+    """Return the nearest word: a shortest path, found by going back from the smallest number of edits at the end."""
     rows = [np.tile(target.start(), (1, len(target.images), 1))]
     for step, states in zip(words.edges or (), words.sizes[1:], strict=True):
         order = np.argsort(step.targets, kind="stable")

@@ -130,7 +130,7 @@ class SuiteDomain:
         return [*lines, "", '#include "rules/closed_world.lp".', f'#include "{LOGIC}".', ""]
 
     def _union(self) -> list[str]:
-        """Return the facts about kinds of objects that any problem shows."""
+        """Return the facts about kinds of objects that any of the problems shows."""
         opens = {kind for each in self._kind_facts() if each[0] == OPEN for kind in each[1][:1]}
         movable = {each.kinds[name] for each in self.problems.values() for name in each.movable}
         takes = dict.fromkeys((name, kinds[1]) for name, kinds in self._moves())

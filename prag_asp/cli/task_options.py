@@ -202,7 +202,7 @@ class TaskFormat:
         return forms[self.form]
 
     def check(self, by: str = "task") -> None:
-        """Check that options for instructions are given only with that format, and that requested ids exist.
+        """Check that options for instructions are given only with that format, and that the requested ids exist.
 
         Raises:
             QueryError: such an option is given with another format, or ids of plans are requested.

@@ -70,7 +70,7 @@ def _mapping_json(values: Mapping[Any, Any]) -> str:
 
 @lru_cache(maxsize=1 << 14)
 def _shared_json(value: Atom | Mapping[Any, Any]) -> str:
-    """Return an action or a mapping of a task as JSON, cached, because tasks share most of them."""
+    """Return an action or a mapping in a task as JSON, which is cached because tasks share most of them."""
     return _json(str(value) if isinstance(value, Atom) else {str(key): each for key, each in value.items()})
 
 

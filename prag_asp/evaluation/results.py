@@ -48,7 +48,7 @@ class EvaluationRecord(msgspec.Struct, frozen=True):
     strata: list[StratumFigures] = []
 
     def difference(self, other: EvaluationRecord) -> str:
-        """Return how the domain or the options of episodes differ from those of another evaluation, or ""."""
+        """Return how the domain or the options for episodes differ from those of another evaluation, or ""."""
         if self.domain != other.domain:
             return f"the domains are {self.domain} and {other.domain}"
         if self.digest != other.digest:

@@ -200,7 +200,7 @@ def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
 
 
 def _states_invariant(statement: Statement) -> bool:
-    """Return whether a statement states an invariant, or belongs to a program part that is refused anyway."""
+    """Return whether a statement states an invariant or belongs to a program part that is refused anyway."""
     if statement.kind == ASTType.Program:
         return statement.part == "base"
     heads = [atom.signature for atom in statement.heads]

@@ -187,8 +187,8 @@ class AnswerSets:
     def count(self) -> int:
         """Return the exact number of answer sets, regardless of weights.
 
-        With engine auto, clingo enumerates first, with limited work. If it does not finish, clingo, counters and the
-        diagram compiler race: any of them may be faster by orders of magnitude.
+        With the engine auto, clingo enumerates first, with limited work. If it does not finish, clingo, counters and
+        the diagram compiler race: any of them may be faster by orders of magnitude.
 
         Raises:
             EngineError: the engine ganak or d4 is not installed, or fails.

@@ -75,7 +75,7 @@ class Budget:
         return f"{self.restarts} x {self.samples}, {self.tier}"
 
     def includes(self, tier: Tier) -> bool:
-        """Return whether a tier of checks is the tier of this budget or a cheaper tier."""
+        """Return whether a tier of checks is the tier of this budget or a cheaper one."""
         return TIERS.index(tier) <= TIERS.index(self.tier)
 
     def to_json(self) -> dict[str, Any]:

@@ -119,7 +119,7 @@ class Witness:
 
     @property
     def has_transit(self) -> bool:
-        """Whether the witness has the paths of the arm between the waypoints of actions."""
+        """Whether the witness contains the paths of the arm between the waypoints of actions."""
         return any(waypoint.name == TRANSIT for motion in self.motions for waypoint in motion)
 
     def to_json(self) -> dict[str, Any]:

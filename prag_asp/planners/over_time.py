@@ -45,7 +45,7 @@ Change = tuple[Value, Node]
 def ground_over_time(
     domain: Domain, stated: Mapping[clingo.Symbol, bool], goal: Mapping[clingo.Symbol, bool] | None, *, whole: bool
 ) -> PlanningTask:
-    """Return the planning task of a domain with the initial state `stated`, in which other fluents are false.
+    """Return the planning task of a domain with the initial state `stated`; all other fluents are false.
 
     With a `goal`, the final state must also have these values. With `whole`, there are no conditional effects and no
     disjunctions: an action has a case for each combination of truth values of its conditions (Nebel 2000).

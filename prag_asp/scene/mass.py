@@ -55,7 +55,7 @@ def point_mass(mass: float, centre: Floats) -> MassProperties:
 
 
 def combined(bodies: Iterable[MassProperties]) -> MassProperties:
-    """Combine the properties of several bodies, by the parallel axis theorem."""
+    """Combine the properties of several bodies, using the parallel axis theorem."""
     parts = list(bodies)
     total = sum(part.mass for part in parts)
     centre = sum((part.mass * part.centre for part in parts), np.zeros(3)) / total

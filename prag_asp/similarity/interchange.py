@@ -41,7 +41,7 @@ class Interchange(Generic[Entity]):
 
     @cached_property
     def _places(self) -> Mapping[Entity, list[tuple[tuple[tuple[Entity, ...], ...], int, int]]]:
-        """The groups and joint groups of each entity, as units, with the number of its unit and its place in it."""
+        """Each entity's groups and joint groups, with the number of its unit and its place in that unit."""
         places: dict[Entity, list[tuple[tuple[tuple[Entity, ...], ...], int, int]]] = {}
         for alike in (*(tuple((each,) for each in group) for group in self.groups), *self.joint):
             for number, unit in enumerate(alike):

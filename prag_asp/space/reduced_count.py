@@ -108,7 +108,7 @@ class ReducedModel:
 
     @cached_property
     def whole_sizes(self) -> tuple[int, ...] | None:
-        """The size of each group of interchangeable entities in the whole program; None without a valid reduction.
+        """The size of each group of interchangeable entities in the whole program, or None without a valid reduction.
 
         The reduction is invalid if entities of a group are not all interchangeable, or if units are interchangeable in
         only one of the reduced and the whole program.

@@ -78,7 +78,7 @@ class Appearance:
 
     @cached_property
     def terms(self) -> tuple[str, ...]:
-        """The colour terms that fit something and that the language has."""
+        """The colour terms that the language has and that fit something."""
         sure = [term for terms in self.colors.values() for term, fits in terms.items() if fits]
         return tuple(term for term in dict.fromkeys(sure) if term in self.sayable)
 

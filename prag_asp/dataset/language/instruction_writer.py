@@ -79,7 +79,7 @@ class InstructionWriter:
         return other
 
     def instructions(self, task: Task, seed: int = 0) -> Instructions:
-        """Return the instructions of a task; the seed chooses among phrasings, reproducibly.
+        """Return the instructions for a task; the seed determines which phrasings are used.
 
         Raises:
             QueryError: the task is not one of this domain, or an action has no unambiguous sentence.

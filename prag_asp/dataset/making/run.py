@@ -263,7 +263,7 @@ class DatasetRun:
     def _records(
         self, writer: PartWriter, part: TaskOrder, plan: DrawPlan, journaled: list[DrawResult], limit: int
     ) -> Generator[DrawRecord, None, None]:
-        """Yield the draws of a part that this run validates; the results of the first ones may be `journaled`."""
+        """Yield the draws of a part that this run validates; the results of the first few may be `journaled`."""
         numbers, again = tee(plan.missing(writer.next, limit))
         drawn = zip(numbers, part.pick(again), strict=False)
         first = list(islice(drawn, len(journaled)))

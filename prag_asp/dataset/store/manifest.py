@@ -39,7 +39,7 @@ Decimal = Annotated[str, msgspec.Meta(pattern="^[0-9]+$", max_length=MOST_DIGITS
 
 
 class CauseCount(msgspec.Struct):
-    """A cause of failure, and the number of attempts that failed because of it."""
+    """A cause of failure, and the number of attempts that failed for it."""
 
     cause: str
     count: Whole
@@ -56,7 +56,7 @@ class RejectionCount(msgspec.Struct):
 class LengthTally(msgspec.Struct):
     """The outcomes of the draws of one length; without physics, all count as feasible.
 
-    `trivial` draws are left out before physics, and the pass rate is that of the others.
+    `trivial` draws are left out before physics, and the pass rate refers to the others.
     """
 
     length: Whole

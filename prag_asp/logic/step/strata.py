@@ -38,7 +38,7 @@ def stratified_step(ground: GroundStep) -> NormalStep:
 
 
 def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[RuleBody, ...]]) -> list[Stratum]:
-    """Return the atoms that `roots` depend on and that rules define, in order of dependency.
+    """Return the atoms on which `roots` depend and that rules define, in order of dependency.
 
     Raises:
         EngineError: an atom depends on its own negation.
@@ -79,7 +79,7 @@ def evaluate(
     size: int,
     read: Callable[[int], Column] | None = None,
 ) -> Callable[[int], Column]:
-    """Add the column of every atom of `strata` to `columns`, and return a reader of columns.
+    """Add the column of every atom in `strata` to `columns`, and return a reader of columns.
 
     `read` reads `columns` and all other atoms; by default, an atom that nothing derives is false.
     """

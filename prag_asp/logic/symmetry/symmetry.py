@@ -204,7 +204,7 @@ class _Rules:
         return image is not None and (image in self._deriving or self._entails(image))
 
     def _entails(self, rule: SpelledRule) -> bool:
-        """Return whether a rule is entailed by the rules of every step, or, if it is of the last step, by all rules."""
+        """Return whether a rule is entailed by the rules of every step or, if it is of the last step, by all rules."""
         if rule.last not in self._consequences:
             rules = (each for each in self.atoms.rules if rule.last or not each.last)
             self._consequences[rule.last] = Consequences([*rules, *self.atoms.definitions])

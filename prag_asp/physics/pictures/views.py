@@ -40,7 +40,7 @@ SHOULDER, WRIST, HAND = 0.40, 0.22, 0.2
 """The heights of a shoulder above the table and of a wrist above the fingertips, and the width of a hand, in metres."""
 
 View = tuple[Vector, Vector]
-"""The position of the camera, and the point that it looks at, in metres."""
+"""The position of the camera, and the point at which it looks, in metres."""
 
 
 def best_view(

@@ -67,7 +67,7 @@ def prove_exclusions(domain_facts: Facts, scene: Scene, tell: Callable[[str], No
 
 
 def unproved_exclusions(domain: Domain, scene: Scene) -> Iterator[Fluents]:
-    """Yield the learned exclusions of a domain that physics does not prove, for example after a change of the scene.
+    """Yield the learned exclusions of a domain that physics does not prove, for example after a change to the scene.
 
     Raises:
         SceneError: the scene lacks the shape or the yaw of an entity in a spatial fluent.

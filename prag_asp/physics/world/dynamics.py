@@ -70,7 +70,7 @@ NO_PRESSING = Pressing(0.0, 0.0)
 
 @dataclass(frozen=True)
 class LoadedArm:
-    """An arm in a simulation: its robot, its body, and the joints of arm and gripper that motors drive.
+    """An arm in a simulation: its robot, its body, and the joints of the arm and gripper that motors drive.
 
     `base` is the pose of the arm in PyBullet: the pose of the centre of mass of its first link.
     """

@@ -50,7 +50,7 @@ class PandaSolver:
     def solutions(
         self, flange: NDArray[np.float64], near: Joints, angles: Sequence[float]
     ) -> Iterator[Sequence[float]]:
-        """Yield joint angles for a pose of the flange; a branch without a solution is NaN."""
+        """Yield joint angles for a pose of the flange, or NaN for a branch without a solution."""
         actual, ik_full = np.array(near), _frankik().ik_full
         for angle in angles:
             yield from ik_full(flange, actual, angle).tolist()
