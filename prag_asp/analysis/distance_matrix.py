@@ -171,7 +171,7 @@ def stripes_of(given: SimilarityMatrix | PairDistances) -> Stripes:
 
 @dataclass(frozen=True)
 class NearestNeighbours:
-    """The tasks nearest to each task, the nearest first; at equal distances, smaller numbers come first.
+    """The tasks nearest to each task, nearest first; at equal distances, smaller numbers come first.
 
     `tasks` and `distances` have shape (tasks, k).
     """

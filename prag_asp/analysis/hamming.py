@@ -37,7 +37,7 @@ PRIMES_FROM = 2**31
 """Moduli are primes below this number, so that a sum of 2^31 residues fits into 64 bits."""
 
 TOGETHER = 1 << 22
-"""The amount of numbers that are processed together, 32 MiB: enough to amortise the overhead of NumPy."""
+"""The amount of data that is processed together, 32 MiB: enough to amortise the overhead of NumPy."""
 
 COMPARED = 1 << 33
 """Maximum number of letters compared when all pairs of words are listed, which takes about 10 s."""

@@ -172,7 +172,7 @@ def _within(words: LayeredAutomaton, target: Target, up_to: int, clock: LimitClo
 
 
 def _capped(rows: NDArray[np.int64], up_to: int, left: int, size: int) -> NDArray[np.int8]:
-    """Return rows with numbers above `up_to` set to `up_to` + 1, also where the remaining letters need more edits."""
+    """Return rows, setting to `up_to` + 1 all numbers that exceed `up_to` with the edits that are still needed."""
     needed = np.abs(size - np.arange(size + 1) - left)
     return np.where(rows + needed > up_to, up_to + 1, rows).astype(np.int8)
 

@@ -103,7 +103,8 @@ task_selection = grouped(
 def _parse_ranks(text: str) -> range:
     """Parse the ranks in a text.
 
-    Raises: QueryError: the text does not have the form of ranks, or contains too many.
+    Raises:
+        QueryError: the text does not have the form of ranks, or contains too many.
     """
     match = RANKS.fullmatch(text.strip())
     if match is None:

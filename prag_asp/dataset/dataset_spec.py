@@ -1,4 +1,4 @@
-"""The request for a dataset as one value: all inputs besides the task space that determine its bytes."""
+"""The request for a dataset as one value: all inputs other than the task space that determine its bytes."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ def validate_task(
 
 
 def _details(faults: Counter[PhysicsFault], scene: Scene) -> tuple[Detail, ...]:
-    """Return the details of failed attempts, the most common first, but no more than `LISTED`."""
+    """Return the details of failed attempts, most common first, but no more than `LISTED`."""
     counts: Counter[tuple[str, str, str, bool | None, tuple[str, ...]]] = Counter()
     for fault, number in faults.items():
         fact, value, text = "", None, fault.text

@@ -37,7 +37,7 @@ class MassProperties(NamedTuple):
         return MassProperties(self.mass, rows @ self.centre + at, rows @ self.inertia @ rows.T)
 
     def fits(self, low: Floats, high: Floats) -> bool:
-        """Return whether mass distributed in some way in a box, given by two corners, can have this inertia."""
+        """Return whether some distribution of mass in a box, given by two corners, can have this inertia."""
         if not np.all(np.isfinite(self.inertia)):
             return False
         # For any distribution, the second moments about the centre of mass are positive in each direction, and at most

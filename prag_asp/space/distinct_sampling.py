@@ -64,8 +64,8 @@ class TaskOrder(Protocol):
 class UniformOrder:
     """Tasks in uniformly random order with random access.
 
-    `order` contains ranks of words in `sets`, which has one set for each length; the ranks that are returned are those
-    of these words in `whole`.
+    `order` contains ranks of words in `sets`, which has one set for each length; the returned ranks are the ranks of
+    these words in `whole`.
     """
 
     whole: Sequence[WordSet]

@@ -61,7 +61,7 @@ class TaskSampling:
         return chain.from_iterable(self.batches(seed=seed))
 
     def array(self, count: int, *, seed: int, first: int = 0) -> NDArray[np.int32]:
-        """Return draws of one length from number `first` on, as an array of shape (count, length).
+        """Return draws of one length from number `first` onwards, as an array of shape (count, length).
 
         Its values are indices into the `action_texts` of the space. Ranges of draws may be computed separately.
 

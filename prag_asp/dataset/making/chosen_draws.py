@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace
 
 TOGETHER = 16
-"""The number of draws in a round of tasks that are far apart: enough for the workers of a machine, but with few chosen
-in vain."""
+"""The number of draws in a round of tasks that are far apart: it occupies a machine's workers, and few draws are
+wasted."""
 
 
 class DrawChoice(Protocol):

@@ -171,7 +171,7 @@ class Manifest(msgspec.Struct):
 
     @property
     def request(self) -> dict[str, Any]:
-        """The values besides the domain that identify the dataset, as `request_of` returns them."""
+        """The values that, together with the domain, identify the dataset, as `request_of` returns them."""
         return {"lengths": self.lengths, "where": self.where, **self.spec.fixed()}
 
     def difference(self, other: Manifest, ignored: str = "") -> str:
@@ -198,7 +198,7 @@ class Manifest(msgspec.Struct):
 
 
 def request_of(space: TaskSpace, spec: DatasetSpec) -> dict[str, Any]:
-    """Return the values besides the domain that identify a dataset: the space, and the fixed part of the request."""
+    """Return what, together with the domain, identifies a dataset: the space and the fixed part of the request."""
     where = [str(clause) for clause in space.condition.clauses]
     return {"lengths": [*space.lengths], "where": where, **spec.fixed()}
 

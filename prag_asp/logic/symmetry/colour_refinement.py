@@ -39,7 +39,7 @@ class StateBits:
     related: NDArray[np.intp]
 
     def entities(self, bits: NDArray[np.intp]) -> NDArray[np.int64]:
-        """Return the entities that the given bits name, shape (bits, most entities in a term)."""
+        """Return the entities that the given bits name, one row for each bit."""
         return self.terms.entities[self.term[bits]]
 
 

@@ -64,7 +64,7 @@ class Twins:
     ) -> NDArray[np.int64]:
         """Return how many twins of the entity at a given place are named by actions before this place.
 
-        `entities` has shape (actions, most named); the result has shape (states, actions).
+        `entities` has a row for each action; the result has shape (states, actions).
         """
         first = self.first[states]
         counts = np.zeros((len(first), len(entities)), dtype=np.int64)

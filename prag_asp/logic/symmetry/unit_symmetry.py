@@ -65,7 +65,7 @@ class Renamed(Protocol):
 
 
 def joint_groups(blocks: Sequence[Block], classes: Mapping[int, Hashable], rules: Renamed) -> list[list[Block]]:
-    """Return groups of aligned units, the outer ones first, given blocks that cannot be swapped on their own.
+    """Return groups of aligned units, outer ones first, given blocks that cannot be swapped on their own.
 
     Entities of different `classes` are not interchangeable.
     """
@@ -189,7 +189,7 @@ class _UnitSearch:
                 yield swap
 
     def _units(self, star: Sequence[Swap], size: int) -> list[tuple[int, ...]]:
-        """Return the units given by swaps of one block with others, if of `size` blocks, and mark them as used."""
+        """Return the units given by swaps of one block with others if they have `size` blocks; mark them as used."""
         swaps = [swap for swap in star if len(swap) == size and self._taken.isdisjoint(swap)]
         if not swaps:
             return []

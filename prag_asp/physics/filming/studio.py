@@ -134,7 +134,7 @@ class Studio:
         self._shadows_are_old = True
 
     def pose(self, camera: Camera) -> NDArray[np.float64]:
-        """Return the current pose of a camera as a homogeneous matrix, with x to the right, y down and z ahead."""
+        """Return the current pose of a camera as a homogeneous matrix, with x to the right, y down and z forwards."""
         if camera not in self._poses:
             self._poses[camera] = camera.pose
         if not camera.mount:

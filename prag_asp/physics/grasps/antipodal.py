@@ -49,8 +49,8 @@ ENOUGH_POINTS, UNSURE = 8, 0.15
 judgement as a cosine."""
 
 MOST = (40, 40, 24)
-"""The maximum number of distinct grasps of a body to keep, the best first, for each kind: from above, slanted, and from
-the side."""
+"""The maximum number of distinct grasps of a body to keep, best first, for each kind: from above, slanted, and from the
+side."""
 
 SLANTED, SIDEWAYS = 0.5, 1.2
 """The smallest angles, in radians, between the tool's direction and straight down for slanted and for sideways grasps.
@@ -99,7 +99,7 @@ class GraspProblem(NamedTuple):
 
 
 def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Grasp, ...]:
-    """Return distinct grasps of a body, the most promising first; the result is empty if no sample yields one.
+    """Return distinct grasps of a body, most promising first; the result is empty if no sample yields one.
 
     The samples are fixed, so the same body has the same grasps.
     """

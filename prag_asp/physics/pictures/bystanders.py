@@ -157,7 +157,7 @@ def situation_of_moment(scene: Scene, moment: Moment) -> Situation:
 
 
 def _candidates(search: Search, situation: Situation, entity: str) -> Iterator[Pose]:
-    """Yield random poses of an object on the table, among the objects of a situation."""
+    """Yield random poses at which an object can stand on the table, given the other objects in a situation."""
     for _ in range(TRIES):
         try:
             yield sample_pose(search, situation, PlacementRequest(entity, TABLE, (), 0))

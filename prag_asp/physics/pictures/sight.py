@@ -46,7 +46,7 @@ class Sight:
         return bool((pixels >= 0).all() and (pixels <= self.camera.size).all())
 
     def is_hidden_by(self, box: Corners) -> bool:
-        """Return whether a box may hide part of what the camera sees, because it is nearer in one of its pixels."""
+        """Return whether a box may hide part of what the camera sees, because it is closer at some pixel."""
         pixels, nearest = self._projected(box)
         outline = np.array(hull([(x, y) for x, y in pixels.tolist()]))
         sides = np.roll(outline, -1, axis=0) - outline

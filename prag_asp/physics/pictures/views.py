@@ -27,7 +27,7 @@ DIRECTIONS = (
 """The directions to the camera to try, the default one first."""
 
 FAVOUR = 1.1
-"""How many times as high as the default view another view has to score."""
+"""The factor by which another view's score must exceed that of the default view."""
 
 MOST = 6
 """The number of states that suffices for choosing a view."""

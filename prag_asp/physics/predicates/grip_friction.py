@@ -38,7 +38,7 @@ The robot also accelerates the object, so it may drop lighter bodies as well; a 
 
 
 def grasps_in_body(situation: Situation, entity: str, robot: str) -> tuple[Grasp, ...]:
-    """Return the grasps of a body with a model, in the body's frame, the best first."""
+    """Return the grasps of a body with a model, in the body's frame, best first."""
     gripper = ParallelGripper.of(situation.robot(robot))
     return body_grasps(situation.shape(entity), gripper, pad_friction(situation.scene, entity))
 

@@ -19,8 +19,7 @@ Arguments = tuple[str, ...]
 
 
 ViolationsFunction = Callable[[Situation, Arguments], Iterator[float]]
-"""Yields how far a situation is from satisfying each condition of a predicate, the cheapest first; at most 0 if it
-does."""
+"""Yields how far a situation is from satisfying each condition of a predicate, cheapest first; at most 0 if it does."""
 
 WayFunction = Callable[[Situation, Arguments], float]
 """Returns the length of a path to a situation that satisfies a predicate, around obstacles."""

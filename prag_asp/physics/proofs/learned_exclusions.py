@@ -2,7 +2,7 @@
 
 They come only from proofs and only forbid fluents to hold, so they are Horn clauses, like all invariants of a domain:
 they exclude exactly the plans with a state that is known to satisfy the premises of a proof, and each of these plans is
-proved infeasible. Exclusions of three or more fluents stay in physics: in partially known states, clauses of three
+proved infeasible. Exclusions of three or more fluents are left to physics: in partially known states, clauses of three
 literals cannot be propagated exactly.
 """
 

@@ -147,7 +147,7 @@ class Prover:
         return [frozenset(members) for _, members in groups]
 
     def _together(self, group: frozenset[Fact]) -> str | None:
-        """Return why no positions of the bodies satisfy the given facts, or None if nothing is proved; cached."""
+        """Return why no positions of the bodies satisfy the given facts, or None if nothing is proved; uses a cache."""
         if group not in self._known:
             true = sorted(group, key=lambda fact: (fact.predicate.name, fact.arguments))
             gaps: tuple[dict[Gap, None], ...] = ({}, {}, {})
@@ -161,7 +161,7 @@ class Prover:
         return self._known[group]
 
     def _constrain(self, fact: Fact) -> Constraints:
-        """Return a fact's constraints, with the weakest bounds over all sizes of its bodies; cached."""
+        """Return a fact's constraints, with the weakest bounds over all sizes of its bodies; results are cached."""
         if fact not in self._constraints:
             bounds = []
             for sized in self._sized(fact):

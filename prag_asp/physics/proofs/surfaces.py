@@ -1,4 +1,4 @@
-"""Proofs about the table's top and its zones: a body stands on exactly the surfaces under its centre.
+"""Proofs about the table top and its zones: a body stands on exactly the surfaces under its centre.
 
 A surface is a convex region in a plane, and a body stands on it if the body stands on the plane with its centre over
 the region. The centre of a body that is known to stand on several surfaces is thus over their intersection.

@@ -40,7 +40,7 @@ from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, compose, multiply, rotate, yaw_of, yaw_quaternion
 
 SPACINGS = (FINGER_ROOM, FINGER_ROOM / 2, SPACING, 0.005, 0.002, 0.0)
-"""The spacings between objects to try, in metres, the largest first; with the last, they touch."""
+"""The spacings between objects to try, in metres, largest first; with the last, they touch."""
 
 TIGHT = 0.002
 """The largest spacing, in metres, with which objects also touch the walls of a container."""

@@ -56,7 +56,7 @@ class PandaSolver:
             yield from ik_full(flange, actual, angle).tolist()
 
     def sweeps(self, tool: Pose, near: Joints | None) -> Iterator[tuple[float, ...]]:
-        """Yield the angles of joint 7 to try, the most promising first."""
+        """Yield the angles of joint 7 to try, most promising first."""
         if near is not None:
             yield (near[6],)
             yield tuple(near[6] + angle for angle in NARROW)
