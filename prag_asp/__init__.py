@@ -13,6 +13,7 @@ The names below are loaded on first use, so that the command starts fast.
 
 from __future__ import annotations
 
+import sys
 from typing import TYPE_CHECKING
 
 from prag_asp.lazy import names_from
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from prag_asp.logic.formula.explanation import Explanation
     from prag_asp.models.answer_sets import AnswerSets, answer_sets
     from prag_asp.processes.bounded_call import bounded
+    from prag_asp.processes.notebook_progress import show_progress
     from prag_asp.program.paths import shipped_domains
     from prag_asp.scene.scene import Scene
     from prag_asp.space.conditions.condition import Condition
@@ -75,6 +77,7 @@ __all__ = [
     "load_scene",
     "parse_atom",
     "shipped_domains",
+    "show_progress",
     "why_empty",
     "write_new_domain",
 ]
@@ -84,6 +87,7 @@ _HOMES = {
     "prag_asp.dataset.store.dataset": ("Dataset",),
     "prag_asp.models.answer_sets": ("AnswerSets", "answer_sets"),
     "prag_asp.processes.bounded_call": ("bounded",),
+    "prag_asp.processes.notebook_progress": ("show_progress",),
     "prag_asp.domain.load": ("Domain", "load_domain", "load_scene"),
     "prag_asp.domain.scaffold": ("write_new_domain",),
     "prag_asp.errors": (
@@ -107,3 +111,9 @@ __getattr__ = names_from(__name__, _HOMES)
 
 def __dir__() -> list[str]:
     return __all__
+
+
+if "ipykernel" in sys.modules:  # the kernel of a notebook
+    from prag_asp.processes.notebook_progress import watch_notebook
+
+    watch_notebook()

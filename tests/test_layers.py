@@ -86,7 +86,7 @@ ROOMS: Mapping[str, frozenset[str]] = {
     "report": GROUND
     | {"html", "program", "domain", "logic", "space", "similarity", "physics", "dataset", "evaluation", "analysis"}
     | {"versions"},
-    "explore": GROUND | {"program", "scene", "domain", "logic", "space", "models", "dataset", "physics"},
+    "explore": GROUND | {"html", "program", "scene", "domain", "logic", "space", "models", "dataset", "physics"},
     "cli": GROUND
     | {"program", "scene", "grammar", "pddl", "bddl", "reduction", "domain", "logic", "space", "models", "planners"}
     | {"physics", "dataset", "evaluation", "analysis", "similarity", "audit", "report", "explore", "versions"},
@@ -110,7 +110,7 @@ FLOORS: Mapping[str, tuple[str, ...]] = {
     "physics": (
         "bullet", "required", "temporary_files", "robot", "grasps", "witness", "extent", "situation", "predicates",
         "symbolic_facts", "world", "control", "proofs", "search", "motion", "checks", "demonstration", "filming",
-        "pictures", "verdict", "witness_search", "tiers", "validator", "validation",
+        "pictures", "playback", "verdict", "witness_search", "tiers", "validator", "validation",
     ),
     "rl": (
         "registration", "arena", "goals", "observations", "rewards", "environment_options", "goal_env",
@@ -125,7 +125,7 @@ PUBLIC = {
     "LimitReached", "Limits", "OutputError", "PragError", "QueryError", "Reasons", "Scene", "SceneError", "Task",
     "TaskSpace",
     "__version__", "answer_sets", "bounded", "explain", "fewest_changes", "load_domain", "load_scene",
-    "parse_atom", "shipped_domains", "why_empty", "write_new_domain",
+    "parse_atom", "shipped_domains", "show_progress", "why_empty", "write_new_domain",
 }  # fmt: skip
 HEAVY = {
     "inflect",

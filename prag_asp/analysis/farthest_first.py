@@ -14,6 +14,7 @@ from prag_asp.analysis.distance_matrix import SimilarityMatrix
 from prag_asp.errors import QueryError
 from prag_asp.similarity.background import Trace, UpTo
 from prag_asp.similarity.metrics import Metric
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.task import KnownDomain
@@ -51,7 +52,7 @@ def diverse_choice(given: SimilarityMatrix | PairDistances, count: int) -> Diver
     """
     tasks = given.count
     if not 1 <= count <= tasks:
-        raise QueryError(f"cannot choose {count} of {tasks} tasks; choose at least 1 and at most {tasks}")
+        raise QueryError(f"cannot choose {count} of {plural(tasks, 'task')}; choose at least 1 and at most {tasks}")
     unit = float(given.denominator or 1)
     chosen, separation = [0], 0.0
     nearest = given.row(0) / unit

@@ -10,7 +10,7 @@ from prag_asp.audit.canonical_facts import Form
 from prag_asp.audit.goal_distance import goal_distance
 from prag_asp.audit.problem_checks import AuditFinding, problem_findings, reach_findings
 from prag_asp.errors import PragError
-from prag_asp.processes.progress_events import stage
+from prag_asp.processes.progress_events import report_progress, stage
 
 Progress = Callable[[str, int, int], None]
 
@@ -88,7 +88,7 @@ def audit_problems(
     *,
     train: Sequence[str] = (),
     reach: bool = True,
-    progress: Progress = lambda *_: None,
+    progress: Progress = report_progress,
 ) -> BenchmarkAudit:
     """Audit the problems of suites; `unreadable` holds a suite and a finding for each file that could not be read.
 

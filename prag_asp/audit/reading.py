@@ -12,6 +12,7 @@ from prag_asp.audit.problem_checks import AuditFinding
 from prag_asp.audit.sources import lerobot_suites
 from prag_asp.audit.sources.problem_source import FailedRead, ProblemSource
 from prag_asp.errors import QueryError
+from prag_asp.processes.progress_events import report_progress
 
 LEROBOT = "LeRobot"
 """The format of texts without problems; their problems are looked up in other suites."""
@@ -49,7 +50,7 @@ def read_suites(folders: Sequence[str | Path]) -> tuple[list[AuditedProblem], li
 
 
 def audit(
-    *folders: str | Path, train: Sequence[str] = (), reach: bool = True, progress: Progress = lambda *_: None
+    *folders: str | Path, train: Sequence[str] = (), reach: bool = True, progress: Progress = report_progress
 ) -> BenchmarkAudit:
     """Audit folders of problems, each as a suite with the folder's name.
 

@@ -15,6 +15,7 @@ from prag_asp.dataset.store.domain_snapshot import snapshot_of
 from prag_asp.dataset.strata.stratified_sampling import allocated
 from prag_asp.errors import QueryError
 from prag_asp.missing import require_pyarrow
+from prag_asp.processes.progress_events import report_progress
 
 if TYPE_CHECKING:
     from prag_asp.dataset.scenario import Scenario
@@ -33,7 +34,7 @@ def generate(
     max_draws: int | None = None,
     excluded: Iterable[Scenario] = (),
     stratification: Stratification | None = None,
-    progress: Progress = lambda words, done, total: None,
+    progress: Progress = report_progress,
     **request: Any,
 ) -> Dataset:
     """Write a dataset of different feasible tasks from a space into a folder, and open it.

@@ -13,6 +13,7 @@ from prag_asp.dataset.making.run import DatasetRun, Progress
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.errors import QueryError
 from prag_asp.missing import require_pyarrow
+from prag_asp.processes.progress_events import report_progress
 from prag_asp.safe_reading import is_inside, read_bytes
 from prag_asp.space.sampling.sharding import ALL, Deal
 from prag_asp.space.task_space import TaskSpace
@@ -33,7 +34,7 @@ def merge(
     on: str | None = None,
     max_draws: int | None = None,
     trust: bool = False,
-    progress: Progress = lambda words, done, total: None,
+    progress: Progress = report_progress,
 ) -> Dataset:
     """Merge all machine parts of a dataset, generated with ``part="1/N"`` to ``"N/N"``, into a folder, and open it.
 

@@ -24,6 +24,7 @@ from prag_asp.evaluation.stratified_rates import weighted
 from prag_asp.missing import require_pyarrow
 from prag_asp.output import Journal, file_in, make_folder
 from prag_asp.output.digests import digest
+from prag_asp.processes.progress_events import report_progress
 from prag_asp.processes.worker_pool import map_ordered
 from prag_asp.processes.workers import uninterrupted
 from prag_asp.versions import versions
@@ -60,7 +61,7 @@ def evaluate(
     seed: int = 0,
     wrapper: Callable[[Any], gymnasium.Env[Any, Any]] | None = None,
     videos: int = 0,
-    progress: Progress = lambda words, done, total: None,
+    progress: Progress = report_progress,
     **environment: Any,
 ) -> Results:
     """Run a policy in each scenario of a source, and return the results.

@@ -18,6 +18,7 @@ from urllib.parse import parse_qsl, urlsplit
 
 from prag_asp.errors import LimitReached, PragError, QueryError
 from prag_asp.explore.turns import Turns
+from prag_asp.html.player import PLAYER
 from prag_asp.stop_reason import StopKind
 
 HOST = "127.0.0.1"
@@ -71,7 +72,7 @@ class Elsewhere:
 
 
 class PageServer(ThreadingHTTPServer):
-    """Serves the files in a folder, and views, each as JSON.
+    """Serves the files in a folder, the player of 3D scenes, and views, each as JSON.
 
     `turns` lets only one request compute at a time. `report` receives one line for each mistake of this package.
 
@@ -94,7 +95,8 @@ class PageServer(ThreadingHTTPServer):
     ) -> None:
         self.views, self.turns, self.report = views, turns, report
         self.token = token_urlsafe(24)
-        self.files = {path.name: path.read_bytes() for path in folder.iterdir() if path.suffix in KINDS}
+        paths = (path for each in (PLAYER, folder) for path in each.iterdir())
+        self.files = {path.name: path.read_bytes() for path in paths if path.suffix in KINDS}
         try:
             super().__init__((HOST, port), _Handler)
         except OSError as error:

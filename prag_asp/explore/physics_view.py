@@ -1,4 +1,4 @@
-"""Physics for the task on a page: its verdict in words, its film strip, and a video of the robot executing it."""
+"""Physics for the task on a page: its verdict in words, its film strip, and the robot executing it in 3D."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from prag_asp.errors import LimitReached, QueryError
 from prag_asp.explore.explored_domain import Cache, ExploredDomain
 from prag_asp.explore.page_server import Picture
 from prag_asp.explore.same_result import SameResult, python_space, shell_line
-from prag_asp.explore.task_trial import Trial, draw_film, draw_strip, judge
+from prag_asp.explore.task_trial import Trial, draw_film, draw_strip, execute, judge, make_scene_file
+from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.verdict import Budget, Verdict
 from prag_asp.processes.bounded_call import bounded
 from prag_asp.stop_reason import StopKind
@@ -20,8 +21,8 @@ LONGEST = 120
 """The number of seconds after which physics gives up on a page's task; almost all tasks of the examples take less than
 10 s."""
 
-VERDICTS, PICTURES = 64, 12
-"""The numbers of verdicts and of pictures that are cached; a picture takes about 0.3 MB, and a video up to 3 MB."""
+VERDICTS, EPISODES, PICTURES = 64, 12, 12
+"""Numbers of verdicts, episodes and pictures that are cached: a picture has 0.3 MB, a video or 3D scene up to 3 MB."""
 
 Call = Callable[..., Any]
 """Calls a function with arguments, here or in another process."""
@@ -68,11 +69,12 @@ def calls_elsewhere(explored: ExploredDomain) -> Call:
 
 @dataclass
 class TaskPhysics:
-    """The verdicts on a domain's tasks and their pictures, each computed by `call` only once while it is cached."""
+    """The verdicts on a domain's tasks, their episodes and pictures, each made by `call` once while cached."""
 
     explored: ExploredDomain
     call: Call = call_here
     _verdicts: Cache = field(default_factory=lambda: Cache(VERDICTS))
+    _episodes: Cache = field(default_factory=lambda: Cache(EPISODES))
     _pictures: Cache = field(default_factory=lambda: Cache(PICTURES))
 
     def verdict(self, trial: Trial) -> TaskVerdict:
@@ -95,6 +97,18 @@ class TaskPhysics:
             ("strip", _key(trial)), lambda: Picture("image/png", self.call(draw_strip, trial, verdict))
         )
 
+    def scene_file(self, trial: Trial) -> Picture:
+        """Return the 3D scene of the robot that executes a feasible task, a .glb file.
+
+        Raises:
+            PragError: the task is not known to be feasible, the robot fails to execute it, a package is not installed,
+                or a limit was reached.
+        """
+        shown = self._episode(trial)
+        return self._pictures.get(
+            ("scene", _key(trial)), lambda: Picture("model/gltf-binary", self.call(make_scene_file, trial, shown))
+        )
+
     def animation(self, trial: Trial) -> Picture:
         """Return an animation of the robot executing a feasible task.
 
@@ -102,8 +116,13 @@ class TaskPhysics:
             PragError: the task is not known to be feasible, the robot fails to execute it, a package is not installed,
                 or a limit was reached.
         """
+        shown = self._episode(trial)
+        return self._pictures.get(("film", _key(trial)), lambda: Picture(*self.call(draw_film, trial, shown)))
+
+    def _episode(self, trial: Trial) -> Demonstration:
         verdict = self._feasible(trial)
-        return self._pictures.get(("film", _key(trial)), lambda: Picture(*self.call(draw_film, trial, verdict)))
+        episode: Demonstration = self._episodes.get(_key(trial), lambda: self.call(execute, trial, verdict))
+        return episode
 
     def _feasible(self, trial: Trial) -> Verdict:
         verdict = self._verdict(trial)
@@ -142,7 +161,7 @@ def task_verdict(explored: ExploredDomain, trial: Trial, verdict: Verdict) -> Ta
 
 
 def same_by_physics(explored: ExploredDomain, trial: Trial, *, feasible: bool) -> tuple[SameResult, ...]:
-    """Return how to get the verdict elsewhere and, for a feasible task, its film strip and animation.
+    """Return how to get the verdict elsewhere and, for a feasible task, its pictures.
 
     The commands for pictures have no option for the search budget, so there are none for budgets other than the
     default.
@@ -167,6 +186,15 @@ def same_by_physics(explored: ExploredDomain, trial: Trial, *, feasible: bool) -
             "the film strip",
             f"{drawing} --output task.png" if drawing else "",
             'from prag_asp.physics import film_strip\nfilm_strip(task, verdict.witness, scene).save("task.png")',
+        )
+    )
+    same.append(
+        SameResult(
+            "the 3D scene",
+            f"{drawing} --as html --output task.html" if drawing else "",
+            "from pathlib import Path\nfrom prag_asp.physics import demonstrate, episode_page\n"
+            "shown = demonstrate(task, verdict.witness, scene)\n"
+            'Path("task.html").write_text(episode_page(task, shown, scene))',
         )
     )
     same.append(

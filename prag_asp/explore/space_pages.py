@@ -65,6 +65,7 @@ def space_views(explored: ExploredDomain, call: Call | None = None) -> Mapping[s
         "sample": sample,
         "verdict": of_trial(physics.verdict),
         "strip": of_trial(physics.strip),
+        "scene": of_trial(physics.scene_file),
         "film": of_trial(physics.animation),
         "end": lambda fields: Ended(),
     }

@@ -16,6 +16,7 @@ from prag_asp.errors import PicturesMissingError, QueryError
 from prag_asp.explore.explored_domain import ExploredDomain
 from prag_asp.explore.page_state import PageState, parse_query
 from prag_asp.physics import require_physics
+from prag_asp.physics.demonstration.demonstration import Demonstration
 from prag_asp.physics.verdict import TIERS, Budget, Tier, Verdict
 from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
@@ -40,6 +41,11 @@ class Trial:
     index: int
     budget: Budget
     captions: tuple[tuple[str, str], ...]
+
+    @property
+    def headings(self) -> list[str]:
+        """The words for each action."""
+        return [heading.partition(". ")[2] for heading, _ in self.captions[1:]]
 
 
 def trial_of(explored: ExploredDomain, fields: Mapping[str, str]) -> Trial:
@@ -102,20 +108,41 @@ def draw_strip(trial: Trial, verdict: Verdict) -> bytes:
     return buffer.getvalue()
 
 
-def draw_film(trial: Trial, verdict: Verdict) -> tuple[str, bytes]:
-    """Return the media type and the animation of the robot executing a feasible task: MP4, or WebP without PyAV.
+def execute(trial: Trial, verdict: Verdict) -> Demonstration:
+    """Return the episode of the robot that executes a feasible task.
 
     Raises:
         QueryError: the robot fails to execute it.
-        PicturesMissingError: Pillow is not installed; the message says what to install.
     """
-    from prag_asp.physics import animate, demonstrate  # noqa: PLC0415 - need PyBullet
+    from prag_asp.physics import demonstrate  # noqa: PLC0415 - needs PyBullet
 
     assert verdict.witness is not None
     shown = verdict.demonstration or demonstrate(trial.task, verdict.witness, trial.scene)
     if not shown.success:
         raise QueryError(f"the robot fails to execute it: {shown.detail}; another seed gives another witness")
-    headings = [heading.partition(". ")[2] for heading, _ in trial.captions[1:]]
+    return shown
+
+
+def make_scene_file(trial: Trial, shown: Demonstration) -> bytes:
+    """Return the 3D scene of an episode as a .glb file.
+
+    Raises:
+        PicturesMissingError: Pillow is not installed; the message says what to install.
+    """
+    from prag_asp.physics import episode_glb  # noqa: PLC0415 - needs PyBullet
+
+    return episode_glb(trial.task, shown, trial.scene, headings=trial.headings)
+
+
+def draw_film(trial: Trial, shown: Demonstration) -> tuple[str, bytes]:
+    """Return the media type and the animation of an episode: MP4, or WebP without PyAV.
+
+    Raises:
+        PicturesMissingError: Pillow is not installed; the message says what to install.
+    """
+    from prag_asp.physics import animate  # noqa: PLC0415 - needs PyBullet
+
+    headings = trial.headings
     with TemporaryDirectory() as folder:
         path = Path(folder) / "task.mp4"
         try:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from prag_asp.physics.motion.transit import plan_transit
     from prag_asp.physics.pictures.animation import animate
     from prag_asp.physics.pictures.rendering import film_strip, still
+    from prag_asp.physics.playback.episode_scene import episode_glb, episode_page
     from prag_asp.physics.predicates import PREDICATES, Predicate, Side, Volume, states
     from prag_asp.physics.search.attempt import CAUSES
     from prag_asp.physics.situation import Situation
@@ -72,6 +73,8 @@ __all__ = [
     "check_footage",
     "check_witness",
     "demonstrate",
+    "episode_glb",
+    "episode_page",
     "film_strip",
     "open_settling",
     "open_tier_check",
@@ -109,6 +112,7 @@ _HOMES = {
     "prag_asp.physics.filming.episode_options": ("Staging",),
     "prag_asp.physics.motion.transit": ("plan_transit",),
     "prag_asp.physics.pictures.animation": ("animate",),
+    "prag_asp.physics.playback.episode_scene": ("episode_glb", "episode_page"),
     "prag_asp.physics.pictures.rendering": ("film_strip", "still"),
     "prag_asp.physics.validation": ("validate_numbered", "validate_tasks"),
     "prag_asp.physics.predicates": ("PREDICATES", "Predicate", "Side", "Volume", "states"),

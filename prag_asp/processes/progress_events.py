@@ -36,6 +36,12 @@ def so_far(words: str) -> None:
     _publish(f"{_now} ({words})" if _now else words)
 
 
+def report_progress(words: str, done: float, total: float | None) -> None:
+    """Report what is done, and how much of it; functions that take a function `progress` call this one by default."""
+    count = "" if total is None else f", {done:,.0f} of {total:,.0f}"
+    so_far(f"{words}{count}")
+
+
 def counted(items: Sequence[Item], what: str) -> Iterator[Item]:
     """Yield items, and report every half second how many of them are done: ``3,000 of 10,000 steps``."""
     last = monotonic()

@@ -167,3 +167,14 @@ def test_a_witness_of_another_task_is_not_drawn(tmp_path: Path) -> None:
     for form in ("strip", "state"):
         done = run("render", "tasks.jsonl", "1", "--as", form, "-o", "one.png", cwd=tmp_path)
         assert done.returncode == 2 and "its witness fails" in done.stderr and done.stderr.count("\n") == 1
+
+
+def test_a_3d_scene_is_a_page_or_binary_gltf(tasks: Path, tmp_path: Path) -> None:
+    assert ok("render", str(tasks), "1", "--as", "html", cwd=tmp_path) == "pictures/000001.html\n"
+    page = (tmp_path / "pictures" / "000001.html").read_text()
+    assert "tabletop, task 1" in page and "showEpisode" in page
+    ok("render", str(tasks), "1", "--as", "glb", "-o", "task.glb", cwd=tmp_path)
+    assert (tmp_path / "task.glb").read_bytes()[:4] == b"glTF"
+    for options, problem in ((("--size", "90x80"), "no size in pixels"), (("-o", "task.png"), "is a .html file")):
+        done = run("render", str(tasks), "1", "--as", "html", *options, cwd=tmp_path)
+        assert (done.returncode, done.stdout) == (2, "") and problem in done.stderr

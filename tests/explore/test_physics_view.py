@@ -60,6 +60,9 @@ def test_a_feasible_task_has_a_strip_and_a_film_which_are_made_once(physics: Tas
     assert pillow.open(BytesIO(strip.content)).format == "PNG"
     assert film.kind in ("video/mp4", "image/webp") and film.content
     assert physics.strip(trial) is strip and physics.animation(trial) is film
+    scene = physics.scene_file(trial)
+    assert (scene.kind, scene.content[:4]) == ("model/gltf-binary", b"glTF")
+    assert physics.scene_file(trial) is scene and len(physics._episodes._values) == 1
 
 
 def test_a_task_that_is_not_feasible_has_a_cause_and_no_picture() -> None:
@@ -107,10 +110,10 @@ def test_pages_of_plans_and_of_changed_domains_have_no_command_for_files() -> No
     tasks = trial_of(own, {"state": FIRST.query})
     for explored, trial in ((TABLETOP, plans), (own, tasks)):
         same = physics_view.same_by_physics(explored, trial, feasible=True)
-        assert [each.shell for each in same] == ["", "", ""]
+        assert [each.shell for each in same] == [""] * 4
     other = trial_of(TABLETOP, {"state": FIRST.query, "budget": "20x5"})
-    verdict, strip, film = physics_view.same_by_physics(TABLETOP, other, feasible=True)
-    assert "--budget 20x5" in verdict.shell and strip.shell == film.shell == ""
+    verdict, *pictures = physics_view.same_by_physics(TABLETOP, other, feasible=True)
+    assert "--budget 20x5" in verdict.shell and [each.shell for each in pictures] == [""] * 3
     assert TaskSpace(TABLETOP.domain, 1).index(other.task) == other.rank
     assert load_scene(TABLETOP.domain) == other.scene
 

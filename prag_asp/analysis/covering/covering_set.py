@@ -4,18 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
+from itertools import combinations
+from operator import or_
 
 import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.analysis.covering.combinations import Combination, letter_combinations
+from prag_asp.analysis.covering.fewest_tasks import fewest_tasks
 from prag_asp.analysis.layered_automaton import LayeredAutomaton, layered_words
 from prag_asp.errors import LimitReached
 from prag_asp.processes.progress_events import stage
 from prag_asp.space.limits import LimitClock
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.task import Task
+
+MOST_PAIRS = 20_000
+"""Maximum number of pairs of tasks that are tried: seconds."""
 
 WIDTH = 32
 """The number of beginnings of tasks that the beam search keeps; more of them hardly ever lead to a better task."""
@@ -35,8 +41,8 @@ def covering_set(space: TaskSpace, strength: int) -> CoveringSet:
     """Return a small set of tasks that together cover all reachable combinations of a space at a given strength.
 
     Each task is the best one that a beam search finds: it covers the most combinations not covered by earlier tasks
-    (the greedy algorithm for set covers, Chvatal 1979). Tasks that later tasks make superfluous are left out. The set
-    need not be the smallest.
+    (the greedy algorithm for set covers, Chvatal 1979). Tasks that later tasks make superfluous are left out, and pairs
+    of tasks are replaced by one task where the search finds one. The set is the smallest if it has `at_least` tasks.
 
     Raises:
         QueryError: the strength is out of range, the space has several lengths, or its states are too many to be
@@ -49,12 +55,13 @@ def covering_set(space: TaskSpace, strength: int) -> CoveringSet:
     masks = [sum(1 << numbers[each] for each in own) for own in covers]
     stage("choosing tasks")
     choice = _Choice(words, masks)
-    chosen = _without_superfluous(choice.all((1 << len(numbers)) - 1, space.engines.limits.begin()), masks)
+    clock = space.engines.limits.begin()
+    chosen = _without_superfluous(choice.all((1 << len(numbers)) - 1, clock), masks)
+    at_least = fewest_tasks(words, masks, len(chosen), clock)
+    if at_least < len(chosen):
+        chosen = choice.improved(chosen, at_least)
     plans = [tuple(words.letters[letter] for letter in word) for word in chosen]
-    most = choice.most((1 << len(numbers)) - 1)
-    return CoveringSet(
-        tuple(space.tasks_of_plans(plans)), strength, frozenset(numbers), -(-len(numbers) // most) if numbers else 0
-    )
+    return CoveringSet(tuple(space.tasks_of_plans(plans)), strength, frozenset(numbers), at_least)
 
 
 Word = tuple[int, ...]
@@ -87,6 +94,24 @@ class _Choice:
         for step in reversed(self.words.edges or ()):
             bounds.append(np.maximum.reduceat(gains[step.letters] + bounds[-1][step.targets], step.begins))
         return bounds[::-1]
+
+    def improved(self, words: Sequence[Word], enough: int) -> list[Word]:
+        """Return words that cover the same combinations, fewer if one can replace two; `enough` are not improved."""
+        remaining = list(words)
+        pairs, tried = combinations(range(len(remaining)), 2), 0
+        while len(remaining) > enough and tried < MOST_PAIRS and (pair := next(pairs, None)) is not None:
+            tried += 1
+            others = [word for place, word in enumerate(remaining) if place not in pair]
+            rest = self._covered(remaining) & ~self._covered(others)
+            if self.most(rest) >= rest.bit_count():
+                word, covered = self._best(rest)
+                if covered == rest:
+                    remaining = [*others, word]
+                    pairs = combinations(range(len(remaining)), 2)
+        return remaining
+
+    def _covered(self, words: Sequence[Word]) -> int:
+        return reduce(or_, (self.masks[letter] for word in words for letter in word), 0)
 
     def most(self, rest: int) -> int:
         """Return a bound on the number of combinations in `rest` that one word covers."""

@@ -50,7 +50,7 @@ SHOWN = 5
 )  # fmt: skip
 @click.option(
     "--diverse", type=whole(1), metavar="K",
-    help="Instead of --tasks: K tasks that are far apart, chosen among sampled ones.",
+    help="Instead of --tasks: choose K of the sampled tasks that are far apart.",
 )  # fmt: skip
 @click.option(
     "--candidates", type=whole(1, MOST_CANDIDATES), metavar="N",
@@ -152,8 +152,8 @@ def generate(
     """Write a dataset of distinct feasible tasks of length N.
 
     Tasks are sampled without replacement. DIR holds Parquet tables of tasks, witnesses and rejected tasks, a
-    dataset.json with exact figures, the domain, and a dataset card. If the command is interrupted, run it again: it
-    continues, and the result has the same bytes.
+    dataset.json with exact numbers, the domain, and a dataset card. If the command is interrupted, run it again: it
+    continues, and the result is the same, byte for byte.
     """
     from prag_asp.dataset.dataset_spec import SHARD
     from prag_asp.dataset.generation import generate as make
@@ -276,6 +276,6 @@ def chosen_lines(manifest: Manifest) -> Iterator[str]:
         )
     for name, figures in (manifest.diverse or {}).items():
         yield (
-            f"{name}: tasks at least {figures.separation:.4g} apart ({figures.metric}); each of "
-            f"{plural(figures.candidates, 'candidate')} is within {figures.radius:.4g} of one of them"
+            f"{name}: tasks at least {figures.separation:.4g} apart ({figures.metric}), and at most "
+            f"{figures.radius:.4g} from any of {plural(figures.candidates, 'candidate')}"
         )

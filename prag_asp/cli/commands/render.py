@@ -17,7 +17,7 @@ from prag_asp.cli.physics_options import parse_pixels
 from prag_asp.cli.terminal import progress, say
 from prag_asp.dataset.task_origin import MEND, errors_with_place, index_of, read_witness
 from prag_asp.errors import QueryError
-from prag_asp.output import file_in, make_folder
+from prag_asp.output import file_in, make_folder, replace_file
 from prag_asp.processes.progress_events import stage
 from prag_asp.safe_reading import lines_of, open_text
 from prag_asp.wording import plural
@@ -32,6 +32,9 @@ SIZES = {"strip": (360, 320), "state": (960, 800), "gif": (400, 350), "webp": (4
 """The size of a frame in pixels for each form of picture."""
 
 ANIMATED = ("gif", "webp", "mp4")
+SCENES = ("html", "glb")
+"""The forms of 3D scenes: a page that plays the episode, and binary glTF for 3D programs."""
+
 FASTEST = 1000
 """The largest factor by which an animation is sped up or slowed down."""
 
@@ -49,10 +52,11 @@ SMALLEST, LARGEST = 16, 4096
 @click.option(
     "--as",
     "form",
-    type=click.Choice(list(SIZES)),
+    type=click.Choice([*SIZES, *SCENES]),
     default="strip",
     show_default=True,
-    help="All states side by side with captions; one state; or an animation of the robot executing the task.",
+    help="All states side by side with captions; one state; an animation of the robot executing the task; "
+    "or a 3D scene of it, as a page that plays it or as binary glTF.",
 )
 @click.option(
     "--state",
@@ -108,7 +112,9 @@ def render(
         raise QueryError(f"--state {state} goes with --as state; got --as {form}")
     if not 1 / FASTEST <= speed <= FASTEST:
         raise QueryError(f"--speed {speed:g}: write a positive number up to {FASTEST}, such as 2 for twice as fast")
-    pixels = SIZES[form] if size is None else parse_pixels(size)
+    if size is not None and form in SCENES:
+        raise QueryError(f"--size {size} goes with pictures; a 3D scene has no size in pixels")
+    pixels = SIZES.get(form, SIZES["state"]) if size is None else parse_pixels(size)
     if not all(SMALLEST <= side <= LARGEST for side in pixels):
         raise QueryError(f"--size {size}: a picture has {SMALLEST} to {LARGEST} pixels a side")
     drawing = _Renderer(
@@ -166,17 +172,25 @@ class _Renderer:
             OutputError: the file cannot be written.
         """
         from prag_asp.dataset.scenes import scene_of
-        from prag_asp.physics import Demonstration, Witness, animate, demonstrate, film_strip, still
+        from prag_asp.physics import (
+            Demonstration,
+            Witness,
+            animate,
+            demonstrate,
+            episode_glb,
+            episode_page,
+            film_strip,
+            still,
+        )
         from prag_asp.physics.pictures.saving import save_picture
 
         domain, task = writer.lexicon.domain, record.task
         scene = scene_of(domain)
-        animated = self.form in ANIMATED
         stage("drawing pictures")
         with errors_with_place(record, domain):
             captions = writer.captions(task)
             shown = self._shown(record, number, scene)
-            if animated and isinstance(shown, Witness):
+            if self.form in (*ANIMATED, *SCENES) and isinstance(shown, Witness):
                 shown = demonstrate(task, shown, scene)
                 if not shown.success:
                     text = f"the robot fails to execute it: {shown.detail}; draw its states with --as strip"
@@ -192,16 +206,24 @@ class _Renderer:
                 image = still(task, shown, scene, state, **drawing)
             else:
                 assert isinstance(shown, Demonstration)
-                animate(
-                    task,
-                    shown,
-                    scene,
-                    path,
-                    speed=self.speed,
-                    headings=[heading.partition(". ")[2] for heading, _ in captions[1:]],
-                    progress=lambda done, total: tell(done / total),
-                    **drawing,
-                )
+                headings = [heading.partition(". ")[2] for heading, _ in captions[1:]]
+                texts: dict[str, Any] = {"headings": headings, "bystanders": self.bystanders}
+                if self.form == "glb":
+                    replace_file(path, episode_glb(task, shown, scene, **texts))
+                elif self.form == "html":
+                    title = f"{task.domain}, task {number}"
+                    replace_file(path, episode_page(task, shown, scene, title=title, **texts).encode())
+                else:
+                    animate(
+                        task,
+                        shown,
+                        scene,
+                        path,
+                        size=self.size,
+                        speed=self.speed,
+                        progress=lambda done, total: tell(done / total),
+                        **texts,
+                    )
                 return
         save_picture(image, path, optimize=True)
 
@@ -233,7 +255,7 @@ class _Renderer:
 
 def _suffixes(form: str) -> tuple[str, ...]:
     """Return the possible suffixes for files of a form, the usual one first."""
-    return (f".{form}",) if form in ANIMATED else STILLS
+    return (f".{form}",) if form in (*ANIMATED, *SCENES) else STILLS
 
 
 def _check_output(output: Path, form: str) -> None:

@@ -11,6 +11,7 @@ from prag_asp.dataset.formats.export_format import FORMS, ExportFormat, Progress
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.errors import OutputError, QueryError
 from prag_asp.missing import require_packages
+from prag_asp.processes.progress_events import report_progress
 from prag_asp.safe_reading import is_inside
 from prag_asp.wording import unknown
 
@@ -28,12 +29,13 @@ def export(
     state: Sequence[str] = ("joint_position",),
     objects: bool | None = None,
     depth: bool = False,
-    progress: Progress = lambda words, done, total: None,
+    progress: Progress = report_progress,
 ) -> Path:
     """Export a dataset, or a part or subset of one, and return the path of the export.
 
-    `form` is one of ``lerobot``, ``minari``, ``robomimic`` and ``bddl``; `target` is a new folder or, for
-    ``robomimic``, a new file. The export is written atomically, with the same bytes for the same dataset. `level` is
+    `form` is one of ``lerobot``, ``minari``, ``robomimic``, ``bddl`` and ``rerun``; `target` is a new folder or, for
+    ``robomimic``, a new file. The export is written atomically, with the same bytes for the same dataset, except for
+    ``rerun``, which numbers rows at random. `level` is
     the level of detail of the instructions: ``vague``, ``default`` or ``exact``. `action` is the convention of actions,
     one of `prag_asp.physics.control.control.CONTROLS`. The other options apply only to ``lerobot``, because the other
     formats have all observations: `state` holds the conventions of the state, which are ``joint_position`` or
@@ -49,7 +51,7 @@ def export(
     if form not in FORMS:
         raise QueryError(unknown(form, FORMS, "form"))
     info = FORMS[form]
-    require_packages(form, info.packages)
+    require_packages(form, info.packages, info.extra)
     source = EpisodeSource(data if isinstance(data, Dataset) else Dataset.open(data), level, action)
     if info.recorded:
         source.require_recordings()

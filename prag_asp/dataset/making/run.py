@@ -134,9 +134,10 @@ class DatasetRun:
             # Other machines may have the rest, or a stratum may have too few feasible tasks.
             exhausted = (spec.part is not None or bool(spec.strata)) and note.draws >= number_of(note.size)
             if note.tasks < note.requested and not exhausted:
-                diverse = (self._manifest.diverse or {}).get(note.name)
-                candidates = 0 if diverse is None else diverse.candidates
-                raise NotFound(too_few(note, parts[note.name], self._limit(note.name), candidates))
+                diverse, available = (self._manifest.diverse or {}).get(note.name), parts[note.name]
+                all_drawn = diverse is not None and note.draws >= diverse.candidates
+                candidates = spec.candidates_of(self._shares[note.name]) if all_drawn else 0
+                raise NotFound(too_few(note, available, self._limit(note.name), candidates))
         return Dataset.open(self._folder)
 
     def _limit(self, name: str) -> int:
@@ -329,7 +330,7 @@ class DatasetRun:
 def too_few(part: PartManifest, available: TaskOrder, limit: int, candidates: int = 0) -> str:
     """Return the message for a part that has fewer tasks than requested, with the reason.
 
-    `candidates` is the number of tasks from which those of the part are chosen, or 0 if they are sampled.
+    `candidates` is the number of sampled tasks among which those of the part are chosen if all of them have been drawn.
     """
     draws = plural(part.draws, "draw")
     summary = f"only {part.tasks} of {plural(part.requested, 'task')} for {part.name} found in {draws}"
@@ -345,6 +346,10 @@ def too_few(part: PartManifest, available: TaskOrder, limit: int, candidates: in
         if 2 * proved > part.draws:
             return f"{summary}, {proved} of them proved infeasible; see prag-asp learn, which excludes such tasks"
         return f"{summary}; raise --max-draws" if part.tasks else f"{summary}; raise --budget or --max-draws"
-    if part.draws >= (candidates or available.size):
-        return f"{summary}, {'all nontrivial candidates; raise --candidates' if candidates else 'the whole space'}"
-    return f"{summary}; those left weigh next to nothing: give other weights, or --uniform"
+    ends = "; those left weigh next to nothing: give other weights, or --uniform"
+    if candidates:
+        few = candidates < available.size
+        ends = f", all nontrivial {'candidates; raise --candidates' if few else 'tasks of the space'}"
+    elif part.draws >= available.size:
+        ends = ", the whole space"
+    return summary + ends

@@ -12,6 +12,7 @@ import msgspec
 from prag_asp.dataset.store.manifest import Decimal
 from prag_asp.errors import QueryError
 from prag_asp.integers import digits_of, number_of
+from prag_asp.processes.progress_events import report_progress
 from prag_asp.space.limits import UNLIMITED
 from prag_asp.space.task_space import TaskSpace
 from prag_asp.wording import plural
@@ -75,9 +76,7 @@ def space_of(suite: Suite, part: SuitePart, *, limits: Limits = UNLIMITED) -> Ta
     return TaskSpace(suite.domain, part.lengths, limits=limits).where(*part.where)
 
 
-def count_suite(
-    suite: Suite, *, limits: Limits = UNLIMITED, progress: Counted = lambda words, done, total: None
-) -> Figures:
+def count_suite(suite: Suite, *, limits: Limits = UNLIMITED, progress: Counted = report_progress) -> Figures:
     """Count the tasks of all parts, the tasks that each pair of parts shares, and the held-out tasks in each part.
 
     Raises:

@@ -26,6 +26,7 @@ from prag_asp.missing import require_pyarrow
 from prag_asp.output import file_in, make_folder, replace_file
 from prag_asp.output.digests import digest
 from prag_asp.physics import require_physics
+from prag_asp.processes.progress_events import report_progress
 from prag_asp.space.limits import UNLIMITED
 from prag_asp.versions import versions
 from prag_asp.wording import plural
@@ -41,7 +42,7 @@ def generate_suite(
     *,
     workers: int = 1,
     limits: Limits = UNLIMITED,
-    progress: Progress = lambda words, done, total: None,
+    progress: Progress = report_progress,
 ) -> SuiteManifest:
     """Write a dataset for each part of a suite, in a folder named after the part, and return the suite's manifest.
 

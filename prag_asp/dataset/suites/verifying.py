@@ -20,6 +20,7 @@ from prag_asp.dataset.verification.file_checks import UNSEEN, wrong_file
 from prag_asp.dataset.verification.finding import Finding, Progress
 from prag_asp.dataset.verification.verifier import wrong_dataset
 from prag_asp.errors import DomainError, PragError, QueryError
+from prag_asp.processes.progress_events import report_progress
 from prag_asp.program.sources import Source
 from prag_asp.safe_reading import read_bytes
 from prag_asp.wording import plural
@@ -37,7 +38,7 @@ def verify(
     trust: bool = False,
     physics: bool = True,
     workers: int = 1,
-    progress: Progress = lambda words, done, total: None,
+    progress: Progress = report_progress,
 ) -> Iterator[Finding]:
     """Yield findings about a dataset or a suite; there are none if it is correct and unchanged.
 

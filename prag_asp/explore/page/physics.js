@@ -1,6 +1,7 @@
 // The task on the screen before physics: its verdict, its film strip, and the robot that executes it.
 
 import { fill, find, make, sameResults } from "./elements.js";
+import { hasWebGl, showEpisode } from "./player.js";
 import { ask, askPicture, begin, end, Problem } from "./requests.js";
 
 const KIND = "physics";
@@ -9,6 +10,8 @@ let judged = ""; // the fields of the task and the effort that the verdict on th
 let longest = 0; // seconds
 let running = null; // the timer of the progress line
 let addresses = []; // of the pictures that are shown
+const SCENE = ["The robot executes the task", "scene", showScene];
+const FILM = ["The robot executes the task; its video is made", "film", showFilm];
 
 // The task of a page, if it shows a whole one.
 export function showPhysics(whole, state) {
@@ -25,7 +28,7 @@ export function withPhysics(vocabulary) {
     event.preventDefault();
     work(["Drawing the film strip", "strip", showStrip]);
   });
-  find("demonstrate").addEventListener("click", () => work(["The robot executes the task", "film", showFilm]));
+  find("demonstrate").addEventListener("click", () => work(hasWebGl() ? SCENE : FILM));
   find("stop").addEventListener("click", () => { stop(); find("validate").focus(); });
   addEventListener("pagehide", stop);
 }
@@ -34,7 +37,7 @@ function clear() {
   addresses.forEach((each) => URL.revokeObjectURL(each));
   addresses = [];
   judged = "";
-  ["progress", "verdict", "strip", "film", "physics-same"].forEach((id) => fill(id));
+  ["progress", "verdict", "strip", "scene", "film", "physics-same"].forEach((id) => fill(id));
 }
 
 function stop() {
@@ -67,7 +70,7 @@ async function work(picture) {
       const found = await (view === "verdict" ? ask : askPicture)(KIND, view, fields);
       if (running !== own) return;
       if (found === null) { rest("Stopped."); return; }
-      if (!show(found)) break;
+      if (!(await show(found))) break;
       judged = JSON.stringify(fields);
     }
     rest();
@@ -99,10 +102,20 @@ function showStrip(content) {
   return true;
 }
 
+async function showScene(content) {
+  const box = make("div", {});
+  fill("scene", box, make("p", { class: "row" },
+    make("a", { href: address(content), download: "task.glb" }, "Download the 3D scene (.glb)"),
+    make("button", { type: "button", onclick: () => work(FILM) }, "Make a video")));
+  await showEpisode(box, await content.arrayBuffer());
+  return true;
+}
+
 function showFilm(content) {
   const source = address(content), label = "The robot executes the task";
   fill("film", content.type.startsWith("video/")
     ? make("video", { src: source, controls: true, autoplay: !matchMedia("(prefers-reduced-motion)").matches, loop: true, playsinline: true, "aria-label": label })
-    : make("img", { src: source, alt: label }));
+    : make("img", { src: source, alt: label }),
+    make("p", {}, make("a", { href: source, download: content.type.startsWith("video/") ? "task.mp4" : "task.webp" }, "Download the video")));
   return true;
 }

@@ -23,6 +23,7 @@ from prag_asp.physics.pictures.rendering import caption, check_headings, moments
 from prag_asp.physics.pictures.saving import save_picture
 from prag_asp.physics.pictures.sheet import MARGIN, PAPER, Panel, line_count, sheet
 from prag_asp.physics.pictures.views import View
+from prag_asp.processes.progress_events import report_progress
 from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
@@ -51,6 +52,11 @@ CONTRAST = 24
 """The difference in brightness from a neighbour, from 0 to 255, above which a pixel is smoothed."""
 
 
+def _report_frames(done: int, total: int) -> None:
+    """Report the progress of an animation."""
+    report_progress("drawing frames", done, total)
+
+
 def animate(
     task: Task,
     demonstration: Demonstration,
@@ -63,7 +69,7 @@ def animate(
     fine: bool = False,
     headings: Sequence[str | None] | None = None,
     bystanders: bool = True,
-    progress: Callable[[int, int], None] = lambda done, total: None,
+    progress: Callable[[int, int], None] = _report_frames,
 ) -> None:
     """Write an animation of a demonstration, `speed` times as fast, as a .gif, .webp or .mp4, depending on the suffix.
 
