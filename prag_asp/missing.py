@@ -69,7 +69,7 @@ def require_gymnasium() -> ModuleType:
 
 
 def require_packages(form: str, packages: Iterable[str], extra: str = "formats") -> None:
-    """Check that the packages for a dataset format, which an extra installs, are there.
+    """Check that the packages for a dataset format are installed.
 
     Raises:
         DatasetsMissingError: a package is not installed, or cannot be loaded.

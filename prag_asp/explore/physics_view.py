@@ -22,7 +22,8 @@ LONGEST = 120
 10 s."""
 
 VERDICTS, EPISODES, PICTURES = 64, 12, 12
-"""Numbers of verdicts, episodes and pictures that are cached: a picture has 0.3 MB, a video or 3D scene up to 3 MB."""
+"""The numbers of verdicts, episodes and pictures that are cached; a picture takes 0.3 MB, a video or 3D scene up to 3
+MB."""
 
 Call = Callable[..., Any]
 """Calls a function with arguments, here or in another process."""
@@ -69,7 +70,7 @@ def calls_elsewhere(explored: ExploredDomain) -> Call:
 
 @dataclass
 class TaskPhysics:
-    """The verdicts on a domain's tasks, their episodes and pictures, each made by `call` once while cached."""
+    """The verdicts on a domain's tasks, their episodes and pictures, each computed by `call` only once while cached."""
 
     explored: ExploredDomain
     call: Call = call_here
@@ -98,7 +99,7 @@ class TaskPhysics:
         )
 
     def scene_file(self, trial: Trial) -> Picture:
-        """Return the 3D scene of the robot that executes a feasible task, a .glb file.
+        """Return the 3D scene of the robot executing a feasible task, as a .glb file.
 
         Raises:
             PragError: the task is not known to be feasible, the robot fails to execute it, a package is not installed,

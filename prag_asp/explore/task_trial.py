@@ -109,7 +109,7 @@ def draw_strip(trial: Trial, verdict: Verdict) -> bytes:
 
 
 def execute(trial: Trial, verdict: Verdict) -> Demonstration:
-    """Return the episode of the robot that executes a feasible task.
+    """Return the episode of the robot executing a feasible task.
 
     Raises:
         QueryError: the robot fails to execute it.

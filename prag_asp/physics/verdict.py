@@ -20,7 +20,7 @@ LONGEST = 9
 
 
 class Tier(str, Enum):
-    """A tier of checks; tiers are in order of cost, each includes all before it, and each is equal to its name."""
+    """A tier of checks; tiers are ordered by cost, each includes all earlier ones, and each is equal to its name."""
 
     KINEMATICS = "kinematics"
     SETTLING = "settling"

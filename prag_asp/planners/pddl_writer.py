@@ -35,7 +35,7 @@ from prag_asp.wording import plural
 class PddlExport:
     """The texts of a domain and a problem and, if there is a task, the steps of its plan.
 
-    `fluents` are the fluents of the domain by their atoms in PDDL, like ``on a b``; PDDL may need further atoms.
+    `fluents` maps atoms in PDDL, such as ``on a b``, to the fluents of the domain; PDDL may need further atoms.
     """
 
     domain: str

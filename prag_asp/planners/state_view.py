@@ -1,6 +1,6 @@
-"""The files with which the PDDL extension of VS Code (jan-dolejsi.pddl) shows final states of plans.
+"""The files with which the PDDL extension of VS Code (jan-dolejsi.pddl) shows the final states of plans.
 
-The extension reads ``DOMAIN.planviz.json`` beside ``DOMAIN.pddl``, which names a script with the property
+The extension reads ``DOMAIN.planviz.json`` next to ``DOMAIN.pddl``, which names a script with the property
 ``customVisualization``; the interface of scripts is documented in https://github.com/jan-dolejsi/pddl-gantt.
 """
 
@@ -14,16 +14,16 @@ from typing import Any
 import clingo
 
 SETTINGS_SUFFIX = ".planviz.json"
-"""What replaces ``.pddl`` in the name of a domain's file."""
+"""The text that replaces ``.pddl`` in the name of a domain's file."""
 
 
 def view_settings(script: str) -> str:
-    """Return the settings of the extension that name the script of a view, as JSON."""
+    """Return the settings, as JSON, that tell the extension which script to use for a view."""
     return json.dumps({"customVisualization": script}, indent=1) + "\n"
 
 
 def view_script(fluents: Mapping[str, clingo.Symbol]) -> str:
-    """Return the script of a view; `fluents` are the fluents of a domain by their atoms in PDDL, like ``on a b``."""
+    """Return the script of a view; `fluents` maps atoms in PDDL, such as ``on a b``, to the fluents of a domain."""
     shown: dict[str, Any] = {
         atom.lower(): {"text": str(fluent), "about": str(fluent.arguments[0]) if fluent.arguments else ""}
         for atom, fluent in fluents.items()

@@ -1,7 +1,8 @@
 """Show the progress of long calls in a notebook: a line below the cell, updated while code of this package runs.
 
 A thread looks at the stack of the thread that runs the cell: if a call of this package has taken two seconds, the line
-appears, with the last progress event. Thus calls need no argument, and native code that reports nothing is seen too.
+appears, with the last progress event. Calls therefore need no argument, and native code that reports nothing is noticed
+as well.
 """
 
 from __future__ import annotations
@@ -20,13 +21,13 @@ from typing import Any
 from prag_asp.processes.progress_events import Note, hear
 
 PATIENCE, LOOK, GAP = 2.0, 0.25, 1.0
-"""Seconds until a call counts as long, between two looks at it, and between two calls that count as one, such as those
-of an iterator."""
+"""The number of seconds until a call counts as long, between two checks of it, and between two calls that count as one,
+such as those of an iterator."""
 
 PACKAGE = __name__.partition(".")[0]
 
 Display = Callable[[Mapping[str, str], bool], None]
-"""Shows a value by media types: a new one below the cell, or (if true) in place of the one before."""
+"""Shows a value by media types: below the cell or, if the argument is true, in place of the previous value."""
 
 
 class NotebookProgress:
@@ -40,12 +41,12 @@ class NotebookProgress:
         self._shown: str | None = None
 
     def hear(self, words: str, now: float) -> None:
-        """Take a progress event at a time in seconds."""
+        """Receive a progress event at a time in seconds."""
         if not isinstance(words, Note):
             self._words, self._heard = words.partition("\n")[0], now
 
     def look(self, inside: bool, now: float) -> None:
-        """Update the line, given whether code of this package is running at a time in seconds."""
+        """Update the line, given whether code of this package is running at a given time in seconds."""
         if inside:
             self._since = now if self._since is None else self._since
             self._last = now
@@ -71,7 +72,7 @@ class NotebookProgress:
 
 
 def is_inside(frame: FrameType | None) -> bool:
-    """Return whether a stack has a frame of this package, other than of this module."""
+    """Return whether a stack has a frame of this package, other than one of this module."""
     while frame is not None:
         name = frame.f_globals.get("__name__", "")
         if (name == PACKAGE or name.startswith(f"{PACKAGE}.")) and name != __name__:
@@ -94,7 +95,7 @@ class CellWatch:
         hear(self._on_event)
 
     def begin(self, *_: object) -> None:
-        """Begin to watch the cell that the current thread runs."""
+        """Begin to watch the cell that is running in the current thread."""
         self.end()
         if self.enabled:
             self._line, self._ended = NotebookProgress(_ipython_display()), Event()
@@ -138,9 +139,10 @@ def watch_notebook() -> None:
 
 
 def show_progress(enabled: bool = True) -> None:
-    """Switch the progress line of notebooks on or off; it is on at first, and has no effect elsewhere.
+    """Switch the progress line of notebooks on or off; it is on by default, and has no effect elsewhere.
 
-    A call of this package that takes longer than two seconds shows below its cell what it does and since when.
+    If a call of this package takes longer than two seconds, the line below its cell shows what it is doing and for how
+    long.
     """
     if _watch is not None:
         _watch.enabled = enabled

@@ -37,7 +37,7 @@ def so_far(words: str) -> None:
 
 
 def report_progress(words: str, done: float, total: float | None) -> None:
-    """Report what is done, and how much of it; functions that take a function `progress` call this one by default."""
+    """Report what has been done, and how much of it; functions with a parameter `progress` call this one by default."""
     count = "" if total is None else f", {done:,.0f} of {total:,.0f}"
     so_far(f"{words}{count}")
 

@@ -84,7 +84,7 @@ class Facts:
 
     @cached_property
     def actions_by_text(self) -> Mapping[str, clingo.Symbol]:
-        """The actions by their text."""
+        """Maps the text of each action to the action."""
         return {str(action): action for action in self.actions}
 
     @cached_property

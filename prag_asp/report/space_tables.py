@@ -132,7 +132,7 @@ def canonical_plan(space: TaskSpace, plan: Sequence[str]) -> tuple[str, ...]:
 
 
 def frequency_tables(space: TaskSpace, inside: Sequence[ReportedTask]) -> Iterator[ReportTable]:
-    """Yield the frequencies of names, classes and actions beside the exact expected ones, with tests of them."""
+    """Yield tables of the frequencies of names, classes and actions, with the exact expected ones, and of tests."""
     rows: list[tuple[Value, ...]] = []
     tests: list[tuple[Value, ...]] = []
     for length in sorted({len(task.plan) for task in inside}):

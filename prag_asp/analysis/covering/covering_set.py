@@ -21,7 +21,7 @@ from prag_asp.space.task_space import TaskSpace
 from prag_asp.task import Task
 
 MOST_PAIRS = 20_000
-"""Maximum number of pairs of tasks that are tried: seconds."""
+"""The maximum number of pairs of tasks that are tried, which takes seconds."""
 
 WIDTH = 32
 """The number of beginnings of tasks that the beam search keeps; more of them hardly ever lead to a better task."""
@@ -41,8 +41,9 @@ def covering_set(space: TaskSpace, strength: int) -> CoveringSet:
     """Return a small set of tasks that together cover all reachable combinations of a space at a given strength.
 
     Each task is the best one that a beam search finds: it covers the most combinations not covered by earlier tasks
-    (the greedy algorithm for set covers, Chvatal 1979). Tasks that later tasks make superfluous are left out, and pairs
-    of tasks are replaced by one task where the search finds one. The set is the smallest if it has `at_least` tasks.
+    (the greedy algorithm for set covers, Chvatal 1979). Tasks that later tasks make superfluous are left out, and a
+    pair of tasks is replaced by one task if the search finds one that covers as much. The set is the smallest if it has
+    `at_least` tasks.
 
     Raises:
         QueryError: the strength is out of range, the space has several lengths, or its states are too many to be
@@ -96,7 +97,7 @@ class _Choice:
         return bounds[::-1]
 
     def improved(self, words: Sequence[Word], enough: int) -> list[Word]:
-        """Return words that cover the same combinations, fewer if one can replace two; `enough` are not improved."""
+        """Return words that cover the same combinations, fewer if one can replace two; `enough` words are left as is."""
         remaining = list(words)
         pairs, tried = combinations(range(len(remaining)), 2), 0
         while len(remaining) > enough and tried < MOST_PAIRS and (pair := next(pairs, None)) is not None:

@@ -1,9 +1,9 @@
 """A lower bound on the number of tasks that cover all combinations of a space.
 
-Give each combination a weight. If no task covers combinations of a total weight above W, at least total / W tasks are
-needed. The best weights solve the dual of a linear programme; multiplicative updates come near to them (Plotkin, Shmoys
-and Tardos 1995): the combinations of a heaviest task become lighter, again and again. Each intermediate bound is valid,
-and all sums are exact integers.
+Each combination has a weight. If no task covers combinations with a total weight above W, at least total / W tasks are
+needed. The best weights solve the dual of a linear programme; multiplicative updates, which repeatedly make the
+combinations of a heaviest task lighter, approximate them (Plotkin, Shmoys and Tardos 1995). Each intermediate bound is
+valid, and all sums are exact integers.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from prag_asp.analysis.layered_automaton import LayeredAutomaton
 from prag_asp.space.limits import LimitClock
 
 ROUNDS = 4000
-"""The number of updates; more hardly ever improve a bound."""
+"""The number of updates; more updates hardly ever improve a bound."""
 
 WORK = 40_000_000
-"""The number of edges that all updates together visit, about a second."""
+"""The number of edges that all updates together visit, which takes about a second."""
 
 COARSE, FINE = 3, 5
-"""An update reduces weights by 1/8 in the first quarter of the rounds, and then by 1/32."""
+"""Updates reduce weights by 1/8 in the first quarter of the rounds, and by 1/32 after that."""
 
 HEAVIEST, LIGHTEST = 1 << 30, 1 << 20
 """Weights are scaled up when all are below `LIGHTEST`; sums for 10,000 combinations and 1,000 actions fit 64 bits."""
 
 
 def fewest_tasks(words: LayeredAutomaton, masks: Sequence[int], enough: int, clock: LimitClock) -> int:
-    """Return a number of tasks such that no fewer cover all combinations, at most `enough`.
+    """Return a lower bound, at most `enough`, on the number of tasks that cover all combinations.
 
     `masks` holds the combinations of each letter as bits. The search ends at a limit.
     """
@@ -57,7 +57,7 @@ def fewest_tasks(words: LayeredAutomaton, masks: Sequence[int], enough: int, clo
 
 
 def _heaviest(words: LayeredAutomaton, gains: NDArray[np.int64]) -> tuple[list[int], int]:
-    """Return a word whose letters have the largest sum of gains, and this sum."""
+    """Return a word whose letters have the largest sum of gains, together with this sum."""
     steps = words.edges or ()
     values = [np.zeros(1, dtype=np.int64)]
     for step in reversed(steps):

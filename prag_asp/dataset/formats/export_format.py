@@ -25,7 +25,7 @@ class ExportFormat(Protocol):
 
 
 class FormatInfo(NamedTuple):
-    """A format: the name of its class, the packages that it needs, whether it needs recordings, and its extra."""
+    """A format: the name of its class, the packages that it needs, whether it needs recordings, and its pip extra."""
 
     title: str
     packages: tuple[str, ...]

@@ -1,6 +1,7 @@
-"""The truth of atoms in many states, one integer for each atom: bit i is the truth in state i.
+"""The truth values of atoms in many states, as one integer for each atom: bit i is the truth value in state i.
 
-On integers, ``&`` and ``|`` take a fraction of the time that they take on arrays of bools, of a few states above all.
+On integers, ``&`` and ``|`` take a fraction of the time that they take on arrays of bools, especially if there are few
+states.
 """
 
 from __future__ import annotations
@@ -15,12 +16,12 @@ Column = NDArray[np.bool_]
 
 
 def all_true(size: int) -> int:
-    """Return the bits of an atom that is true in each of `size` states."""
+    """Return the bits of an atom that is true in all of `size` states."""
     return (1 << size) - 1
 
 
 def bits_of(column: Column) -> int:
-    """Return a column as an integer."""
+    """Convert a column to an integer."""
     return int.from_bytes(np.packbits(column, bitorder="little").tobytes(), "little")
 
 
@@ -31,13 +32,13 @@ def each_bits(columns: NDArray[np.bool_]) -> Iterator[int]:
 
 
 def column_of(bits: int, size: int) -> Column:
-    """Return an integer as the column of `size` states."""
+    """Convert an integer to the column of `size` states."""
     octets = np.frombuffer(bits.to_bytes(-(-size // 8), "little"), dtype=np.uint8)
     return np.unpackbits(octets, count=size, bitorder="little").view(np.bool_)
 
 
 def columns_of(bits: Iterable[int], size: int) -> NDArray[np.bool_]:
-    """Return several integers as the columns of `size` states, shape (integers, size)."""
+    """Convert several integers to the columns of `size` states, shape (integers, size)."""
     width = -(-size // 8)
     parts = [each.to_bytes(width, "little") for each in bits]
     octets = np.frombuffer(b"".join(parts), dtype=np.uint8).reshape(len(parts), width)

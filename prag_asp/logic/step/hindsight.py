@@ -145,7 +145,7 @@ def _number(value: clingo.Symbol) -> int:
 
 
 def _rows_of(values: Mapping[int, int], atoms: Iterable[int], size: int) -> Truth:
-    """Return the truth of atoms as rows; an atom that nothing derives is false."""
+    """Return the truth values of atoms as rows; an atom that nothing derives is false."""
     return columns_of((values.get(atom, 0) for atom in atoms), size)
 
 

@@ -81,9 +81,9 @@ class StepRules:
     def simplified_with(
         self, action: int, atom: int, affected: Set[int], constants: Constants
     ) -> list[RuleBody | bool]:
-        """Return the bodies of an atom that may be true if one action occurs and no other, simplified.
+        """Return the simplified bodies of an atom that may be true if one action occurs and no other.
 
-        `affected` are the atoms that the action can change; beyond the actions, no other atom is among the constants.
+        `affected` are the atoms that the action can change; the constants contain no atoms other than actions.
         """
         by_action, sums, others = self._by_action[atom]
         own = [*by_action.get(action, ()), *(body for each in sums for body in each.with_action(action))]
@@ -127,7 +127,7 @@ def _places(atoms: Sequence[int]) -> dict[int, list[int]]:
 
 
 class _Others:
-    """Bodies that contain no action positively, simplified once for all actions that do not concern them."""
+    """Bodies that contain no action positively, simplified once for all actions on which they do not depend."""
 
     def __init__(self, bodies: list[RuleBody], no_action: Constants) -> None:
         self._bodies = bodies

@@ -55,7 +55,7 @@ def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[RuleBody, ...]]) -
 
 
 def body_bits(body: RuleBody, read: Callable[[int], int], size: int, every: int) -> int:
-    """Return the truth of a body in `size` states as bits; `every` has all of them."""
+    """Return the truth values of a body in `size` states, as bits; in `every`, all bits are set."""
     if body.weights:
         total = np.zeros(size, dtype=np.int64)
         for literal, weight in zip(body.literals, body.weights, strict=True):
@@ -76,7 +76,7 @@ def evaluate(
     size: int,
     read: Callable[[int], int] | None = None,
 ) -> Callable[[int], int]:
-    """Add the truth of every atom of `strata` in `size` states, as bits, to `values`; return a reader of values.
+    """Add the truth values of every atom in `strata` in `size` states to `values`, as bits; return a reader of values.
 
     `read` reads `values` and all other atoms; by default, an atom that nothing derives is false.
     """

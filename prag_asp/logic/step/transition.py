@@ -1,8 +1,8 @@
 """A step of a domain as a function from states to states, evaluated on all states of a frontier at once.
 
 This module does not interpret the meaning of rules. The ground rules are evaluated once without an action, which gives
-every atom its truth in all states. For each action, only the atoms that depend on it are re-evaluated; if it may occur
-in few of many states, on these alone.
+the truth value of every atom in all states. For each action, only the atoms that depend on it are re-evaluated; if it
+may occur in only a few of many states, they are re-evaluated only in those.
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ ROOM = 2**25
 """The maximum memory in bytes for the columns of `Needs` that are tested together."""
 
 WIDE, SPARSE = 2**12, 8
-"""From this number of states on, an action that may occur in less than one of `SPARSE` is evaluated on these alone."""
+"""From this number of states on, an action that may occur in fewer than one in `SPARSE` states is evaluated only there.
+"""
 
 MANY = 64
 """The number of actions from which on `Needs` rules out actions together; fewer actions are tried one by one."""
@@ -193,7 +194,7 @@ class Transition:
                 yield _apply(self.move(letter), letter, before, valid)
 
     def _values(self, states: Rows, atoms: Mapping[clingo.Symbol, int]) -> dict[int, int]:
-        """Return the truth of the variables among `atoms`, as bits."""
+        """Return the truth values of the variables among `atoms`, as bits."""
         rows = each_bits(unpack(states, len(self.variables)))
         return {atoms[symbol]: bits for symbol, bits in zip(self.variables, rows, strict=True) if symbol in atoms}
 
@@ -202,9 +203,9 @@ class Transition:
 class _Before:
     """A frontier with every rule evaluated for a step without an action.
 
-    `values` has the truth of atoms in its `size` states, as bits. `broken` holds the constraints that are violated in
-    some state, and `breaches` the number of constraints that are violated in each state; `after` and `labels` are the
-    states and the labels after a step without an action.
+    `values` holds the truth values of atoms in its `size` states, as bits. `broken` holds the constraints that are
+    violated in some state, and `breaches` the number of constraints that are violated in each state; `after` and
+    `labels` are the states and the labels after a step without an action.
     """
 
     values: Mapping[int, int]
@@ -217,7 +218,7 @@ class _Before:
 
     @classmethod
     def evaluated(cls, rules: StepRules, values: dict[int, int], size: int) -> _Before:
-        """Evaluate the rules on the truth of the atoms of step t-1."""
+        """Evaluate the rules on the truth values of the atoms of step t-1."""
         read, every = evaluate(rules.strata, rules.idle, values, size), all_true(size)
         broken: dict[int, Column] = {}
         breaches = np.zeros(size, dtype=np.int32)
@@ -230,11 +231,11 @@ class _Before:
         return cls(values, size, broken, breaches, after, columns_of(map(read, rules.labels), size).T)
 
     def read(self, atom: int) -> int:
-        """Return the truth of an atom, as bits."""
+        """Return the truth values of an atom, as bits."""
         return self.values.get(atom, 0)
 
     def column(self, atom: int) -> Column:
-        """Return the truth of an atom as a column."""
+        """Return the truth values of an atom as a column."""
         if atom not in self._columns:
             self._columns[atom] = column_of(self.read(atom), self.size)
         return self._columns[atom]
@@ -277,7 +278,7 @@ def _apply(move: Move, letter: int, before: _Before, valid: Column) -> Successor
 
 
 def _unguarded(move: Move, before: _Before, tried: Column | None) -> Column:
-    """Return whether, in each state, neither a guard nor a constraint that does not read an action forbids it."""
+    """Return, for each state, whether the action violates neither a guard nor a constraint that reads no action."""
     if move.impossible:
         return np.zeros(before.size, dtype=np.bool_)
     breaches = before.breaches

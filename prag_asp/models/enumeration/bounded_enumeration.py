@@ -39,7 +39,7 @@ class Effort:
 
 
 class BoundedEnumeration:
-    """An enumeration with the control that ground the program, which keeps the clauses learned in earlier calls."""
+    """An enumeration with the control that grounded the program; it keeps the clauses learned in earlier calls."""
 
     def __init__(self, ground: GroundModels, *, project: bool) -> None:
         self._control = ground.grounder.control

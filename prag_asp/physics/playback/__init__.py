@@ -1,1 +1,1 @@
-"""Episodes as 3D scenes that play: their meshes, the motion of their bodies, and files for viewers."""
+"""Episodes as 3D scenes that can be played: their meshes, the motion of their bodies, and files for viewers."""

@@ -1,4 +1,4 @@
-"""An episode as one file that plays in 3D: a .glb for 3D programs, or a page with a player."""
+"""An episode as one file that can be played in 3D: a .glb for 3D programs, or a page with a player."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def episode_glb(
     headings: Sequence[str | None] | None = None,
     bystanders: bool = True,
 ) -> bytes:
-    """Return a .glb file (binary glTF 2.0) of an episode: its bodies, and an animation at 20 poses a second.
+    """Return a .glb file (binary glTF 2.0) of an episode: its bodies, and an animation at 20 poses per second.
 
     The extras of its scene hold the `actions` with their names and times in seconds, and the direction to the `light`.
     `headings` that are not None replace the words for the actions. `bystanders` also shows objects that the task does

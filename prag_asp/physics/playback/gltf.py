@@ -21,26 +21,26 @@ from prag_asp.scene.geometry import Pose
 
 MAGIC, VERSION, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
 FLOAT, SHORT, INTEGER = 5126, 5123, 5125
-"""glTF's numbers of component types: float32, uint16 and uint32."""
+"""The numbers by which glTF identifies component types: float32, uint16 and uint32."""
 
 VERTICES, INDICES = 34962, 34963
-"""glTF's numbers of the uses of buffers."""
+"""The numbers by which glTF identifies the uses of buffers."""
 
 UPRIGHT = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
-"""The rotation that turns z to y."""
+"""The rotation that turns the z axis to the y axis."""
 
 ROUGHNESS = 0.7
-"""The roughness of all materials, from 0 to 1: plastic, lacquer and wood."""
+"""The roughness of all materials, from 0 to 1, as of plastic, lacquer and wood."""
 
 LARGEST_SIDE, QUALITY = 1024, 85
 """The largest side of a texture in texels, and the quality of textures that are converted to JPEG."""
 
 SIGNATURES: Mapping[bytes, str] = {b"\x89PNG": "image/png", b"\xff\xd8\xff": "image/jpeg"}
-"""The beginnings of images in the formats that glTF allows."""
+"""The first bytes of images in the formats that glTF allows."""
 
 
 class GltfCamera(NamedTuple):
-    """A camera: its pose with x to the right, y up and z backwards, its target in metres, its vertical angle."""
+    """A camera: its pose, with x to the right, y up and z backwards; its target in metres; and its vertical angle."""
 
     pose: Pose
     target: tuple[float, float, float]
@@ -50,7 +50,7 @@ class GltfCamera(NamedTuple):
 def gltf_file(
     tracks: Iterable[BodyTrack], times: NDArray[np.float32], camera: GltfCamera, extras: Mapping[str, Any]
 ) -> bytes:
-    """Return a .glb file with one animation; `times` are the T times of the poses of moving bodies in seconds.
+    """Return a .glb file with one animation; `times` are the T times, in seconds, of the poses of moving bodies.
 
     `extras` are JSON values that are stored with the animation.
 
@@ -166,7 +166,7 @@ class _GltfWriter:
         return self._numbers[texture]
 
     def _accessor(self, values: NDArray[Any], kind: str, *, use: int | None = None, bounds: bool = False) -> int:
-        """Add an array, whose rows are vectors; `bounds` adds the least and the largest values."""
+        """Add an array whose rows are vectors; with `bounds`, add its minimum and maximum as well."""
         types = {np.dtype(np.float32): FLOAT, np.dtype(np.uint16): SHORT, np.dtype(np.uint32): INTEGER}
         accessor: dict[str, Any] = {"bufferView": self._view(values.tobytes(), use)}
         accessor |= {"componentType": types[values.dtype], "count": len(values), "type": kind}
@@ -177,7 +177,7 @@ class _GltfWriter:
         return len(self.accessors) - 1
 
     def _view(self, content: bytes, use: int | None = None) -> int:
-        """Add bytes to the binary part, at a multiple of four."""
+        """Add bytes to the binary part, aligned to a multiple of four."""
         view = {"buffer": 0, "byteOffset": len(self.binary), "byteLength": len(content)}
         self.views.append(view if use is None else {**view, "target": use})
         self.binary += content + bytes(-len(content) % 4)
@@ -185,7 +185,7 @@ class _GltfWriter:
 
 
 def linear(part: float) -> float:
-    """Return the linear intensity of a component of an sRGB colour, both from 0 to 1 (IEC 61966-2-1)."""
+    """Return the linear intensity of a component of an sRGB colour; both are from 0 to 1 (IEC 61966-2-1)."""
     return part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4
 
 
@@ -208,7 +208,7 @@ def fitting_image(content: bytes) -> tuple[bytes, str]:
 
 
 def time_marks(names: Sequence[str], ends: Sequence[float]) -> list[dict[str, Any]]:
-    """Return actions as JSON values: their names, and when they begin and end in seconds."""
+    """Return actions as JSON values: their names, and the times in seconds at which they begin and end."""
     return [
         {"name": name, "begin": begin, "end": end} for name, begin, end in zip(names, ends[:-1], ends[1:], strict=True)
     ]

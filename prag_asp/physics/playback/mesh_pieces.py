@@ -23,13 +23,14 @@ from prag_asp.scene.scene import Look, Solid
 from prag_asp.scene.surfaces import Floats, solid_parts
 
 CREASE = math.radians(40)
-"""The largest angle between two faces that are shaded as one curved surface; sides of our cylinders differ by 11°."""
+"""The largest angle between two faces that are shaded as one curved surface; the sides of our cylinders differ by 11°.
+"""
 
 SAME_POINT = 6
-"""The number of decimals, in metres, to which the corners of triangles are rounded to find those that coincide."""
+"""The number of decimal places, in metres, to which corners are rounded to find those that coincide."""
 
 CLOSE = Fineness("close", 0.006, 0.002, 30, 512)
-"""The fineness of robots that users may look at from close by: 36,000 triangles of the Panda, 0.7 MB."""
+"""The fineness of robots for close views: 36,000 triangles for the Panda, which take 0.7 MB."""
 
 WHITE = (1.0, 1.0, 1.0, 1.0)
 
@@ -38,7 +39,7 @@ class MeshPiece(NamedTuple):
     """Triangles of one material in the frame of a body: corners and unit normals (n, 3, 3), in metres.
 
     `rgba` has components from 0 to 1. `places` (n, 3, 2) are the texture coordinates of the corners, from the lower
-    left at 0 to the upper right at 1, and `texture` is the content of an image file; without a texture they are None
+    left at 0 to the upper right at 1, and `texture` is the content of an image file; without a texture, they are None
     and empty.
     """
 
@@ -51,7 +52,7 @@ class MeshPiece(NamedTuple):
     def indexed(self) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
         """Return the distinct corners as rows, and the triangles (n, 3) as indices of rows.
 
-        A row has the corner, its normal, and its texture coordinates if the piece has a texture.
+        A row contains the corner, its normal, and its texture coordinates if the piece has a texture.
         """
         columns = [self.corners.reshape(-1, 3), self.normals.reshape(-1, 3)]
         if self.places is not None:
@@ -110,7 +111,7 @@ def _product(color: str, tint: Rgba) -> Rgba:
 
 @cache
 def robot_pieces(kind: str, fineness: Fineness = CLOSE) -> Mapping[str, tuple[MeshPiece, ...]]:
-    """Return the visible pieces of each link of a robot, by the name of the link, in the frame of the link.
+    """Return the visible pieces of each link of a robot, by the name of the link, in the link's frame.
 
     Raises:
         SceneError: the robot's files cannot be read.
@@ -139,7 +140,7 @@ def _link_pieces(visual: ElementTree.Element, files: Mapping[str, bytes]) -> Ite
 
 
 def _three(element: ElementTree.Element | None, name: str) -> tuple[float, float, float]:
-    """Return three numbers in an attribute of an element, zeros if there is none."""
+    """Return three numbers from an attribute of an element, or zeros if it does not have the attribute."""
     x, y, z = map(float, ("0 0 0" if element is None else element.get(name, "0 0 0")).split())
     return x, y, z
 
@@ -148,8 +149,9 @@ def creased_normals(triangles: Floats) -> Floats:
     """Return unit normals (n, 3, 3) at the corners of triangles (n, 3, 3).
 
     A normal is the mean over those faces at the corner whose angle to the corner's own face is at most `CREASE`, so
-    curved surfaces are smooth and edges sharp. A face weighs as much as its angle at the corner (Thürmer and Wüthrich,
-    "Computing vertex normals from polygonal facets", 1998), so it does not matter how quadrilaterals are divided.
+    curved surfaces are smooth and edges are sharp. A face weighs as much as its angle at the corner (Thürmer and
+    Wüthrich, "Computing vertex normals from polygonal facets", 1998), so it does not matter how quadrilaterals are
+    divided.
     """
     facing = _unit(np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]))
     ahead = _unit(np.roll(triangles, -1, axis=1) - triangles)
@@ -170,7 +172,7 @@ def creased_normals(triangles: Floats) -> Floats:
 
 
 def _unit(vectors: Floats) -> Floats:
-    """Return vectors scaled to length 1; zero vectors point upwards."""
+    """Return vectors scaled to length 1; a zero vector becomes a unit vector that points upwards."""
     lengths: NDArray[np.float64] = np.linalg.norm(vectors, axis=-1, keepdims=True)
     upwards = np.broadcast_to((0.0, 0.0, 1.0), vectors.shape)
     result: Floats = np.where(lengths > 1e-15, vectors / np.maximum(lengths, 1e-15), upwards)

@@ -1,4 +1,4 @@
-"""What stands around the bodies of an episode: the table with its zones, and the floor."""
+"""The surroundings of the bodies in an episode: the table with its zones, and the floor."""
 
 from __future__ import annotations
 
@@ -22,22 +22,23 @@ from prag_asp.scene.surfaces import Floats
 from prag_asp.scene.variation import table_of
 
 TEXELS, QUALITY = 512, 85
-"""Texels on a side of a texture in a file, 3 mm each on the table, and the quality of its JPEG: 60 KB."""
+"""The number of texels along a side of a texture in a file, 3 mm each on the table, and the JPEG quality: 60 KB in all.
+"""
 
 BRIGHTEST = 1.25
-"""The factor of brightness that a white texel stands for; the colour of the surface is multiplied by it."""
+"""The brightness factor that a white texel stands for; the colour of the surface is multiplied by it."""
 
 LEG, INSET = 0.03, 0.06
-"""Half the thickness of a leg of the table, and its distance from the edges, in metres."""
+"""Half the thickness of a table leg, and its distance from the edges of the table, in metres."""
 
 FLOOR_HALF = 4.0
-"""Half the side of the floor in metres; viewers let it fade before it ends."""
+"""Half the side of the floor in metres; viewers fade it out before it ends."""
 
 FLOOR_NAME = "floor"
 """The name of the floor's body."""
 
 ABOVE = 0.0005
-"""The height of zones above the table in metres, so that they hide it."""
+"""The height in metres of zones above the table, so that they hide it."""
 
 
 def surroundings(scene: Scene) -> Iterator[BodyTrack]:
@@ -75,7 +76,7 @@ def _still(name: str, pieces: list[MeshPiece], at: Vector, yaw: float = 0.0) -> 
 def _rectangle(
     half: tuple[float, float], rgba: Rgba, image: bytes, side: float, centre: tuple[float, float]
 ) -> MeshPiece:
-    """Return a horizontal rectangle with a texture that covers squares of a side in metres; `half` are half-extents."""
+    """Return a horizontal rectangle with a texture that repeats every `side` metres; `half` are half-extents."""
     corners: Floats = np.array([(x * half[0], y * half[1], 0.0) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))])
     triangles = corners[[[0, 1, 2], [0, 2, 3]]]
     normals = np.broadcast_to((0.0, 0.0, 1.0), triangles.shape)
@@ -85,7 +86,7 @@ def _rectangle(
 
 
 def _image(texture: Texture) -> bytes:
-    """Return a texture of factors of brightness as a grey JPEG."""
+    """Return a texture of brightness factors as a grey JPEG."""
     level = next(level for level in texture.levels if len(level) == TEXELS)
     grey = np.clip(np.round(level / BRIGHTEST * 255), 0, 255).astype(np.uint8)
     buffer = BytesIO()

@@ -95,7 +95,7 @@ def _object_pieces(scene: Scene, entity: str) -> list[MeshPiece]:
 
 
 def _track(name: str, pieces: Sequence[MeshPiece], poses: Poses) -> BodyTrack:
-    """Return a track; of a body that never moves, with one pose."""
+    """Return a track, which has only one pose if the body never moves."""
     return BodyTrack(name, pieces, poses[:1] if (poses == poses[0]).all() else poses)
 
 

@@ -32,8 +32,8 @@ MOST_SKELETONS, LONGEST = 500, 30
 """Maximum number of skeletons, and maximum length, for which parts are chosen skeleton by skeleton."""
 
 FEW_SEQUENCES = 5000
-"""Maximum number of sequences of action names for which the skeletons are listed first: that takes about as long as to
-count the tasks of one part."""
+"""The maximum number of sequences of action names for which the skeletons are listed first, which takes about as long
+as counting the tasks of one part."""
 
 SPELLABLE = re.compile(r"\w+")
 """The pattern of names that can be written in a regular expression."""

@@ -36,7 +36,8 @@ TOGETHER = 4096
 """Number of states that are expanded together."""
 
 FEW_STATES, MOST_KEPT = 20_000, 32
-"""Maximum number of states of a search that is kept for later tasks with the same initial state, and of searches."""
+"""The maximum number of states of a search that is kept for later tasks with the same initial state, and the maximum
+number of such searches."""
 
 SAFE = 2**62
 """Numbers of plans below this bound fit into 64 bits."""
@@ -327,7 +328,7 @@ class PlanLayers:
         return len(self._seen)
 
     def up_to(self, depth: int, clock: LimitClock) -> Iterator[PlanLayer]:
-        """Yield the layers up to a depth, lazily; stop when no state is new. After an error, there are no further ones.
+        """Yield the layers up to a depth, lazily; stop when no state is new. After an error, there are no more layers.
 
         Raises:
             LimitReached: a limit was reached, or there are more than `MOST_STATES` states.

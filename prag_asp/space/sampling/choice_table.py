@@ -34,8 +34,8 @@ class ChoiceTable:
     """The choices of one step: for given states, called slots 0, 1, ..., their edges with thresholds.
 
     The edges of slot s are ``first[s]:first[s + 1]``; `edges` are their numbers in the automaton, and `thresholds` are
-    floor(2^64 * cumulative share), of which the last one for each state is unused. `guide` has 2^bits cells for each
-    slot with the chosen edge, or -1 if a threshold lies within the cell; it is empty if bits is 0.
+    floor(2^64 * cumulative share); the last one for each state is unused. `guide` has 2^bits cells for each slot,
+    which hold the chosen edge, or -1 if a threshold lies within the cell; it is empty if bits is 0.
     """
 
     states: Integers
