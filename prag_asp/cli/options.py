@@ -103,7 +103,7 @@ output = click.option(
 )  # fmt: skip
 seed = click.option(
     "--seed", type=click.IntRange(min=0), default=0, show_default=True,
-    help="Random seed; the same seed gives the same bytes.",
+    help="Random seed; the same seed produces the same output.",
 )  # fmt: skip
 trust = click.option("--trust", is_flag=True, help="Run the Python files that domain.toml names for physics.")
 

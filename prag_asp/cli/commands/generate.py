@@ -152,8 +152,8 @@ def generate(
     """Write a dataset of distinct feasible tasks of length N.
 
     Tasks are sampled without replacement. DIR holds Parquet tables of tasks, witnesses and rejected tasks, a
-    dataset.json with exact figures, the domain, and a dataset card. If the command is interrupted, run it again: it
-    continues, and the result has the same bytes.
+    dataset.json with exact numbers, the domain, and a dataset card. If the command is interrupted, run it again: it
+    continues, and the result is the same, byte for byte.
     """
     from prag_asp.dataset.dataset_spec import SHARD
     from prag_asp.dataset.generation import generate as make

@@ -115,7 +115,7 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
         place = above_ground(gripper, lowest, candidate.middle, candidate.rotation)
         if place is None or not _is_distinct(place, kept, kind):
             continue
-        if not _promises(in_frame(dense[None], place)[0], facing @ matrix(place)[:3, 1], gripper, problem.friction):
+        if not _promises(in_frame(dense[None], place)[0], facing, place, gripper, problem.friction):
             continue
         grasp = _judged(problem, gripper, triangles, dense, place, tilt)
         if grasp is not None and _is_distinct(grasp.tool, kept, kind):
@@ -124,10 +124,10 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
     return tuple(sorted(kept, key=lambda grasp: -grasp.score))
 
 
-def _promises(points: Floats, facing: Floats, gripper: ParallelGripper, friction: float) -> bool:
+def _promises(points: Floats, normals: Floats, tool: Pose, gripper: ParallelGripper, friction: float) -> bool:
     """Return whether surface points, in the frame of a tool, may allow a grasp, before the exact contact is computed.
 
-    `facing` holds the components of the points' normals along the axis of the fingers.
+    `normals` are the normals of the points in the frame of the body.
     """
     if not _free(points, (gripper.palm,)):
         return False
@@ -136,7 +136,7 @@ def _promises(points: Floats, facing: Floats, gripper: ParallelGripper, friction
     between = (np.abs(x) < gripper.half_x) & (z > low) & (z < high) & (np.abs(y) < gripper.opening / 2)
     if between.sum() < ENOUGH_POINTS:
         return True
-    y, facing = y[between], facing[between]
+    y, facing = y[between], (normals @ matrix(tool)[:3, 1])[between]
     least = math.cos(CONE_SHARE * math.atan(friction)) - UNSURE
     for side in (1.0, -1.0):
         outermost = (side * y >= (side * y).max() - 2 * TOUCH) & (side * facing > 0.0)
@@ -227,7 +227,8 @@ def _free(points: Floats, boxes: Sequence[Box]) -> bool:
     """
     x, y, z = points.T
     for (a, b, c), (half_x, half_y, half_z) in boxes:
-        if ((np.abs(x - a) < half_x) & (np.abs(y - b) < half_y) & (np.abs(z - c) < half_z)).any():
+        near = np.flatnonzero(np.abs(z - c) < half_z)
+        if len(near) and ((np.abs(x[near] - a) < half_x) & (np.abs(y[near] - b) < half_y)).any():
             return False
     return True
 
