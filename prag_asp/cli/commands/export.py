@@ -52,7 +52,7 @@ def export() -> None:
     """Write tasks or datasets in the formats of other tools.
 
     FORM is dimacs (the default) for the task space of DOMAIN as a formula; pddl for DOMAIN or some of its tasks; or
-    lerobot, minari, robomimic or bddl for the dataset in DIR.
+    lerobot, minari, robomimic, bddl or rerun for the dataset in DIR.
     """
 
 
@@ -132,7 +132,7 @@ def _conventions(form: str) -> Callable[[Callable[..., None]], Callable[..., Non
         help="Add the poses of objects as observation.environment_state.  [default: without cameras]",
     )  # fmt: skip
     depth = click.option("--depth", is_flag=True, help="Add depth images in millimetres as depth.CAMERA.")
-    chosen = {"lerobot": (depth, objects, state, action), "bddl": ()}.get(form, (action,))
+    chosen = {"lerobot": (depth, objects, state, action), "bddl": (), "rerun": ()}.get(form, (action,))
 
     def decorated(command: Callable[..., None]) -> Callable[..., None]:
         for option in chosen:
@@ -192,5 +192,12 @@ _add_dataset_form(
     "bddl",
     "Write each task of a dataset as a BDDL problem for LIBERO.\n\n"
     "A problem contains the objects, the initial state, the goal and the instruction.",
+    "DIR",
+)
+_add_dataset_form(
+    "rerun",
+    "Write a dataset's episodes as recordings of Rerun.\n\n"
+    "Each episode is one .rrd file with the 3D scene, subgoals, contacts with their forces, joints and camera images "
+    "on one time line.",
     "DIR",
 )
