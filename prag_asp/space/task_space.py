@@ -211,7 +211,7 @@ class TaskSpace:
 
         Raises:
             QueryError: there is no such level, or the prefix names no action of the domain.
-            LimitReached: a limit ended the count of a given length; the error has the number counted for that length.
+            LimitReached: a limit ended the count of a given length; the error gives the number counted for that length.
         """
         return sum(self.engines.count(by, length, first) for length, first in self._prefixes(by, prefix))
 
