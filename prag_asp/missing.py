@@ -1,7 +1,7 @@
 """Optional packages: import them, or raise an error that says how to install them.
 
-PyBullet and frankik may be missing because their wheels appear long after a new version of Python; pyarrow, Gymnasium
-and the packages for dataset formats may be missing because few users need them.
+PyBullet and frankik may be missing because their wheels appear long after a new version of Python is released; pyarrow,
+Gymnasium and the packages for dataset formats may be missing because few users need them.
 """
 
 from __future__ import annotations

@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from prag_asp.task import KnownDomain
 
 METRIC = "levenshtein-classes"
-"""The metric of tasks that commands choose far apart: edits of actions, which cost less between similar objects."""
+"""The metric by which commands choose tasks that are far apart: edits of actions, which cost less between similar
+objects."""
 
 CHOSEN = -1.0
 """Stands for the distance of a chosen task from the chosen tasks, so that it is not chosen again."""

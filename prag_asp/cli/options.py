@@ -195,7 +195,7 @@ class StrataOptions:
     allocation: str | None = None
 
     def stratification(self, others: Mapping[str, bool]) -> Stratification | None:
-        """Return the stratification, or None without strata; `others` maps options to whether they are given.
+        """Return the stratification, or None if there are no strata; `others` maps options to whether they are given.
 
         Raises:
             QueryError: an allocation is given without strata or is malformed, or strata are given with other options.

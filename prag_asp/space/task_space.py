@@ -18,7 +18,6 @@ from prag_asp.errors import QueryError
 from prag_asp.exact_numbers import Number
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.symmetry.symmetries import Symmetries
-from prag_asp.program.entity_names import action_name
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.domain_engines import DomainEngines
 from prag_asp.space.engines import Level
@@ -212,7 +211,7 @@ class TaskSpace:
 
         Raises:
             QueryError: there is no such level, or the prefix names no action of the domain.
-            LimitReached: a limit ended the count of a given length; the error has the number counted for that length.
+            LimitReached: a limit ended the count of a given length; the error gives the number counted for that length.
         """
         return sum(self.engines.count(by, length, first) for length, first in self._prefixes(by, prefix))
 
@@ -494,7 +493,7 @@ class TaskSpace:
 
         parts = divide_skeletons(
             parse_shares(shares), seed, lambda clause: part(clause).count(), tasks_by_skeleton,
-            names=len({action_name(action) for action in self.domain.facts.actions}), length=self.length,
+            names=len(self.domain.facts.action_names), length=self.length,
         )  # fmt: skip
         return {name: part(condition) for name, condition in parts.items()}
 

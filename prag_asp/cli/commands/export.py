@@ -86,17 +86,19 @@ def dimacs(*, request: DomainOptions, by: Any, format: str, output: str | None) 
 )
 @click.option(
     "-o", "--output", metavar="DIR", required=True, shell_complete=shell_completion.files,
-    help="New folder, written completely or not at all: domain.pddl, problem.pddl, and plan.txt for a task; for "
-    "several tasks domain_1.pddl, ..., numbered by rank or by position in the file.",
+    help="New folder, written completely or not at all: domain.pddl, problem.pddl, the view, and plan.txt for a task; "
+    "for several tasks domain_1.pddl, ..., numbered by rank or by position in the file.",
 )  # fmt: skip
 def pddl(*, request: DomainOptions, selection: TaskSelection, positive: bool, unconditional: bool, output: str) -> None:
     """Write a domain, or some of its tasks, as PDDL domains and problems.
 
     They have the same plans. Fluents that are unknown in the initial state of a task are false in PDDL; a comment in
-    the problem gives their number.
+    the problem gives their number. The files domain.planviz.json and state_view.js make the PDDL extension of VS Code
+    show the final states of plans.
     """
     from prag_asp.output import new_folder, replace_file
     from prag_asp.planners import write
+    from prag_asp.planners.state_view import SETTINGS_SUFFIX, view_script, view_settings
 
     folder = Path(output)
     if folder.exists():
@@ -105,13 +107,15 @@ def pddl(*, request: DomainOptions, selection: TaskSelection, positive: bool, un
     with progress() as tell:
         domain = request.domain()
         selected = selection.of(request.space(tell, domain)) if selection.any else None
-        files = ("domain{}.pddl", "problem{}.pddl", "plan{}.txt")[: 3 if selected else 2]
+        script, settings = "state_view{}.js", f"domain{{}}{SETTINGS_SUFFIX}"
+        files = ("domain{}.pddl", "problem{}.pddl", script, settings, "plan{}.txt")[: 5 if selected else 4]
         suffixes, tasks = selected if selected is not None else ([""], repeat(None, 1))
         with new_folder(folder) as part:
             for number, (suffix, task) in enumerate(zip(suffixes, tasks, strict=True)):
                 tell("tasks written", number, len(suffixes))
                 found = write(domain, task, negative=not positive, conditional=not unconditional)
-                texts = (found.domain, found.problem, "".join(f"{step}\n" for step in found.plan))
+                view = view_script(found.fluents), view_settings(script.format(suffix))
+                texts = (found.domain, found.problem, *view, "".join(f"{step}\n" for step in found.plan))
                 for file, text in zip(files, texts, strict=False):
                     replace_file(part / file.format(suffix), text.encode(), follow=False)
     say(folder)

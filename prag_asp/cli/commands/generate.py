@@ -35,7 +35,7 @@ MOST_CANDIDATES = 100_000
 """The maximum number of candidates, as in `DatasetSpec`, which need not be imported for the help."""
 
 SHOWN = 5
-"""The maximum number of missing combinations that a line names."""
+"""The maximum number of missing combinations that are listed on a line."""
 
 
 @click.command()
@@ -265,7 +265,7 @@ def print_parts(dataset: Dataset) -> None:
 
 
 def chosen_lines(manifest: Manifest) -> Iterator[str]:
-    """Yield a line on what the chosen tasks of a dataset reach, if it has any."""
+    """Yield a line about what the chosen tasks of a dataset achieve, if it has any."""
     if manifest.cover:
         cover = manifest.cover
         names = f"; missing: {', '.join(cover.missing[:SHOWN])}" if cover.missing else ""

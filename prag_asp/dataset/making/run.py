@@ -196,9 +196,9 @@ class DatasetRun:
         write_manifest(self._folder, self._manifest)
 
     def _fill(self, writer: PartWriter, part: TaskOrder, journaled: list[DrawResult]) -> DrawChoice | None:
-        """Add draws to a part until it has the requested tasks, or the limit of draws is reached.
+        """Add draws to a part until it has the requested tasks, or until the limit on draws is reached.
 
-        Returns the choice of draws, or None if all of them are sampled.
+        Return the choice of draws, or None if all of them are sampled.
         """
         note, spec, limit = writer.note, self._spec, min(self._limit(writer.note.name), part.size)
         choice = choice_of(self._space, spec, part, spec.candidates_of(self._shares[note.name]))
@@ -226,7 +226,7 @@ class DatasetRun:
     def _add(
         self, writer: PartWriter, part: TaskOrder, journaled: list[DrawResult], requested: int, limit: int
     ) -> set[int]:
-        """Add draws of an order to a part until it has the requested tasks, or `limit` draws; return the feasible."""
+        """Add draws of an order to a part until it has the requested tasks or `limit` draws; return feasible ones."""
         note, parts, passed = writer.note, self._parts, set[int]()
         plan = DrawPlan(self._spec.deal) if parts is None else parts.plan(note.name)
         with closing(self._records(writer, part, plan, journaled, limit)) as records:
@@ -264,7 +264,7 @@ class DatasetRun:
     def _records(
         self, writer: PartWriter, part: TaskOrder, plan: DrawPlan, journaled: list[DrawResult], limit: int
     ) -> Generator[DrawRecord, None, None]:
-        """Yield the draws of a part that this run validates; the results of the first ones may be `journaled`."""
+        """Yield the draws of a part that this run validates; the results of the first few may be `journaled`."""
         numbers, again = tee(plan.missing(writer.next, limit))
         drawn = zip(numbers, part.pick(again), strict=False)
         first = list(islice(drawn, len(journaled)))
@@ -328,7 +328,7 @@ class DatasetRun:
 
 
 def too_few(part: PartManifest, available: TaskOrder, limit: int, candidates: int = 0) -> str:
-    """Return the message for a part with fewer tasks than requested, with the reason.
+    """Return the message for a part that has fewer tasks than requested, with the reason.
 
     `candidates` is the number of sampled tasks among which those of the part are chosen if all of them have been drawn.
     """

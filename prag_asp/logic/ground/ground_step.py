@@ -72,7 +72,7 @@ class GroundStep:
 
 
 def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
-    """Ground one step of a program for every state that it may start from.
+    """Ground one step of a program for every state from which it may start.
 
     The atoms of step t-1 are not known beforehand: the step is grounded again until it derives no new ones. A step that
     carries only the state is grounded once. A step that carries more, like the hierarchy of `kitchen`, is grounded at
@@ -266,7 +266,7 @@ def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], others: Iterabl
 
 
 def ground_plan(program: Program, length: int, reads: StepReads) -> GroundStep:
-    """Ground all steps of plans of a given length; `names` then has the atoms of every step.
+    """Ground all steps of plans of a given length; `names` then contains the atoms of every step.
 
     Raises:
         DomainError: clingo cannot ground the program.

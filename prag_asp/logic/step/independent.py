@@ -17,7 +17,7 @@ from prag_asp.logic.step.transition import Transition
 from prag_asp.program.entity_names import action_name
 
 FEWEST_VARIABLES = 12
-"""The minimum number of variables to search for parts; with fewer, there are few states."""
+"""The minimum number of variables for which parts are searched for; with fewer, there are few states anyway."""
 
 Node = tuple[str, int]
 """A variable, an atom that rules define, or an action, by number."""
@@ -157,7 +157,7 @@ class _Parts:
         return nodes
 
     def _leaves(self, body: RuleBody) -> list[Node]:
-        """Return the variables that a constraint on the final state depends on."""
+        """Return the variables on which a constraint on the final state depends."""
         step = self._transition.step
         places = {step.ground.now.get(symbol): place for place, symbol in enumerate(self._transition.variables)}
         seen: set[int] = set()

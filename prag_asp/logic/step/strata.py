@@ -35,7 +35,7 @@ def stratified_step(ground: GroundStep) -> NormalStep:
 
 
 def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[RuleBody, ...]]) -> list[Stratum]:
-    """Return the atoms that `roots` depend on and that rules define, in order of dependency.
+    """Return the atoms on which `roots` depend and that rules define, in order of dependency.
 
     Raises:
         EngineError: an atom depends on its own negation.

@@ -66,7 +66,7 @@ class Needs:
         return cls(len(actions), tuple(numbers), letters, np.append(starts, len(table)), table[:, 1])
 
     def met(self, read: Callable[[int], Column], states: int) -> NDArray[np.bool_]:
-        """Return which actions are not forbidden in some state of a frontier, shape (actions,)."""
+        """Return which actions are not forbidden in at least one state of a frontier, shape (actions,)."""
         met = np.ones(self.size, dtype=np.bool_)
         if not len(self.letters):
             return met
@@ -144,7 +144,7 @@ class Transition:
 
     @cached_property
     def final_strata(self) -> list[Stratum]:
-        """The rules that the check after the last step depends on, in order."""
+        """The rules on which the check after the last step depends, in order."""
         roots = [abs(literal) for body in self.step.final for literal in body.literals]
         return stratify(roots, self.step.final_bodies)
 

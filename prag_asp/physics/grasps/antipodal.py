@@ -49,11 +49,12 @@ ENOUGH_POINTS, UNSURE = 8, 0.15
 judgement as a cosine."""
 
 MOST = (40, 40, 24)
-"""The maximum number of distinct grasps of a body to keep, the best first, for each kind: from above, slanted, and from
-the side."""
+"""The maximum number of distinct grasps of a body to keep, best first, for each kind: from above, slanted, and from the
+side."""
 
 SLANTED, SIDEWAYS = 0.5, 1.2
-"""The smallest angles between the tool's direction and straight down of slanted and of sideways grasps, in radians."""
+"""The smallest angles, in radians, between the tool's direction and straight down for slanted and for sideways grasps.
+"""
 
 ENOUGH_SLACK, WIDE_CONTACT = 0.01, 0.005
 """The clearance at a finger and the radius of a contact, in metres, above which the score no longer rises."""
@@ -98,7 +99,7 @@ class GraspProblem(NamedTuple):
 
 
 def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Grasp, ...]:
-    """Return distinct grasps of a body, the most promising first; the result is empty if no sample yields one.
+    """Return distinct grasps of a body, most promising first; the result is empty if no sample yields one.
 
     The samples are fixed, so the same body has the same grasps.
     """
@@ -183,7 +184,7 @@ def _widest(points: Floats, gripper: ParallelGripper, width: float) -> float | N
 def _judged(
     problem: GraspProblem, gripper: ParallelGripper, triangles: Floats, dense: Floats, place: Pose, tilt: float
 ) -> Grasp | None:
-    """Return the grasp at a place on the body, or None if the pads cannot grasp it there."""
+    """Return the grasp at a place on the body, or None if the pads cannot grasp the body there."""
     contact = gripper.contact(in_frame(triangles, place))
     if contact is None or contact.width > gripper.opening - 2 * ROOM or not _holds(contact, problem.friction):
         return None

@@ -65,7 +65,7 @@ class Candidate(NamedTuple):
 def grasp_candidates(
     parts: Sequence[Floats], centre: tuple[float, float, float], friction: float, opening: float
 ) -> list[Candidate]:
-    """Return candidates for grasps of a body, the most promising first; the samples are fixed.
+    """Return candidates for grasps of a body, most promising first; the samples are fixed.
 
     `parts` (n, 3, 3) are its convex parts as triangles and `centre` is its centre of mass, in its frame in metres;
     `friction` is the coefficient between pad and body, and `opening` is the opening of the gripper in metres.

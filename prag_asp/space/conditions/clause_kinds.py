@@ -301,7 +301,7 @@ SHORTEST = KeywordClause("shortest")
 
 
 def end_requests(number: int, conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
-    """Yield the requests of ``ends.lp`` for a final state that satisfies one of some conjunctions."""
+    """Yield the requests of ``ends.lp`` for a final state that satisfies one of the given conjunctions."""
     yield f"ends({number})"
     for which, conjunction in enumerate(conjunctions):
         yield f"either({number},{which})"

@@ -358,7 +358,7 @@ class PlanGraph:
     def of(
         cls, sources: list[NDArray[np.int64]], targets: list[NDArray[np.int64]], ends: NDArray[np.bool_], meets: Bits
     ) -> PlanGraph:
-        """Return the graph that has some edges."""
+        """Return the graph with the given edges."""
         nothing = np.zeros(0, dtype=np.int64)
         own, others = (np.concatenate([nothing, *each]) for each in (sources, targets))
         order = np.argsort(own, kind="stable")
