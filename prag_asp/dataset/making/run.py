@@ -8,6 +8,7 @@ from contextlib import closing, suppress
 from dataclasses import dataclass
 from hashlib import sha256
 from itertools import chain, islice, takewhile, tee
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -159,7 +160,8 @@ class DatasetRun:
         for note in manifest.parts:
             note.requested = spec.tasks_of(shares[note.name])
             more = note.rows("tasks") < note.requested and note.draws < self._limit(note.name)
-            more |= bool(spec.cover) and not manifest.complete
+            stopped = bool(manifest.cover and manifest.cover.missing)  # perhaps by a limit of draws
+            more |= bool(spec.cover) and (not manifest.complete or (stopped and note.draws < (self._max_draws or inf)))
             if more and note.draws < number_of(note.size):
                 manifest.complete = False
                 if note.shards and not note.shards[-1].full:
