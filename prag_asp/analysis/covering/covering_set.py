@@ -97,7 +97,7 @@ class _Choice:
         return bounds[::-1]
 
     def improved(self, words: Sequence[Word], enough: int) -> list[Word]:
-        """Return words that cover the same combinations, fewer if one can replace two; `enough` words are left as is."""
+        """Return words that cover the same combinations, fewer if one can replace two; `enough` words are kept."""
         remaining = list(words)
         pairs, tried = combinations(range(len(remaining)), 2), 0
         while len(remaining) > enough and tried < MOST_PAIRS and (pair := next(pairs, None)) is not None:
