@@ -64,7 +64,7 @@ def parse_atom(text: str) -> Atom:
 
 
 def split_terms(text: str) -> list[str]:
-    """Return the terms of a comma-separated list; commas within parentheses do not separate.
+    """Return the terms of a comma-separated list; commas within parentheses do not separate terms.
 
     Raises:
         QueryError: a term is empty or its parentheses do not match.
@@ -84,7 +84,7 @@ def split_terms(text: str) -> list[str]:
 
 
 def split_actions(*texts: str) -> list[str]:
-    """Return the actions listed in texts, in order; within a text, blanks or commas separate them.
+    """Return the actions listed in texts, in order; within a text, they are separated by blanks or commas.
 
     Raises:
         QueryError: an action is empty, or its parentheses do not match.

@@ -63,7 +63,7 @@ class PragError(Exception):
 
 
 class DomainError(PragError):
-    """The files of a domain are wrong; the message has one line for each problem."""
+    """The files of a domain are wrong; the message contains one line for each problem."""
 
 
 class QueryError(PragError):

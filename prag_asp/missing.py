@@ -1,7 +1,7 @@
 """Optional packages: import them, or raise an error that says how to install them.
 
-PyBullet and frankik may be missing because their wheels appear long after a new version of Python; pyarrow, Gymnasium
-and the packages for dataset formats may be missing because few users need them.
+PyBullet and frankik may be missing because their wheels appear long after a new version of Python is released; pyarrow,
+Gymnasium and the packages for dataset formats may be missing because few users need them.
 """
 
 from __future__ import annotations
@@ -68,8 +68,8 @@ def require_gymnasium() -> ModuleType:
         raise LearningMissingError(f'{message}; install it: pip install "prag_asp[rl]"') from None
 
 
-def require_packages(form: str, packages: Iterable[str]) -> None:
-    """Check that the packages for a dataset format are installed.
+def require_packages(form: str, packages: Iterable[str], extra: str = "formats") -> None:
+    """Check that the packages for a dataset format, which an extra installs, are there.
 
     Raises:
         DatasetsMissingError: a package is not installed, or cannot be loaded.
@@ -81,7 +81,7 @@ def require_packages(form: str, packages: Iterable[str]) -> None:
             missing = (error.name or "").partition(".")[0] == package
             reason = "" if missing else f", which cannot be loaded: {_reason(error)}"
             message = f"the format {form} needs {package}{reason}; install it"
-            raise DatasetsMissingError(f'{message}: pip install "prag_asp[formats]"') from None
+            raise DatasetsMissingError(f'{message}: pip install "prag_asp[{extra}]"') from None
 
 
 def require_ray() -> None:

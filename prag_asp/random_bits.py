@@ -29,7 +29,7 @@ class Bits(Protocol):
     """A source of random words for draws that are numbered from 0."""
 
     def words(self, first: int, count: int, each: int) -> Words:
-        """Return `each` words for each of `count` draws from number `first` on, shape (count, each)."""
+        """Return `each` words for each of `count` draws from number `first` onwards, shape (count, each)."""
         ...
 
     def further(self, draw: int, step: int) -> Iterator[int]:
@@ -49,7 +49,7 @@ class SeededBits:
         return int.from_bytes(sha256(f"{self.seed:x}{self.purpose}".encode()).digest()[:16], "big")
 
     def words(self, first: int, count: int, each: int) -> Words:
-        """Return `each` words for each of `count` draws from number `first` on, shape (count, each)."""
+        """Return `each` words for each of `count` draws from number `first` onwards, shape (count, each)."""
         blocks = -(-each // BLOCK)
         generator = np.random.Philox(key=self._key, counter=first * blocks)
         drawn: Words = generator.random_raw(count * blocks * BLOCK).reshape(count, blocks * BLOCK)

@@ -195,6 +195,19 @@ def shipped_domains_are_checked_once() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def grasps_are_searched_once(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Search the grasps of each body once in all processes that run tests, if these tests load any physics."""
+    if "prag_asp.physics.grasps.body_grasps" not in sys.modules:
+        yield
+        return
+    from tests.grasps import grasps_shared
+
+    folder = tmp_path_factory.getbasetemp()
+    with grasps_shared((folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) / "grasps"):
+        yield
+
+
 @pytest.fixture
 def started() -> Callable[[], list[int]]:
     """Tell which processes a test has started and not seen end: one of a test before, in this process, may stay."""

@@ -91,6 +91,7 @@ def test_its_metadata_let_every_python_from_3_10_on_install_it(wheel: Path) -> N
         "meshes",
         "pictures",
         "ray",
+        "rerun",
         "rl",
         "servers",
         "sharp",

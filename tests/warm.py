@@ -23,8 +23,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NoReturn
 
+from tests.grasps import grasps_shared, shared_folder
+
 ROOT = Path(__file__).parent.parent
-SERVE = "import sys; from tests.warm import serve; serve(sys.argv[1])"
+SERVE = "import sys; from tests.warm import serve; serve(*sys.argv[1:])"
 
 OFTEN = ("prag", "tabletop")
 """Domains that most commands refer to: what logic says of them is computed before the first fork, for all."""
@@ -55,7 +57,7 @@ def warm_commands() -> Path:
         program.write_text(ASK.format(python=sys.executable, folder=str(folder), place=PLACE))
         program.chmod(0o700)
         variables = {**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1", "LC_ALL": "C.UTF-8"}
-        command = [sys.executable, "-c", SERVE, str(folder)]
+        command = [sys.executable, "-c", SERVE, *map(str, filter(None, (folder, shared_folder())))]
         server = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=variables)
         ending.enter_context(server)
         assert server.stdin is not None and server.stdout is not None
@@ -65,15 +67,20 @@ def warm_commands() -> Path:
     return folder
 
 
-def serve(folder: str) -> None:
-    """Become the commands that are asked for in a folder, each in a fork, until nobody can ask any more."""
+def serve(folder: str, grasps: str = "") -> None:
+    """Become the commands that are asked for in a folder, each in a fork, until nobody can ask any more.
+
+    `grasps` is the folder with the grasps of bodies that tests have found, if they are shared.
+    """
     from prag_asp import TaskSpace, load_domain
     from tests.fuzz.isolated import warm
     from tests.sharing import logic_shared, small_pictures
 
     warm()
     sys.path.remove("")  # what lies in the folder of a command is not a module for it
-    with small_pictures(), logic_shared(), socket.socket(socket.AF_UNIX) as asked:
+    with ExitStack() as shared, socket.socket(socket.AF_UNIX) as asked:
+        for each in (small_pictures(), logic_shared(), *([grasps_shared(Path(grasps))] if grasps else [])):
+            shared.enter_context(each)
         for name in OFTEN:
             TaskSpace(load_domain(name), 1).sample(1, seed=0)
         gc.collect()

@@ -50,7 +50,7 @@ class Images:
 
 @dataclass(frozen=True)
 class PairDistances:
-    """The distances between all pairs of some tasks.
+    """The distances between all pairs of the given tasks.
 
     `place` maps each task to its feature; several tasks can have the same feature. `groups` are the images of all
     features for each group of rows, with the features of the group, which are consecutive.
@@ -87,7 +87,7 @@ class PairDistances:
         return np.array([images.numbers[images.starts[at]] for own, images in self.groups for at in own], dtype=np.intp)
 
     def block(self, rows: Numbers, images: Images, columns: range) -> Values:
-        """Return the distances between the features of one group, given their images, and a range of features."""
+        """Return the distances from the features of one group, given their images, to a range of features."""
         numbers, starts = images.of(columns.start, columns.stop)
         found = self.table.block(self.plain[rows], numbers)
         return found if len(numbers) == len(columns) else np.minimum.reduceat(found, starts, axis=1)

@@ -171,7 +171,7 @@ def stripes_of(given: SimilarityMatrix | PairDistances) -> Stripes:
 
 @dataclass(frozen=True)
 class NearestNeighbours:
-    """The tasks nearest to each task, the nearest first; at equal distances, smaller numbers come first.
+    """The tasks nearest to each task, nearest first; at equal distances, smaller numbers come first.
 
     `tasks` and `distances` have shape (tasks, k).
     """
@@ -180,7 +180,7 @@ class NearestNeighbours:
     distances: NDArray[np.float64]
 
     def save(self, file: str | Path) -> None:
-        """Write a row for each task and neighbour: `task`, `other` and `distance`, to a .npz or .parquet.
+        """Write a row for each task and neighbour (`task`, `other` and `distance`) to a .npz or .parquet file.
 
         Raises:
             QueryError: the file has neither extension.
@@ -221,7 +221,7 @@ class NearDuplicates:
             yield int(pair[0]), int(pair[1]), float(pair[2])
 
     def save(self, file: str | Path) -> None:
-        """Write a row for each pair: `task`, `other` and `distance`, to a .npz or .parquet.
+        """Write a row for each pair (`task`, `other` and `distance`) to a .npz or .parquet file.
 
         Raises:
             QueryError: the file has neither extension.

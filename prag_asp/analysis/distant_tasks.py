@@ -54,7 +54,7 @@ def tasks_apart(space: TaskSpace, other: TaskSpace, distance: int) -> RankedTask
 
 
 def tasks_apart_from_all(space: TaskSpace, others: Iterable[tuple[TaskSpace, int]]) -> TasksApart:
-    """Return the tasks of a space of one length that have a distance from each task of other parts of any lengths.
+    """Return the tasks of a space of one length that are far from each task of other parts, whatever their lengths.
 
     Raises:
         QueryError: a distance is not between 1 and 100, or the spaces have different symmetries.
@@ -106,7 +106,7 @@ class TasksApart:
         return self.plan_at(rank)
 
     def rank(self, word: Sequence[str]) -> int | None:
-        """Return the rank of the task of a plan, given as texts of actions; None if it is not one of these tasks."""
+        """Return the rank of the task with a plan, given as texts of actions; None if it is not one of these tasks."""
         words = WordSet(self.space.engines, "task", self.length)
         place = words.rank(tuple(word))
         return None if place is None else self.ranking.rank([self.letters.index(each) for each in words.word(place)])
@@ -199,7 +199,7 @@ class EditRows:
     def move(
         self, held: Bytes, origins: NDArray[np.int64], letters: NDArray[np.int64], place: int
     ) -> tuple[Bytes, NDArray[np.int64]]:
-        """Return the distinct rows after some rows have read one more letter, and the number of each."""
+        """Return the distinct rows after the given rows have read one more letter, and the number of each."""
         widest = max([len(sources) for sources, _, _ in self._steps], default=1)
         size = max(TOGETHER // max(widest, held.shape[1]), 1)
         parts = [
@@ -219,7 +219,7 @@ class EditRows:
         return np.ones(len(held), dtype=np.bool_) if last is None else last[:, 0] >= self._distance
 
     def _layers(self, place: int) -> range:
-        """Return the layers that plans may have reached with fewer edits than the distance after some letters."""
+        """Return the layers that plans may have reached with fewer edits than the distance after the given letters."""
         if self._plans.edges is None:
             return range(0)
         nearest = self._distance - 1

@@ -14,12 +14,14 @@ from prag_asp.analysis.distance_matrix import SimilarityMatrix
 from prag_asp.errors import QueryError
 from prag_asp.similarity.background import Trace, UpTo
 from prag_asp.similarity.metrics import Metric
+from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.task import KnownDomain
 
 METRIC = "levenshtein-classes"
-"""The metric of tasks that commands choose far apart: edits of actions, which cost less between similar objects."""
+"""The metric by which commands choose tasks that are far apart: edits of actions, which cost less between similar
+objects."""
 
 CHOSEN = -1.0
 """Stands for the distance of a chosen task from the chosen tasks, so that it is not chosen again."""
@@ -50,7 +52,7 @@ def diverse_choice(given: SimilarityMatrix | PairDistances, count: int) -> Diver
     """
     tasks = given.count
     if not 1 <= count <= tasks:
-        raise QueryError(f"cannot choose {count} of {tasks} tasks; choose at least 1 and at most {tasks}")
+        raise QueryError(f"cannot choose {count} of {plural(tasks, 'task')}; choose at least 1 and at most {tasks}")
     unit = float(given.denominator or 1)
     chosen, separation = [0], 0.0
     nearest = given.row(0) / unit

@@ -38,7 +38,7 @@ class Frequency:
 
 @dataclass(frozen=True)
 class FrequencyTest:
-    """The frequencies of a feature's values in some tasks, and a test of whether these are a uniform sample.
+    """The frequencies of a feature's values in the given tasks, and a test of whether these are a uniform sample.
 
     `statistic` has a chi-square distribution with `degrees` degrees of freedom if the tasks are independent uniform
     samples from the space; it is infinite if some frequencies are impossible in the space. `p_value` is the probability
@@ -75,7 +75,7 @@ def compare_frequencies(
 
 
 def frequency_test(found: Moments, whole: Moments) -> FrequencyTest:
-    """Compare the frequencies in some tasks with those in a space, given the second moments of one feature in both."""
+    """Compare the frequencies in given tasks with those in a space, given the second moments of one feature in both."""
     values = tuple(sorted({*found.values, *whole.values}))
     observed, total = _occurrences(found, values), _occurrences(whole, values)
     frequencies = tuple(
@@ -125,7 +125,7 @@ def rank(matrix: Objects) -> int:
 
 
 def upper_tail(degrees: int, statistic: float) -> float:
-    """Return the probability that a chi-square variable with some degrees of freedom is at least `statistic`.
+    """Return the probability that a chi-square variable with the given degrees of freedom is at least `statistic`.
 
     This is the regularised upper incomplete gamma function Q(degrees / 2, statistic / 2), computed from its series or
     its continued fraction (Abramowitz and Stegun 1964, 6.5.29 and 6.5.31) to about 14 digits.

@@ -37,7 +37,7 @@ PRIMES_FROM = 2**31
 """Moduli are primes below this number, so that a sum of 2^31 residues fits into 64 bits."""
 
 TOGETHER = 1 << 22
-"""The amount of numbers that are processed together, 32 MiB: enough to amortise the overhead of NumPy."""
+"""The amount of data that is processed together, 32 MiB: enough to amortise the overhead of NumPy."""
 
 COMPARED = 1 << 33
 """Maximum number of letters compared when all pairs of words are listed, which takes about 10 s."""
@@ -212,7 +212,7 @@ class AgreementCount:
         following: Sequence[Agreements],
         prime: int,
     ) -> NDArray[np.int64]:
-        """Return the matrices of a layer, shape (agreements, states, states), from those of the next layer."""
+        """Return the matrices of a layer, shape (agreements, states, states), computed from those of the next layer."""
         number = {vector: place for place, vector in enumerate(following)}
         same = np.array([number[vector] for vector in vectors])
         result = np.zeros((len(following), step.states, step.states), dtype=np.int64)

@@ -144,7 +144,7 @@ def layers_of(automaton: Automaton, length: int) -> tuple[LayerEdges, ...] | Non
 def _merged(
     automaton: Automaton, used: NDArray[np.int64], blocks: NDArray[np.int64]
 ) -> tuple[LayerEdges, NDArray[np.int64]]:
-    """Return the layer given by some edges, and the merged state of each state, or -1.
+    """Return the layer that edges define, and the merged state of each state, or -1.
 
     `blocks` are the merged states of the next layer. States with the same letters and targets are merged.
     """

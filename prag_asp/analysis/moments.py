@@ -109,7 +109,7 @@ def space_moments(space: TaskSpace, feature: Feature, by: Level = "task") -> Mom
 
 
 def task_moments(space: TaskSpace, tasks: Iterable[Task | Sequence[str]], feature: Feature) -> Moments:
-    """Return the second moments of some tasks, which all have the length of a space.
+    """Return the second moments of the given tasks, which all have the length of a space.
 
     Interchangeable entities get the canonical names that they have in the space. A task that occurs twice counts twice.
 
@@ -166,7 +166,7 @@ def texts_of(space: TaskSpace, feature: Feature, by: Level, letters: Sequence[st
 
 
 def _single(feature: Feature) -> Feature:
-    """Return the feature of single actions of which a feature consists."""
+    """Return the feature of single actions from which a feature is composed."""
     return "names" if feature == "pairs" else feature
 
 
@@ -233,7 +233,7 @@ def _joint(steps: ValuedSteps) -> tuple[tuple[tuple[int, str], ...], Objects]:
 
 
 def _edges_of(values: NDArray[np.int64], present: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """Return the edges with each of some values, which are all values of the edges except -1."""
+    """Return the edges with each of the given values, which are all values of the edges except -1."""
     order = np.argsort(values, kind="stable")
     bounds = np.searchsorted(values[order], np.append(present, values.max() + 1))
     return [order[begin:end] for begin, end in pairwise(bounds.tolist())]

@@ -172,7 +172,7 @@ def _within(words: LayeredAutomaton, target: Target, up_to: int, clock: LimitClo
 
 
 def _capped(rows: NDArray[np.int64], up_to: int, left: int, size: int) -> NDArray[np.int8]:
-    """Return rows with numbers above `up_to` set to `up_to` + 1, also where the remaining letters need more edits."""
+    """Return rows, setting to `up_to` + 1 all numbers that exceed `up_to` with the edits that are still needed."""
     needed = np.abs(size - np.arange(size + 1) - left)
     return np.where(rows + needed > up_to, up_to + 1, rows).astype(np.int8)
 
@@ -188,7 +188,7 @@ def _letter_classes(step: LayerEdges, target: Target) -> Iterator[tuple[int, NDA
 
 
 def _passed(numbers: NDArray[Any], step: LayerEdges, edges: NDArray[np.int64], states: int) -> NDArray[Any]:
-    """Return, for each row, the number of words that reach each state of the next layer through some edges."""
+    """Return, for each row, the number of words that reach each state of the next layer through the given edges."""
     targets, begins = np.unique(step.targets[edges], return_index=True)
     passed = np.zeros((len(numbers), states), dtype=numbers.dtype)
     passed[:, targets] = np.add.reduceat(numbers[:, step.sources[edges]], begins, axis=1)
@@ -207,7 +207,7 @@ def _summed(rows: NDArray[np.int8], numbers: NDArray[Any]) -> tuple[NDArray[np.i
 
 
 def _shortest(words: LayeredAutomaton, target: Target) -> NearestTask:
-    """Return the nearest word: a shortest path, found backwards from the smallest number of edits at the end."""
+    """Return the nearest word: a shortest path, found by going back from the smallest number of edits at the end."""
     rows = [np.tile(target.start(), (1, len(target.images), 1))]
     for step, states in zip(words.edges or (), words.sizes[1:], strict=True):
         order = np.argsort(step.targets, kind="stable")

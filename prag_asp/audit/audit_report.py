@@ -12,12 +12,12 @@ from prag_asp.html import element, html_page, scroll_table
 from prag_asp.wording import plural
 
 SHOWN_GROUPS, SHOWN_MEMBERS = 5, 3
-"""The maximum numbers of groups of equal goals, and of problems in each group, that a text shows."""
+"""The maximum number of groups of equal goals that a text shows, and of problems in each group."""
 
 
 @dataclass(frozen=True)
 class AuditTable:
-    """A table with a title: a row of headings, rows of cells, and a sentence about the table."""
+    """A table with a title, a row of headings, rows of cells, and a sentence about the table."""
 
     title: str
     heads: tuple[str, ...]

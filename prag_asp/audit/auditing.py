@@ -71,7 +71,7 @@ class Combinations:
 
 @dataclass(frozen=True)
 class BenchmarkAudit:
-    """The result of an audit; `same` are the groups of problems with the same goal, the largest first."""
+    """The result of an audit; `same` are the groups of problems with the same goal, largest first."""
 
     suites: tuple[SuiteCounts, ...]
     total: SuiteCounts

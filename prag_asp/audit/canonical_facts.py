@@ -22,7 +22,7 @@ _Token: TypeAlias = "tuple[int, int]"
 
 
 def canonical_form(colours: Mapping[Any, str], relations: Iterable[Relation]) -> Form:
-    """Return the form of some relations between coloured objects; forms are equal only for isomorphic relations.
+    """Return the form of relations between coloured objects; forms are equal only for isomorphic relations.
 
     Two structures are isomorphic if a bijection between their objects preserves colours and maps one set of relations
     to the other. `colours` contains all objects in the relations, and may contain others.

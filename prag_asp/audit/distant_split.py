@@ -115,7 +115,7 @@ SPLIT = ManifestFile(NAME, SplitManifest, "prag_asp split", 1, "split")
 def record_split(
     folder: Path, space: TaskSpace, request: DistantSplit, sizes: Mapping[str, int], files: Mapping[str, Path]
 ) -> None:
-    """Write split.json and the files of the domain; `sizes` and `files` hold the size and the file of each part.
+    """Write split.json and the files of the domain; `sizes` and `files` hold each part's size and file.
 
     Raises:
         OutputError: a file cannot be written.
@@ -225,7 +225,7 @@ def _wrong_tasks(
 def _wrong_coverage(
     folder: Path, note: SplitManifest, request: DistantSplit, space: TaskSpace, first: TaskSpace
 ) -> Iterator[Finding]:
-    """Yield findings about the combinations of the parts and of their files."""
+    """Yield findings about the combinations in the parts and in their files."""
     classes, strength = space.domain.facts.entity_names, request.strength
     held, reachable = set(request.combinations), reachable_combinations(space, strength)
     if len(reachable) != note.reachable:

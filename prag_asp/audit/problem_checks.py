@@ -1,4 +1,4 @@
-"""Mistakes in the initial states, goals and language of problems."""
+"""Mistakes in the initial states, goals and sentences of problems."""
 
 from __future__ import annotations
 

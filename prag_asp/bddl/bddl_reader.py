@@ -69,7 +69,7 @@ def read_bddl(path: str | Path) -> BddlProblem:
     """Read a problem from a BDDL file.
 
     Raises:
-        DomainError: the file cannot be read or is not a BDDL problem; the message names the line.
+        DomainError: the file cannot be read or is not a BDDL problem; the message gives the line.
     """
     path = Path(path)
     return parse_bddl(read_text(path), path)
@@ -79,7 +79,7 @@ def parse_bddl(text: str, path: str | Path = "<bddl>") -> BddlProblem:
     """Return the problem that a BDDL text describes; messages give `path` as its file.
 
     Raises:
-        DomainError: the text is not a BDDL problem; the message names the line.
+        DomainError: the text is not a BDDL problem; the message gives the line.
     """
     return _Reading(Path(path)).problem(text)
 

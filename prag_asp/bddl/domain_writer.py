@@ -130,7 +130,7 @@ class SuiteDomain:
         return [*lines, "", '#include "rules/closed_world.lp".', f'#include "{LOGIC}".', ""]
 
     def _union(self) -> list[str]:
-        """Return the facts about kinds of objects that any problem shows."""
+        """Return the facts about kinds of objects that any of the problems shows."""
         opens = {kind for each in self._kind_facts() if each[0] == OPEN for kind in each[1][:1]}
         movable = {each.kinds[name] for each in self.problems.values() for name in each.movable}
         takes = dict.fromkeys((name, kinds[1]) for name, kinds in self._moves())
@@ -217,7 +217,8 @@ def read_suite(path: str | Path) -> SuiteDomain:
     """Return the domain of a BDDL file, or of all BDDL files in a folder and its subfolders.
 
     Raises:
-        DomainError: there is no such file, or some files are not BDDL problems; the message has a line for each error.
+        DomainError: there is no such file, or some files are not BDDL problems; the message contains a line for each
+            error.
     """
     path = Path(path)
     files = bddl_files(path) if path.is_dir() else [path]

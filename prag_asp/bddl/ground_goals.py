@@ -66,7 +66,7 @@ def negation(formula: GroundFormula) -> GroundFormula:
 
 
 def at_least(number: int, parts: tuple[GroundFormula, ...]) -> GroundFormula:
-    """Return the formula which states that at least a given number of parts are true."""
+    """Return the formula that at least a given number of parts are true."""
     if number >= len(parts) > 0:
         return every(*parts) if number == len(parts) else some()
     return some(*parts) if number == 1 else Threshold(number, len(parts), parts)
@@ -117,7 +117,7 @@ def ground_goal(problem: BddlProblem) -> GroundFormula:
 
 
 def _ground(formula: BddlFormula, scope: Mapping[str, str], members: Mapping[str, list[str]]) -> GroundFormula:
-    """Replace the free variables of a formula by the objects in `scope`; `members` gives the objects of a class."""
+    """Replace the free variables of a formula with the objects in `scope`; `members` gives the objects of a class."""
     if isinstance(formula, BddlFact):
         terms = tuple(scope[term[1:]] if term.startswith("?") else term for term in formula.terms)
         return literal_of(BddlFact(formula.predicate, terms))

@@ -50,7 +50,7 @@ def grasps_text(scene: Scene, entity: str) -> str:
 
 
 def solid_containers(domain: Domain, scene: Scene) -> Iterator[Problem]:
-    """Yield a warning for each shape from a file that has no cavity although the logic may put objects in it."""
+    """Yield a warning for each shape from a file that has no cavity, although the logic may put objects into it."""
     from prag_asp.physics.predicates import PREDICATES
 
     filled = dict[Shape, list[str]]()

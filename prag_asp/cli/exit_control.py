@@ -230,7 +230,7 @@ def _ignore_signals() -> None:
 
 
 def _out_of_memory(error: BaseException | None) -> bool:
-    """Return whether the system refused memory when an error, or one that led to it, was raised."""
+    """Return whether the system refused memory when this error, or one that led to it, was raised."""
     seen: set[int] = set()  # causes that a library sets may form a cycle
     while error is not None and id(error) not in seen:
         if isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno == errno.ENOMEM):

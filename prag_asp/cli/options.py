@@ -103,7 +103,7 @@ output = click.option(
 )  # fmt: skip
 seed = click.option(
     "--seed", type=click.IntRange(min=0), default=0, show_default=True,
-    help="Random seed; the same seed gives the same bytes.",
+    help="Random seed; the same seed produces the same output.",
 )  # fmt: skip
 trust = click.option("--trust", is_flag=True, help="Run the Python files that domain.toml names for physics.")
 
@@ -195,7 +195,7 @@ class StrataOptions:
     allocation: str | None = None
 
     def stratification(self, others: Mapping[str, bool]) -> Stratification | None:
-        """Return the stratification, or None without strata; `others` maps options to whether they are given.
+        """Return the stratification, or None if there are no strata; `others` maps options to whether they are given.
 
         Raises:
             QueryError: an allocation is given without strata or is malformed, or strata are given with other options.

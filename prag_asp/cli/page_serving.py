@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from prag_asp.explore.turns import Turns
 
 ENGINES = ("auto", "diagram", "clingo")
-"""The engines that find facets."""
+"""The engines that can find facets."""
 
 
 def serve_page(views: Mapping[str, View], turns: Turns, page: str, *, port: int, opens: bool) -> None:
@@ -44,7 +44,7 @@ def serve_models(request: DomainOptions, *, project: bool, optimal: bool, port: 
     """Serve the page of a program until Ctrl-C.
 
     Raises:
-        PragError: the program is wrong, or a choice or the engine does not fit it.
+        PragError: the program is wrong, or does not allow a choice or the engine.
     """
     from prag_asp.explore.programs.explored_program import ExploredProgram, Watch
     from prag_asp.explore.programs.models_state import ModelsState

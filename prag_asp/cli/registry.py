@@ -1,4 +1,4 @@
-"""The list of the commands of ``prag-asp``, each of which is imported when it is needed."""
+"""The commands of ``prag-asp``, each of which is imported only when it is needed."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ def files(context: click.Context, parameter: click.Parameter, typed: str) -> Ite
 
 
 def domains(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
-    """Complete shipped domains, and folders and files that are domains; if none fits, any files."""
+    """Complete shipped domains, and folders and files that are domains, or any files if none of these fit."""
     words = context.params.get(parameter.name or "") or ()
 
     @_completer

@@ -103,7 +103,8 @@ task_selection = grouped(
 def _parse_ranks(text: str) -> range:
     """Parse the ranks in a text.
 
-    Raises: QueryError: the text does not have the form of ranks, or contains too many.
+    Raises:
+        QueryError: the text does not have the form of ranks, or contains too many.
     """
     match = RANKS.fullmatch(text.strip())
     if match is None:
@@ -202,7 +203,7 @@ class TaskFormat:
         return forms[self.form]
 
     def check(self, by: str = "task") -> None:
-        """Check that options for instructions are given only with that format, and that requested ids exist.
+        """Check that options for instructions are given only with that format, and that the requested ids exist.
 
         Raises:
             QueryError: such an option is given with another format, or ids of plans are requested.

@@ -1,4 +1,4 @@
-"""Print lines on stdout and stderr, tables, and progress on a terminal."""
+"""Print lines and tables on stdout and stderr, and show progress on a terminal."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from prag_asp.lazy import names_from
 
 if TYPE_CHECKING:
-    from prag_asp.dataset.dataset_spec import DatasetSpec
+    from prag_asp.dataset.dataset_spec import ApartSpec, DatasetSpec
     from prag_asp.dataset.formats.exporting import export
     from prag_asp.dataset.generation import generate
     from prag_asp.dataset.jsonl import Record, read_lines, read_tasks, write_line
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from prag_asp.space.strata.allocation import Stratification
 
 __all__ = [
+    "ApartSpec",
     "DatasetEntry",
     "DatasetSpec",
     "Finding",
@@ -80,7 +81,7 @@ __all__ = [
 
 _HOMES = {
     "prag_asp.dataset.physics_filter": ("feasible",),
-    "prag_asp.dataset.dataset_spec": ("DatasetSpec",),
+    "prag_asp.dataset.dataset_spec": ("ApartSpec", "DatasetSpec"),
     "prag_asp.dataset.formats.exporting": ("export",),
     "prag_asp.dataset.generation": ("generate",),
     "prag_asp.dataset.jsonl": ("Record", "read_lines", "read_tasks", "write_line"),

@@ -1,4 +1,4 @@
-"""The request for a dataset as one value: all inputs besides the task space that determine its bytes."""
+"""The request for a dataset as one value: all inputs other than the task space that determine its bytes."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ LARGEST_SHARD, MOST_STARTS = 20_000, 1000
 most)."""
 
 MOST_CANDIDATES = 100_000
-"""The maximum number of candidates of tasks that are far apart: they are in memory together, a few kB each."""
+"""The maximum number of candidates for tasks that are far apart; they are all in memory, at a few kB each."""
 
 FOR_EACH_DIVERSE = 20
 """The default number of candidates per requested task."""
@@ -50,7 +50,7 @@ LARGEST_SEED = 2**63 - 1
 
 
 class ApartSpec(msgspec.Struct, frozen=True):
-    """A set of tasks, given by lengths and conditions, from each of which tasks have at least a distance in edits."""
+    """A set of tasks, given by lengths and conditions, and the minimum distance of tasks from it, in edits."""
 
     distance: Annotated[int, msgspec.Meta(ge=1, le=100)]
     lengths: list[Whole]
@@ -67,12 +67,13 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     """The request for a dataset, as passed to `generate` and stored in dataset.json.
 
     `split` holds the exact share of each part. `weights` and `temperature` are exact numbers as text. Without a
-    `budget`, physics is not run. Unless `trivial`, tasks whose final state is the initial state are left out. `part`,
-    such as ``3/64``, selects every 64th draw from the third on; other machines generate the rest. `excluded` identifies
-    tasks to leave out by their length and rank. With `over`, a skeleton or a goal is sampled uniformly before a task.
-    With `strata`, the parts are the strata of a sample. With `cover`, the tasks begin with those that cover all
-    combinations of that many factors; all of them are there, even if `tasks` is smaller. With `candidates`, the tasks
-    are chosen far apart among so many sampled ones. With `apart`, all tasks are far from other sets of tasks.
+    `budget`, tasks are not validated by physics. Unless `trivial` is set, tasks whose final state is the initial state
+    are left out. `part`, such as ``3/64``, selects every 64th draw from the third on; other machines generate the rest.
+    `excluded` identifies tasks to leave out by their length and rank. With `over`, a skeleton or a goal is sampled
+    uniformly before a task. With `strata`, the parts are the strata of a sample. With `cover`, the first tasks cover
+    all combinations of that many factors; all of these are included, even if `tasks` is smaller. With `candidates`,
+    tasks that are far apart are chosen among that many sampled ones. With `apart`, all tasks are far from other sets of
+    tasks.
 
     Raises:
         QueryError: a number is out of range.
@@ -150,9 +151,9 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         share of each stratum in the sample, as `stratified_shares` returns it; strata are sampled uniformly.
 
         With `cover`, the first tasks cover all reachable combinations of that many factors; if physics rejects one,
-        others replace it. `tasks` can then be left out; if there are more, they are sampled uniformly. With `diverse`
-        instead of `tasks`, that many tasks are far apart; they are chosen among `candidates`, by default 20 times as
-        many sampled tasks. With `apart`, only tasks are sampled that are far from all tasks of other sets.
+        others replace it. `tasks` can then be omitted; if it is larger, further tasks are sampled uniformly. With
+        `diverse` instead of `tasks`, that many tasks are far apart; they are chosen among `candidates`, by default 20
+        times as many sampled tasks. With `apart`, only tasks that are far from all tasks of other sets are sampled.
 
         Raises:
             QueryError: a value is out of range, or two of them contradict each other.
@@ -256,7 +257,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         return ceil(Fraction(ceil(self.tasks * share), self.deal.of))
 
     def candidates_of(self, share: Fraction) -> int:
-        """Return the number of candidates of a part with a share."""
+        """Return the number of candidates for a part with a share."""
         return ceil((self.candidates or 0) * share)
 
     def draws_of(self, share: Fraction, max_draws: int | None) -> int:
@@ -269,7 +270,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
 
 
 def _number_of_tasks(tasks: int | None, cover: int | None, diverse: int | None, candidates: int | None) -> int:
-    """Return the number of tasks of a dataset, at least 1 if they cover combinations.
+    """Return the number of tasks in a dataset, at least 1 if they cover combinations.
 
     Raises:
         QueryError: the number is missing or given twice, or there are fewer candidates than tasks.
@@ -288,7 +289,7 @@ def _number_of_tasks(tasks: int | None, cover: int | None, diverse: int | None, 
 
 
 def _check_choice(cover: int | None, diverse: int | None, division: Division, part: str | None) -> None:
-    """Check that options that choose tasks do not contradict others.
+    """Check that the options for choosing tasks do not conflict with others.
 
     Raises:
         QueryError: two options exclude each other.

@@ -44,9 +44,9 @@ def generate(
     task. The tasks of `excluded` scenarios of the same domain and conditions are left out, so the dataset is disjoint
     from earlier ones.
 
-    With ``cover=2`` instead of a number of tasks, they cover all combinations of 2 factors of an action; if physics
-    rejects a task, others with its combinations replace it. With ``diverse=50``, they are 50 tasks that are far apart,
-    chosen among sampled ones. dataset.json says what they reach.
+    With ``cover=2`` instead of a number of tasks, the tasks cover all combinations of 2 factors of an action; if
+    physics rejects a task, others with its combinations replace it. With ``diverse=50``, there are 50 tasks that are
+    far apart, chosen among sampled ones. dataset.json states what they achieve.
 
     With a `stratification`, the parts are the strata of a sample, and dataset.json has the exact weight of a task in
     each part.

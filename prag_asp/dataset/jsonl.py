@@ -70,7 +70,7 @@ def _mapping_json(values: Mapping[Any, Any]) -> str:
 
 @lru_cache(maxsize=1 << 14)
 def _shared_json(value: Atom | Mapping[Any, Any]) -> str:
-    """Return an action or a mapping of a task as JSON, cached, because tasks share most of them."""
+    """Return an action or a mapping in a task as JSON, which is cached because tasks share most of them."""
     return _json(str(value) if isinstance(value, Atom) else {str(key): each for key, each in value.items()})
 
 
@@ -79,7 +79,7 @@ def read_tasks(file: str | Path) -> Iterator[Record]:
 
     Raises:
         OSError: the file cannot be read.
-        QueryError: a line is not a record or not valid UTF-8; the message names the line.
+        QueryError: a line is not a record or not valid UTF-8; the message gives the line.
     """
     with open_text(file) as stream:
         yield from read_lines(lines_of(stream), str(file))
@@ -108,7 +108,7 @@ def read_lines(lines: Iterable[str], name: str) -> Iterator[Record]:
     """Yield the records in lines of JSON; `name` is the name of the file in errors.
 
     Raises:
-        QueryError: a line is not a record; the message names the line.
+        QueryError: a line is not a record; the message gives the line.
     """
     for number, line in enumerate(lines, 1):
         if len(line) > LONGEST_LINE:

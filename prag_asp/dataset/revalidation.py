@@ -76,7 +76,7 @@ def recheck(
     ahead.
 
     Raises:
-        QueryError: a line of the file is not a task, or its domain is not found; the message names the line.
+        QueryError: a line of the file is not a task, or its domain is not found; the message gives the line.
         SceneError: a domain has no scene.
         OutputError: a recording cannot be written.
     """

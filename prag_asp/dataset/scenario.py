@@ -47,7 +47,7 @@ START = re.compile(
 
 @dataclass(frozen=True)
 class SearchStart:
-    """The search that finds an initial state of a task, with its witness; without a `budget`, the default applies."""
+    """The search that finds an initial state for a task, with a witness; without a `budget`, the default applies."""
 
     seed: int
     index: int = 0

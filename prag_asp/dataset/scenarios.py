@@ -56,7 +56,7 @@ class Scenarios:
         return digest([program, bool(domain.facts.composites), table, files])[:DIGITS]
 
     def ranked(self, where: Sequence[str], length: int, rank: int, start: SearchStart | None = None) -> Scenario:
-        """Return the scenario of the task that has a given rank among the tasks of a length that satisfy conditions."""
+        """Return the scenario of a task, given its length and its rank among the tasks that satisfy the conditions."""
         name, constants = self.domain.name, FrozenDict(self.domain.constants)
         return Scenario(name, self.digest, length, rank, start, tuple(sorted(where)), constants)
 
@@ -104,7 +104,7 @@ class Scenarios:
         return space[scenario.rank]
 
     def space(self, where: tuple[str, ...], length: int) -> TaskSpace:
-        """Return the tasks of a length that satisfy conditions.
+        """Return the tasks of a given length that satisfy the conditions.
 
         Raises:
             QueryError: the domain has no such conditions, or they are not in the form that ids use.
@@ -159,7 +159,7 @@ def read_scenarios(file: str | Path) -> Iterator[Scenario]:
 
     Raises:
         OSError: the file cannot be read.
-        QueryError: a line is not a scenario id; the message names the line.
+        QueryError: a line is not a scenario id; the message gives the line.
     """
     with open_text(file) as stream:
         for number, line in enumerate(lines_of(stream), 1):

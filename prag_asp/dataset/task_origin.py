@@ -57,7 +57,7 @@ def read_witness(record: Record, scene: Scene) -> Witness:
     """Return the witness of a record that has one.
 
     Raises:
-        QueryError: the witness is malformed; the message names the field, but not the line of the record.
+        QueryError: the witness is malformed; the message gives the field, but not the line of the record.
     """
     from prag_asp.physics import Witness
 

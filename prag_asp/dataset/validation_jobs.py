@@ -1,4 +1,4 @@
-"""Validation jobs: the verdict on the task of a draw, its further initial states, and its texts."""
+"""Validation jobs: the verdict on the task of a draw, further initial states for it, and its texts."""
 
 from __future__ import annotations
 

@@ -117,7 +117,7 @@ def load_domain(
     With `strict`, warnings are errors. With `untimed`, durative actions in PDDL are read as instantaneous ones.
 
     Raises:
-        DomainError: the files have problems; the message has one line for each problem.
+        DomainError: the files have problems; the message contains one line for each problem.
     """
     stage("reading the domain")
     name, folder, entries, remarks = _find_domain(given, text, untimed=untimed)

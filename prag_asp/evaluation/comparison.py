@@ -82,7 +82,7 @@ class PolicyComparison:
         )
 
     def unpaired(self) -> str:
-        """Return a line about the episodes that are not compared, or ""."""
+        """Return a line about the episodes that are not compared, or "" if there are none."""
         notes = [
             f"{plural(number, 'episode')} only in the {which}"
             for number, which in ((self.only_first, "first"), (self.only_second, "second"))

@@ -1,4 +1,4 @@
-"""Episodes of an evaluation: their scenarios, their results, and their execution by a policy."""
+"""Episodes in an evaluation: their scenarios, their results, and their execution by a policy."""
 
 from __future__ import annotations
 

@@ -142,7 +142,8 @@ def _evaluated(
 ) -> tuple[EvaluationRecord, tuple[EvaluatedEpisode, ...]]:
     """Return the record and the episodes, first those of an interrupted evaluation; `write` stores new episodes.
 
-    Raises: NotFound: there are fewer feasible scenarios than requested, except in strata that have no more.
+    Raises:
+        NotFound: there are fewer feasible scenarios than requested, except in strata that have no more.
     """
     groups = source.groups()
     feed = StratumFeed([(each.name, each.size, each.requested) for each in groups], [each.jobs for each in groups])

@@ -35,7 +35,7 @@ others do not, and the next 200 numbers all reach it.
 """
 
 STEP = Fraction(1, 10_000)
-"""The resolution of smallest effects: a hundredth of a percentage point."""
+"""The resolution of smallest effects, which is a hundredth of a percentage point."""
 
 LEAST_ALPHA = Fraction(1, 10**6)
 """The smallest significance level, because tails of tests are sums of floats that neglect parts of 1e-18."""
@@ -183,7 +183,7 @@ class ComparisonDesign:
         return paired_power(int(scenarios), *alone, alpha)
 
     def _discordant_shares(self, effect: Fraction) -> tuple[float, float] | None:
-        """Return the shares of scenarios in which only the first and only the second policy succeeds.
+        """Return the shares of scenarios in which only the first policy succeeds, and in which only the second does.
 
         A share is negative if rates, effect and correlation contradict each other; the result is None if samples are
         not paired.
@@ -223,7 +223,7 @@ class ComparisonDesign:
 
     @staticmethod
     def _least(reaches: Callable[[int], bool], what: str) -> int:
-        """Return a number of scenarios that suffices, as do the next `AHEAD`; the number before it does not."""
+        """Return a number of scenarios that suffices, as do the next `AHEAD` numbers; the number before it does not."""
         low, high = 0, 16
         while not reaches(high):
             if high == MOST:

@@ -48,7 +48,7 @@ class EvaluationRecord(msgspec.Struct, frozen=True):
     strata: list[StratumFigures] = []
 
     def difference(self, other: EvaluationRecord) -> str:
-        """Return how the domain or the options of episodes differ from those of another evaluation, or ""."""
+        """Return how the domain or the options for episodes differ from those of another evaluation, or ""."""
         if self.domain != other.domain:
             return f"the domains are {self.domain} and {other.domain}"
         if self.digest != other.digest:
@@ -167,7 +167,7 @@ GROUPINGS = ("part", "length", "action", "class")
 
 
 def rate(episodes: Sequence[EvaluatedEpisode]) -> Rate:
-    """Return the success rate in some episodes."""
+    """Return the success rate in the given episodes."""
     return Rate(sum(episode.success for episode in episodes), len(episodes))
 
 

@@ -191,7 +191,7 @@ def _outcomes(episodes: Iterable[tuple[EvaluatedEpisode, bool]]) -> Outcomes:
 
 
 def _evaluated_strata(outcomes: Outcomes, strata: Sequence[StratumFigures]) -> list[EvaluatedStratum]:
-    """Return the strata that have tasks that count, each with its weight and the values of its evaluated tasks."""
+    """Return the strata with tasks that count, each with its weight and the values of its evaluated tasks."""
     weights = stratum_weights(strata)
     return [
         EvaluatedStratum(

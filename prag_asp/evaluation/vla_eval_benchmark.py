@@ -34,7 +34,7 @@ ARM_ACTIONS = {
     "joint_position": {"joints": DimSpec("joints", 7, "joint_positions")},
     "joint_delta": {"joints": DimSpec("joints", 7, "joint_delta", (-1, 1))},
 }
-"""The numbers in an action of one arm besides the gripper, in vla-eval's terms."""
+"""The numbers in an action of one arm, apart from the gripper, in vla-eval's terms."""
 
 
 class ScenarioBenchmark(StepBenchmark):  # type: ignore[misc]  # vla-eval has no types for mypy

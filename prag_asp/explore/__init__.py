@@ -1,4 +1,4 @@
-"""Local pages for a task space or the answer sets of a program: states of a page, the views that they show, the server.
+"""Local pages for a task space or the answer sets of a program: page states, the views that they show, and the server.
 
 PageState  <->  query of a link
     |

@@ -1,4 +1,4 @@
-"""The state of a page, which is the query of its link."""
+"""The state of a page, which is stored in the query of its link."""
 
 from __future__ import annotations
 

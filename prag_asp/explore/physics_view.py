@@ -32,8 +32,9 @@ Call = Callable[..., Any]
 class TaskVerdict:
     """A verdict in plain values: its status (``feasible``, ``not_found`` or ``infeasible``), and what that means.
 
-    `cause` is the proof or the most common cause of failed attempts, and `nearest` how far the best attempts came; both
-    are empty for a feasible task. `causes` counts the failed attempts. `effort` has the budget, the seed and the index.
+    `cause` is the proof or the most common cause of failed attempts, and `nearest` says how close the best attempts
+    came; both are empty for a feasible task. `causes` counts the failed attempts. `effort` states the budget, the seed
+    and the index.
     """
 
     status: str
@@ -109,7 +110,7 @@ class TaskPhysics:
         )
 
     def animation(self, trial: Trial) -> Picture:
-        """Return the animation of the robot that executes a feasible task.
+        """Return an animation of the robot executing a feasible task.
 
         Raises:
             PragError: the task is not known to be feasible, the robot fails to execute it, a package is not installed,

@@ -65,7 +65,7 @@ class Part:
 
 @dataclass(frozen=True)
 class Tree:
-    """The readings of the plan as trees, their number, and the actions that no whole composite covers yet."""
+    """The readings of the plan as trees, their number, and the actions that no complete composite covers yet."""
 
     number: str
     readings: tuple[tuple[Part, ...], ...]

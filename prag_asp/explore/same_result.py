@@ -47,5 +47,5 @@ def level_argument(state: PageState) -> str:
 
 
 def beginning(chosen: Sequence[str]) -> str:
-    """Return the condition that a task begins with some actions."""
+    """Return the condition that a task begins with the given actions."""
     return f"begins {', '.join(chosen)}"

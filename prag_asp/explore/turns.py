@@ -60,7 +60,8 @@ class Turns:
     def turn(self, window: str, number: int, *, elsewhere: bool = False) -> Iterator[None]:
         """Wait until no other request computes or, with `elsewhere`, until none has work in another process.
 
-        Raises: LimitReached: the window has sent a newer request in the meantime.
+        Raises:
+            LimitReached: the window has sent a newer request in the meantime.
         """
         self._current.request = (window, number)
         with self._registering:

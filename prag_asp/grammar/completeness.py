@@ -28,7 +28,7 @@ BRACES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
 
 
 def check_kinds(words: TableEntry) -> None:
-    """Report unknown words, and words whose value has a different type than in the English table."""
+    """Report unknown words, and words whose value does not have the same type as in the English table."""
     english = {**shipped_table("en"), "numbers": [], "contractions": {}}
     words.require_known(english)
     for name, entry in words.entries():
@@ -48,7 +48,7 @@ def _is_like(value: object, model: object) -> bool:
 
 
 def check_forms(entry: TableEntry, words: Words) -> None:
-    """Report missing and superfluous forms and braces of a language; its tables must be complete."""
+    """Report missing and superfluous forms and braces in a language, whose tables must be complete."""
     table = words.table
     unknown = next((part for part in table["phrase"] if part not in PARTS), None)
     if unknown is not None or "noun" not in table["phrase"]:

@@ -69,7 +69,7 @@ def _check_language(entry: TableEntry, settings: Settings, facts: Facts, code: s
 
 
 def _check_terms(language: TableEntry, reader: GrammarReader) -> None:
-    """Report wrong sentences of actions, and wrong words for arguments that are not entities."""
+    """Report wrong sentences for actions, and wrong words for arguments that are not entities."""
     actions, fluents = reader.states.action_arguments, reader.states.fluent_arguments
     arities = _arities(actions)
     for name, entry in language.at("actions").entries():

@@ -135,15 +135,17 @@ class GrammarReader:
     def plain(self) -> dict[Signature, tuple[PlainSentence, ...]]:
         """Return default sentences for actions, built from their names and arguments, without constant arguments.
 
-        The object that an action moves is named even if it is constant: "pick the cup from the table", not "pick the
+        The object that an action moves is named even if it is constant: "take the cup from the table", not "take the
         table". If all arguments are constant, the first that is not a robot is named. The preposition before a place
         depends on the predicate that relates the object to it, so actions with the same name may have different
-        sentences.
+        sentences. The `verbs` of the language replace some names.
         """
         defaults = self.words.table.get("defaults", {})
         if "action" not in defaults:
             return {}
         directed = "from" in defaults and "to" in defaults
+        names = {name for name, _ in self.states.action_arguments}
+        verbs = {name: verb for name, verb in defaults.get("verbs", {}).items() if verb not in names}
         sentences = {}
         for (name, arity), places in self.states.action_arguments.items():
             varying = {index for index, arguments in enumerate(places) if len(arguments) > 1}
@@ -154,7 +156,7 @@ class GrammarReader:
             named = sorted(varying | moved or {*islice(things, 1)})
             led = sorted(index for index in common if index in varying)
             every = _joined([f"{{{index}}}" for index in named if index not in led], defaults["all"])
-            text = str(defaults["action"]).format(name=plain(name), all=every).strip()
+            text = str(defaults["action"]).format(name=verbs.get(name, plain(name)), all=every).strip()
             actions_of: dict[str, set[str]] = {text: set()} if not led else {}
             for action, ways in ways_of.items() if led else ():
                 whole = text

@@ -49,7 +49,7 @@ class Template:
         return "".join(parts)
 
     def find(self, text: str, fits: Callable[[str], bool] = bool) -> Iterator[tuple[str, ...]]:
-        """Yield every assignment of words to the slots for which this sentence equals the text, if all words fit."""
+        """Yield every assignment of fitting words to the slots with which this sentence equals the text."""
         first, last = self.texts[0], self.texts[-1]
         if not self.slots:
             if text == first:

@@ -169,7 +169,7 @@ def _expanded(value: Any, words: Words) -> Any:
 
 
 def _replaced(text: str, words: Mapping[str, str]) -> str:
-    """Return a text with some whole words replaced, longest first."""
+    """Return a text with certain whole words replaced, longest first."""
     if not words or not text:
         return text
     longest_first = sorted(words, key=len, reverse=True)

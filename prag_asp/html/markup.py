@@ -1,4 +1,4 @@
-"""Markup: HTML text, which is built from plain texts that are escaped."""
+"""Markup: HTML text, built from plain texts, which are escaped."""
 
 from __future__ import annotations
 

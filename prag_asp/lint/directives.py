@@ -1,4 +1,4 @@
-"""Find statements that a domain may not have, rules in the wrong program part, and unbounded facts and rules."""
+"""Find statements that a domain must not have, rules in the wrong program part, and unbounded facts and rules."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ INTERVAL = re.compile(r"\((-?\d+|_*[a-z]\w*)\.\.(-?\d+|_*[a-z]\w*)\)")
 
 
 def directive_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the statements that a domain may not have, and the program parts that are never grounded."""
+    """Yield the statements that a domain must not have, and the program parts that are never grounded."""
     for statement in statements:
         if not statement.own:
             if statement.kind == ASTType.Script:

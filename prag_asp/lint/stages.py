@@ -92,7 +92,7 @@ def check(
     `like` maps entities that are not ground to ground representatives; settings may refer to both.
 
     Raises:
-        DomainError: the domain has errors; the message has one line for each problem.
+        DomainError: the domain has errors; the message contains one line for each problem.
     """
     sources = owned(program)
     statements, problems = parse_sources(sources)
@@ -200,7 +200,7 @@ def check_learned(program: Program, learned: Sequence[Source]) -> Facts:
 
 
 def _states_invariant(statement: Statement) -> bool:
-    """Return whether a statement states an invariant, or belongs to a program part that is refused anyway."""
+    """Return whether a statement states an invariant or belongs to a program part that is refused anyway."""
     if statement.kind == ASTType.Program:
         return statement.part == "base"
     heads = [atom.signature for atom in statement.heads]

@@ -71,7 +71,7 @@ class NameDemand(NamedTuple):
 
 
 def demand_problems(control: clingo.Control, statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the names in bodies of user rules that no derivable atom has at their place."""
+    """Yield the names in the bodies of user rules that no derivable atom has at the same place."""
     rules = [each for each in statements if each.is_rule]
     stated = {head.signature for each in rules if not each.timed for head in each.heads}
     timed = {head.signature for each in rules if each.timed for head in each.heads}
@@ -169,7 +169,7 @@ def read_term(text: str) -> TermPattern | None:
 
 
 def _missing(control: clingo.Control, demands: Iterable[NameDemand]) -> set[tuple[ArgumentPlace, Signature]]:
-    """Return pairs of a place and a name that no ground atom has at this place, except those within a missing term."""
+    """Return pairs of a place and a name that no ground atom has there, except those within a missing term."""
     required: dict[Signature, dict[ArgumentPlace, set[Signature]]] = {}
     for each in demands:
         if each.place is not None:

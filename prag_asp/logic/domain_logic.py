@@ -53,7 +53,7 @@ class DomainLogic:
 
     @cached_property
     def whole(self) -> DomainLogic:
-        """The logic without pruning: its steps try every action from every state."""
+        """The logic without pruning, in which every action is tried from every state."""
         facts = self.domain.facts
         if not (facts.unreachable or facts.static):
             return self
@@ -97,7 +97,7 @@ class DomainLogic:
     def symmetries(self, length: int) -> Symmetries:
         """Return which entities are interchangeable in plans of a given length; in most domains, any length will do.
 
-        Pruned actions count as well: two entities are interchangeable only if the whole program treats them alike.
+        Pruned actions count as well: two entities are interchangeable only if the whole program treats them the same.
         """
         if self.part_of is not None:
             return self.part_of.symmetries(length)

@@ -64,7 +64,8 @@ def answer_sets(
     another engine counts in parallel, and `progress` receives the progress of long computations.
 
     Raises:
-        DomainError: a file cannot be read or ground, or has unsupported statements; the message has one line for each.
+        DomainError: a file cannot be read or ground, or has unsupported statements; the message contains one line for
+            each.
         QueryError: the engine does not exist, or the program has no weights or nothing to optimise.
     """
     if engine not in ENGINES:
@@ -186,8 +187,8 @@ class AnswerSets:
     def count(self) -> int:
         """Return the exact number of answer sets, regardless of weights.
 
-        With engine auto, clingo enumerates first, with limited work. If it does not finish, clingo, counters and the
-        diagram compiler race: any of them may be faster by orders of magnitude.
+        With the engine auto, clingo enumerates first, with limited work. If it does not finish, clingo, counters and
+        the diagram compiler race: any of them may be faster by orders of magnitude.
 
         Raises:
             EngineError: the engine ganak or d4 is not installed, or fails.

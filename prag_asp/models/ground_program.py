@@ -20,10 +20,10 @@ class GroundModels:
     `names` holds the atoms by their symbols, sorted, and `shown` holds the shown symbols, sorted, each with alternative
     conditions. `projected` holds the atoms of ``#project``, or is None if there is no such statement. `acyclic` is true
     if a graph must be acyclic (``#edge``), which rules do not express; `contested` holds the externals that are not
-    false and that rules also derive. `minimized` holds the weighted literals of each priority, the highest first.
-    `notes` are clingo's notes on instances that are dropped because an operation is undefined, and `remarks` are its
-    notes on atoms that no rule derives, unless their line has a comment ``% lint: allow undefined``. `grounder` holds
-    the ground program, without optimisation.
+    false and that rules also derive. `minimized` holds the weighted literals of each priority, highest first. `notes`
+    are clingo's notes on instances that are dropped because an operation is undefined, and `remarks` are its notes on
+    atoms that no rule derives, unless their line has a comment ``% lint: allow undefined``. `grounder` holds the ground
+    program, without optimisation.
     """
 
     rules: tuple[Rule, ...]
@@ -57,7 +57,7 @@ def ground_models(given: GivenProgram) -> GroundModels:
     """Ground the part `base` of a program, as clingo does by default.
 
     An ``#external`` is false unless it is declared ``[true]`` or ``[free]``. If a rule derives the atom, clingo ignores
-    the statement, but not if the rule is simplified away, which an earlier rule may also cause.
+    the statement, unless the rule is simplified away, for example because of an earlier rule.
 
     Raises:
         DomainError: clingo cannot ground the program.

@@ -13,7 +13,7 @@ from prag_asp.models.variable_order import DecisionOrder, decision_order
 
 
 class Missing(NamedTuple):
-    """The weight that a sum lacks to reach its bound, the weight of its open literals, and its value, 0 while open."""
+    """The weight that a sum lacks to reach its bound, the weight of its open literals, and its value (0 while open)."""
 
     bound: int
     rest: int

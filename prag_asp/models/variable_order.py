@@ -47,7 +47,8 @@ def decision_order(
 ) -> DecisionOrder:
     """Return the decision order for clauses and the variables of sums.
 
-    A formula with loops is swept. So is a formula that has sums or is wide, if its frontier is not above its width.
+    A formula with loops is swept. So is a formula that has sums or is wide, if its frontier is no larger than its
+    width.
     """
     groups = [tuple(sorted({abs(literal) for literal in clause})) for clause in clauses]
     summed = [tuple(each) for each in sums]

@@ -75,5 +75,5 @@ def checksum(content: bytes | memoryview) -> bytes:
 
 
 def _is_ours(status: os.stat_result) -> bool:
-    """Return whether a file or a folder belongs to the user, and no other user may write to it."""
+    """Return whether a file or folder belongs to the user and no other user may write to it."""
     return status.st_uid == os.geteuid() and not status.st_mode & OTHERS_WRITE

@@ -87,7 +87,7 @@ class Vocabulary:
         return self.is_a(variable.name, variable.types)
 
     def is_a(self, term: str, types: Iterable[str]) -> str:
-        """Return the atom that restricts a term to some types."""
+        """Return the atom that restricts a term to the given types."""
         names = [self.types[each] for each in types]
         return f"is_a({term},{names[0] if len(names) == 1 else '(' + '; '.join(names) + ')'})"
 

@@ -64,7 +64,7 @@ def read(domain: str | Path, problem: str | Path, *, untimed: bool = False) -> I
     running from start to end without overlap.
 
     Raises:
-        DomainError: a file cannot be read, is not PDDL, or uses an unsupported feature; the message has the line.
+        DomainError: a file cannot be read, is not PDDL, or uses an unsupported feature; the message gives the line.
     """
     first, second, warnings = read_files(Path(domain), Path(problem), untimed=untimed)
     translation = Translation(first, second)

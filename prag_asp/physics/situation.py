@@ -111,7 +111,7 @@ class Situation:
         raise SceneError(f"{entity} is not in this situation; its objects are {', '.join(self.poses) or 'none'}")
 
     def body(self, entity: str) -> Body:
-        """Return the pose and the bounding box of an object, a zone, or the table's top.
+        """Return the pose and the bounding box of an object, a zone, or the table top.
 
         Raises:
             SceneError: the entity has no shape, does not take part in this situation, or its pose is not finite.

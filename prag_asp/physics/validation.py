@@ -38,7 +38,7 @@ def validate_tasks(
 
     Raises:
         QueryError: the number of workers is not positive, or the scene lacks a camera.
-        SceneError: the scene cannot be built, or a task names an entity that has no shape.
+        SceneError: the scene cannot be built, or a task contains an entity that has no shape.
         WorkerError: workers died repeatedly on the same tasks, or cannot be started.
     """
     return validate_numbered(enumerate(tasks), scene, seed=seed, workers=workers, budget=budget, staging=staging)

@@ -49,7 +49,7 @@ class Validator:
         `staging` holds the options of the demonstration, if the budget includes that tier.
 
         Raises:
-            SceneError: the task names an entity that has no shape.
+            SceneError: the task contains an entity that has no shape.
             QueryError: the scene lacks a camera that `staging` names.
         """
         budget = budget or Budget()
@@ -127,14 +127,14 @@ def validate_task(
     """Return the verdict on one task; use `open_validator` for many tasks.
 
     Raises:
-        SceneError: the task names an entity that has no shape.
+        SceneError: the task contains an entity that has no shape.
     """
     with open_validator(scene) as validator:
         return validator.validate(task, seed=seed, index=index, budget=budget, staging=staging)
 
 
 def _details(faults: Counter[PhysicsFault], scene: Scene) -> tuple[Detail, ...]:
-    """Return the details of failed attempts, the most common first, but no more than `LISTED`."""
+    """Return the details of failed attempts, most common first, but no more than `LISTED`."""
     counts: Counter[tuple[str, str, str, bool | None, tuple[str, ...]]] = Counter()
     for fault, number in faults.items():
         fact, value, text = "", None, fault.text

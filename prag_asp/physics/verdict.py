@@ -75,11 +75,11 @@ class Budget:
         return f"{self.restarts} x {self.samples}, {self.tier}"
 
     def includes(self, tier: Tier) -> bool:
-        """Return whether a tier of checks is the tier of this budget or a cheaper tier."""
+        """Return whether a tier of checks is the tier of this budget or a cheaper one."""
         return TIERS.index(tier) <= TIERS.index(self.tier)
 
     def to_json(self) -> dict[str, Any]:
-        """Return the budget as JSON-able data."""
+        """Return the budget as JSON-compatible data."""
         return {"restarts": self.restarts, "samples": self.samples, "tier": self.tier.value}
 
 
@@ -102,7 +102,7 @@ class Detail:
         return self.text or ", ".join(self.entities)
 
     def to_json(self) -> dict[str, Any]:
-        """Return the detail as JSON-able data."""
+        """Return the detail as JSON-compatible data."""
         return {**asdict(self), "entities": list(self.entities)}
 
 
@@ -164,7 +164,7 @@ class Verdict:
         return next((str(detail) for detail in self.details if detail.cause == self.reason), "")
 
     def to_json(self) -> dict[str, Any]:
-        """Return the verdict as JSON-able data, without the demonstration."""
+        """Return the verdict as JSON-compatible data, without the demonstration."""
         return {
             "status": self.status,
             "budget": self.budget.to_json(),
@@ -182,7 +182,7 @@ class Verdict:
         """Return the verdict that `to_json` wrote.
 
         Raises:
-            QueryError: the data have a wrong format; the message names the field by its path.
+            QueryError: the data have a wrong format; the message gives the path of the field.
         """
         verdict = read({**data, "witness": None, "demonstration": None}, cls, "verdict")
         require_complete(data, verdict.to_json(), "verdict")

@@ -45,7 +45,7 @@ class Arm:
     grasp: Pose | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """Return the arm as JSON-able data."""
+        """Return the arm as JSON-compatible data."""
         grasp = None if self.grasp is None else _pose_json(self.grasp)
         return {"joints": list(self.joints), "width": self.width, "held": self.held, "grasp": grasp}
 
@@ -68,7 +68,7 @@ class Moment:
         return frozenset(arm.held for arm in self.arms.values() if arm.held is not None)
 
     def to_json(self) -> dict[str, Any]:
-        """Return the moment as JSON-able data, without `openings` if no furniture takes part."""
+        """Return the moment as JSON-compatible data, without `openings` if no furniture takes part."""
         data: dict[str, Any] = {
             "poses": {entity: _pose_json(pose) for entity, pose in self.poses.items()},
             "arms": {name: arm.to_json() for name, arm in self.arms.items()},
@@ -95,7 +95,7 @@ class Waypoint:
     opening: Number | None = None
 
     def to_json(self) -> dict[str, Any]:
-        """Return the waypoint as JSON-able data, without `opening` if it holds no furniture."""
+        """Return the waypoint as JSON-compatible data, without `opening` if it holds no furniture."""
         data = {
             "name": self.name,
             "robot": self.robot,
@@ -119,11 +119,11 @@ class Witness:
 
     @property
     def has_transit(self) -> bool:
-        """Whether the witness has the paths of the arm between the waypoints of actions."""
+        """Whether the witness contains the paths of the arm between the waypoints of actions."""
         return any(waypoint.name == TRANSIT for motion in self.motions for waypoint in motion)
 
     def to_json(self) -> dict[str, Any]:
-        """Return the witness as JSON-able data, without `sizes` if none was sampled."""
+        """Return the witness as JSON-compatible data, without `sizes` if none was sampled."""
         data: dict[str, Any] = {
             "version": VERSION,
             "moments": [moment.to_json() for moment in self.moments],
@@ -138,7 +138,7 @@ class Witness:
         """Return the witness that `to_json` wrote; the paths of fields in messages begin with `name`.
 
         Raises:
-            QueryError: the data have a wrong format; the message names the field by its path.
+            QueryError: the data have a wrong format; the message gives the path of the field.
         """
         if isinstance(data, Mapping) and "version" not in data:
             raise QueryError(f"{name}.version: is missing")

@@ -143,7 +143,7 @@ class StepFunctions:
         values: dict[int, Node],
         under: Mapping[int, Node],
     ) -> None:
-        """Add functions for the atoms in some strata to `values`; recursive strata are iterated to a fixed point."""
+        """Add functions for the atoms in the given strata to `values`; recursive ones are iterated to a fixed point."""
 
         def read(atom: int) -> Node:
             return values.get(atom, under.get(atom, FALSE))

@@ -71,7 +71,7 @@ class ImpliedValues:
             before |= new
 
     def _known(self, values: Iterable[Value]) -> Mapping[FluentValue, FluentValue]:
-        """Return the fluent values that some values entail under the invariants."""
+        """Return the fluent values that the given values entail under the invariants."""
         return entailed((meaning for each in values if (meaning := self._meaning(each)) is not None), self._graph)
 
     def _meaning(self, value: Value) -> FluentValue | None:

@@ -84,7 +84,7 @@ def _with_variables(instance: Instance) -> tuple[PddlCase, ...]:
 
 
 def lift(instances: Sequence[Instance]) -> tuple[PddlCase, ...] | None:
-    """Return the cases that some actions have in common, with variables, or None if they have no common schema."""
+    """Return the cases that the given actions have in common, with variables, or None if they have no common schema."""
     arity = len(instances[0].arguments)
     model = next((instance for instance in instances if len(set(instance.arguments)) == arity), None)
     if model is None:

@@ -45,7 +45,7 @@ Change = tuple[Value, Node]
 def ground_over_time(
     domain: Domain, stated: Mapping[clingo.Symbol, bool], goal: Mapping[clingo.Symbol, bool] | None, *, whole: bool
 ) -> PlanningTask:
-    """Return the planning task of a domain with the initial state `stated`, in which other fluents are false.
+    """Return the planning task of a domain with the initial state `stated`; all other fluents are false.
 
     With a `goal`, the final state must also have these values. With `whole`, there are no conditional effects and no
     disjunctions: an action has a case for each combination of truth values of its conditions (Nebel 2000).
@@ -223,7 +223,7 @@ class _Step:
                 yield Case(case, (), tuple(ConditionalEffect((), each) for each in effects))
 
     def _where(self, function: Node, fixed: Mapping[int, bool]) -> Node:
-        """Restrict a function to the states that are consistent with some values under the invariants."""
+        """Restrict a function to the states that are consistent with the given values under the invariants."""
         fixed_values = [*map(self._value, fixed.items())]
         functions = self._functions
         return functions.any(

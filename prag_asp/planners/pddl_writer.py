@@ -33,11 +33,15 @@ from prag_asp.wording import plural
 
 @dataclass(frozen=True)
 class PddlExport:
-    """The texts of a domain and a problem and, if there is a task, the steps of its plan."""
+    """The texts of a domain and a problem and, if there is a task, the steps of its plan.
+
+    `fluents` are the fluents of the domain by their atoms in PDDL, like ``on a b``; PDDL may need further atoms.
+    """
 
     domain: str
     problem: str
     plan: tuple[str, ...]
+    fluents: Mapping[str, clingo.Symbol]
 
 
 @dataclass(frozen=True)
@@ -133,7 +137,10 @@ class _PddlWriter:
             f"  (:goal (and{all_of(goal, clauses, opposites)}))",
             ")",
         ]
-        return PddlExport(self._domain(opposites), comment + "\n".join(lines) + "\n", plan)
+        fluents = {
+            " ".join((name, *terms)): each.term for each, (name, terms, _) in self._positive.items() if not each.role
+        }
+        return PddlExport(self._domain(opposites), comment + "\n".join(lines) + "\n", plan, fluents)
 
     def _plan(self, actions: Iterable[clingo.Symbol]) -> Iterator[str]:
         """Yield the steps of a plan, choosing for each action the case whose precondition holds."""

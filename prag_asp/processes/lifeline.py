@@ -1,7 +1,7 @@
 """A pipe that makes the kernel kill a process as soon as the process that holds the other end is gone.
 
 Native code may hold the interpreter lock for hours, so that no Python thread runs; it cannot delay a signal from the
-kernel. Other systems than Linux have no such signal; there, the process ends when it next reads from its parent.
+kernel. Systems other than Linux have no such signal; there, the process ends when it next reads from its parent.
 """
 
 from __future__ import annotations

@@ -83,6 +83,11 @@ class Facts:
         return tuple(action for action in self.actions if action not in never)
 
     @cached_property
+    def actions_by_text(self) -> Mapping[str, clingo.Symbol]:
+        """The actions by their text."""
+        return {str(action): action for action in self.actions}
+
+    @cached_property
     def entity_names(self) -> Mapping[str, str]:
         """The entities with their classes, as text."""
         return {str(entity): str(name) for entity, name in self.entities.items()}

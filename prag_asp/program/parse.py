@@ -72,7 +72,7 @@ def _parsed(source: Source, own: bool) -> tuple[tuple[Statement, ...], Problem |
 
 
 def _character_problem(source: Source) -> Problem | None:
-    """Return the problem with the first character that clingo cannot read, or with too deeply nested parentheses.
+    """Return the problem with the first unreadable character, or with parentheses that are nested too deeply.
 
     Some of these would crash the process.
     """

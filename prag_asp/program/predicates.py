@@ -70,4 +70,5 @@ REQUEST, MEMORY, FINDING = (
 
 def refers_to(text: str, predicate: EncodingPredicate) -> bool:
     """Return whether a program text contains the name of a predicate."""
-    return re.search(rf"\b{predicate.name}\b", text) is not None
+    name = predicate.name
+    return name in text and re.search(rf"\b{name}\b", text) is not None  # the plain search is far faster

@@ -40,7 +40,7 @@ class Settings:
 
 
 def read_table(path: Path) -> dict[str, Any]:
-    """Return a TOML file as a table, with exact decimal numbers.
+    """Read a TOML file, with exact decimal numbers, and return it as a table.
 
     Raises:
         DomainError: the file is missing, unreadable or not TOML.

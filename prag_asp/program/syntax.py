@@ -231,7 +231,7 @@ def variables(text: str) -> set[str]:
 
 
 def with_replaced(text: str, replaced: Mapping[Statement, str]) -> str:
-    """Return a text with some statements replaced by one-line texts; line numbers do not change."""
+    """Return a text in which the given statements are replaced by one-line texts; line numbers do not change."""
     lines = text.encode().split(b"\n")  # clingo counts columns in bytes
     for statement in sorted(replaced, key=_begin, reverse=True):
         (first, column), end = _begin(statement), statement.node.location.end

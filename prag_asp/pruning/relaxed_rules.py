@@ -135,7 +135,7 @@ class RelaxedRules:
             }
 
     def rules(self, setters: Sequence[FluentSetter]) -> Iterator[str]:
-        """Yield rules for ``_may_set(N,F,V)``: the N-th setter may set F to V, and for `STRAY`."""
+        """Yield rules for `STRAY`, and for ``_may_set(N,F,V)``: the N-th setter may set F to V."""
         predicates = self._read_by(each.rule for each in (*setters, *self._changing))
         for name, arity in sorted(predicates & self._base):
             rows = ground_atoms(self._control, name, arity)

@@ -183,7 +183,7 @@ def _is_mirrored(statement: Statement, compared: AST) -> bool:
 
 
 def _involutions(names: Sequence[str], fixed: Mapping[str, str]) -> Iterator[dict[str, str]]:
-    """Yield all involutions of some names, each combined with the pairs in `fixed`."""
+    """Yield all involutions of the given names, each combined with the pairs in `fixed`."""
     if not names:
         yield dict(fixed)
         return

@@ -125,7 +125,7 @@ class Reduction:
         return self._total(chain(pairs, invariants)) + self.total((*facts.fluents, *facts.actions))
 
     def total(self, terms: Iterable[clingo.Symbol]) -> int:
-        """Return the number of terms of the whole program that correspond to some terms of the smallest program."""
+        """Return the number of terms of the whole program that correspond to given terms of the smallest program."""
         return self._total((term,) for term in terms)
 
     def _total(self, rows: Iterable[tuple[clingo.Symbol, ...]]) -> int:

@@ -1,4 +1,4 @@
-"""Tables of outcomes: pass rates of physics, and success rates of policies, with intervals."""
+"""Tables of outcomes: pass rates of physics checks, and success rates of policies, with intervals."""
 
 from __future__ import annotations
 

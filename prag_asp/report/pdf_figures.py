@@ -1,4 +1,4 @@
-"""The figures of a report as vector PDF files, as wide as a column of a paper, with text in 8 points."""
+"""The figures of a report as vector PDF files, as wide as a column of a paper, with 8-point text."""
 
 from __future__ import annotations
 

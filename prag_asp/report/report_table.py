@@ -31,7 +31,7 @@ class ReportTable:
         return tuple(row[place] for row in self.rows)
 
     def records(self) -> list[dict[str, Value]]:
-        """Return each row as a mapping from the names of columns to values."""
+        """Return each row as a mapping from column names to values."""
         return [dict(zip(self.columns, row, strict=True)) for row in self.rows]
 
 

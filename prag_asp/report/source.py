@@ -224,7 +224,7 @@ def _outcome_of_record(record: Record) -> PhysicsOutcome:
     """Return the outcome of physics in the verdict of a record.
 
     Raises:
-        QueryError: the verdict is malformed; the message names the line and the field.
+        QueryError: the verdict is malformed; the message gives the line and the field.
     """
     from prag_asp.physics.verdict import Verdict  # noqa: PLC0415
 

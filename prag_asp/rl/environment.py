@@ -45,7 +45,7 @@ STEPS = 100
 """The default limit on the steps for a subgoal."""
 
 EPISODE = ("stage", "task", "witness", "_over", "_last", "_left", "_before", "_episode_info", "_curriculum", "_latest")
-"""The attributes of an episode besides its start and its actions."""
+"""The attributes of an episode other than its start and its actions."""
 
 REBUILT = (
     "domain", "scene", "layout", "situation", "_resources", "_viewer", "_window", "_sampler", "_arena", "_start",

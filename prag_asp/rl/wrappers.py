@@ -1,4 +1,4 @@
-"""A wrapper of environments for learning: actions are relative to a scripted reach."""
+"""An environment wrapper for learning: actions are relative to a scripted reach."""
 
 from __future__ import annotations
 

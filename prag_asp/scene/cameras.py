@@ -1,7 +1,7 @@
 """Cameras: their positions, their targets, and the projection of points to pixels.
 
 Lengths are metres. The axes of a camera are those of the pinhole model: x points to the right in the image, y down, and
-z ahead.
+z forwards.
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ def corners(footprint: Footprint) -> Outline:
 
 
 def apart(one: Footprint, two: Footprint, touching: float) -> bool:
-    """Return whether two bodies overlap by less than `touching` metres, by the separating axis theorem."""
+    """Return whether two bodies overlap by less than `touching` metres, using the separating axis theorem."""
     for direction in (*_axes(one, two), *_axes(two, one)):
         (low, high), (other_low, other_high) = _shadow(one, direction), _shadow(two, direction)
         if max(other_low - high, low - other_high) >= -touching:

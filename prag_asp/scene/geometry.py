@@ -222,7 +222,7 @@ def cut(polygon: Outline, a: float, b: float, c: float) -> Outline:
 
 
 def hull(points: list[Point]) -> Outline:
-    """Return the convex hull of points, counter-clockwise, by Andrew's monotone chain."""
+    """Return the convex hull of points, counter-clockwise, using Andrew's monotone chain algorithm."""
     ordered = sorted(set(points))
     if len(ordered) <= 2:
         return tuple(ordered)

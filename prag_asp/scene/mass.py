@@ -37,7 +37,7 @@ class MassProperties(NamedTuple):
         return MassProperties(self.mass, rows @ self.centre + at, rows @ self.inertia @ rows.T)
 
     def fits(self, low: Floats, high: Floats) -> bool:
-        """Return whether mass distributed in some way in a box, given by two corners, can have this inertia."""
+        """Return whether some distribution of mass in a box, given by two corners, can have this inertia."""
         if not np.all(np.isfinite(self.inertia)):
             return False
         # For any distribution, the second moments about the centre of mass are positive in each direction, and at most
@@ -55,7 +55,7 @@ def point_mass(mass: float, centre: Floats) -> MassProperties:
 
 
 def combined(bodies: Iterable[MassProperties]) -> MassProperties:
-    """Combine the properties of several bodies, by the parallel axis theorem."""
+    """Combine the properties of several bodies, using the parallel axis theorem."""
     parts = list(bodies)
     total = sum(part.mass for part in parts)
     centre = sum((part.mass * part.centre for part in parts), np.zeros(3)) / total

@@ -228,8 +228,8 @@ class Scene:
 
     Most fields map names of entities to values: `shapes`, `colors` (``#rrggbb``) and `materials`; `robots` maps robots
     to their mounts, and `fixed` maps bodies that never move to their places (x and y in metres, and the yaw in
-    radians). If the size of an entity is sampled for each task, `ranges` holds all its possible shapes, the smallest
-    first, and `shapes` holds the largest of them. By default, there is one Panda, at the origin.
+    radians). If the size of an entity is sampled for each task, `ranges` holds all its possible shapes, smallest first,
+    and `shapes` holds the largest of them. By default, there is one Panda, at the origin.
 
     `workspace` is the part of the table top on which the search places objects: low x, high x, low y and high y in
     metres. Objects can also be elsewhere. `predicates` maps the names of fluents to spatial predicates, and `rotations`

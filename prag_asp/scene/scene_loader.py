@@ -31,7 +31,7 @@ def parse_scene(
     `folder`, the folder of the domain. Physics runs the Python files of the domain only with `trust`.
 
     Raises:
-        SceneError: the table has problems; the message has one line for each, with its key.
+        SceneError: the table has problems; the message contains one line for each, with its key.
     """
     report, scene = _read(table, DomainNames(classes, entities, folder))
     if not report.problems:

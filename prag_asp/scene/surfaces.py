@@ -73,7 +73,7 @@ def least_extent(shape: Shape) -> LeastExtent:
     """Return the least extent of the convex hull of a body with a model.
 
     Both bounds come from a branch and bound over directions: a width changes by at most the diameter, and the area of a
-    projection by at most half the surface, for each radian (Cauchy's formula for projections).
+    projection by at most half the surface, per radian (Cauchy's formula for projections).
 
     Raises:
         SceneError: a mesh cannot be read.

@@ -98,7 +98,7 @@ def variation_of(text: str) -> Variation:
     """Return the variation that `Variation.to_text` wrote.
 
     Raises:
-        QueryError: the text has a wrong form; the message names the field by its path.
+        QueryError: the text has a wrong form; the message gives the path of the field.
     """
     form = read(decoded(text), _VariationJson, "varied")
     for name, values in (("friction", form.friction), ("mass", form.mass)):
@@ -153,7 +153,7 @@ def table_of(scene: Scene) -> str:
 
 
 def _light(rng: np.random.Generator, degrees: float) -> Vector:
-    """Return a direction to the light, sampled uniformly within some degrees of the default direction."""
+    """Return a direction to the light, sampled uniformly within a number of degrees of the default direction."""
     usual = np.array(USUAL_LIGHT) / np.linalg.norm(USUAL_LIGHT)
     aside = np.cross(usual, (1.0, 0.0, 0.0))
     aside /= np.linalg.norm(aside)

@@ -1,4 +1,4 @@
-"""The data that comparisons may use besides the tasks: classes, interchangeable entities and preconditions."""
+"""The data that comparisons may use in addition to the tasks: classes, interchangeable entities and preconditions."""
 
 from __future__ import annotations
 

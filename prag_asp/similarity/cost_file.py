@@ -62,7 +62,7 @@ class AuthorCosts:
 
 
 def read_costs(path: str | Path, tasks: Iterable[Trace], background: Background) -> Metric:
-    """Return the edit distance with the costs that a file gives for the actions of some tasks.
+    """Return the edit distance with the costs that a file gives for the actions of the given tasks.
 
     If the costs are not a metric, `axioms` is False, and `summary` names the actions that show it.
 
@@ -102,7 +102,7 @@ class _CostReader:
     text: str
 
     def refuse(self, keys: list[str], why: str) -> None:
-        """Raise an error about the value at some keys."""
+        """Raise an error about the value at the given keys."""
         raise QueryError(f"{self.path}:{key_line(self.text, keys)}: {why}")
 
     def number(self, value: Any, keys: list[str]) -> Fraction:
@@ -116,7 +116,7 @@ class _CostReader:
         return cost
 
     def pairs(self, table: Any, key: str, known: Collection[str]) -> dict[tuple[str, str], Fraction]:
-        """Return the costs of pairs, as a table for each first name with the second names as keys."""
+        """Return the costs of pairs, as a table for each first name, keyed by the second names."""
         example = f"write it like [{key}.NAME] with OTHER = 0.5"
         if not isinstance(table, dict):
             self.refuse([key], f"{key}: is not a table; {example}")

@@ -88,7 +88,7 @@ class CodedSequences:
 
 
 def coded(features: Sequence[Feature]) -> tuple[tuple[Symbol, ...], CodedSequences]:
-    """Return the symbols in some features, and the features as the numbers of their symbols."""
+    """Return the symbols in the given features, and the features as the numbers of their symbols."""
     numbers: dict[Symbol, int] = {}
     lengths = np.array(list(map(len, features)), dtype=np.int64)
     codes = np.zeros((len(features), max(lengths.max(initial=0), 0)), dtype=np.intp)

@@ -12,7 +12,7 @@ Codes = NDArray[np.intp]
 Distances = NDArray[np.unsignedinteger]
 
 WORDS = (np.uint8, np.uint16, np.uint32, np.uint64)
-"""Types of integers, the smallest first, because small ones make NumPy fast."""
+"""Types of integers, smallest first, because small ones make NumPy fast."""
 
 
 def small_type(largest: int) -> type[np.unsignedinteger]:

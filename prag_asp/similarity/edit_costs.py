@@ -80,7 +80,7 @@ class CostTable:
 
     @classmethod
     def of(cls, symbols: Sequence[Symbol], cost: Cost) -> CostTable:
-        """Return the costs between some symbols.
+        """Return the costs between the given symbols.
 
         Raises:
             QueryError: the costs have no common denominator that fits into 64 bits.

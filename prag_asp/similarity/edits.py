@@ -48,7 +48,7 @@ def edit_distance(one: Sequence[Symbol], other: Sequence[Symbol], cost: Cost) ->
 
 
 def least_edits(one: Sequence[Symbol], other: Sequence[Symbol], cost: Cost) -> tuple[Edit, ...]:
-    """Return edits of smallest total cost, in order; of several solutions, that with the latest replacements."""
+    """Return edits of smallest total cost, in order; of several solutions, the one with the latest replacements."""
     return tuple(reversed([*_edits_from_the_end(one, other, cost)]))
 
 

@@ -31,7 +31,7 @@ class Interchange(Generic[Entity]):
         return frozenset(entity for group in self.groups if len(group) > 1 for entity in group).union(units)
 
     def fixing(self, fixed: Iterable[Entity]) -> Interchange[Entity]:
-        """Return the renamings that leave some entities in their places (the pointwise stabilizer)."""
+        """Return the renamings that leave the given entities in their places (the pointwise stabilizer)."""
         still = frozenset(fixed)
         groups = (tuple(entity for entity in group if entity not in still) for group in self.groups)
         joint = (tuple(unit for unit in units if still.isdisjoint(unit)) for units in self.joint)
@@ -41,7 +41,7 @@ class Interchange(Generic[Entity]):
 
     @cached_property
     def _places(self) -> Mapping[Entity, list[tuple[tuple[tuple[Entity, ...], ...], int, int]]]:
-        """The groups and joint groups of each entity, as units, with the number of its unit and its place in it."""
+        """Each entity's groups and joint groups, with the number of its unit and its place in that unit."""
         places: dict[Entity, list[tuple[tuple[tuple[Entity, ...], ...], int, int]]] = {}
         for alike in (*(tuple((each,) for each in group) for group in self.groups), *self.joint):
             for number, unit in enumerate(alike):

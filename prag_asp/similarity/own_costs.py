@@ -21,7 +21,7 @@ ActionCost = Callable[[Atom | None, Atom | None], Fraction | int]
 
 
 def metric_with_costs(cost: ActionCost, actions: Iterable[Atom], background: Background | None = None) -> Metric:
-    """Return the edit distance with the given costs between some actions.
+    """Return the edit distance with the given costs between the given actions.
 
     If the costs are not a metric, the result is a dissimilarity: `axioms` is False, and `summary` says why.
     `background` has the interchangeable entities, which the costs must not distinguish.

@@ -64,8 +64,8 @@ class TaskOrder(Protocol):
 class UniformOrder:
     """Tasks in uniformly random order with random access.
 
-    `order` contains ranks of words in `sets`, which has one set for each length; the ranks that are returned are those
-    of these words in `whole`.
+    `order` contains ranks of words in `sets`, which has one set for each length; the returned ranks are the ranks of
+    these words in `whole`.
     """
 
     whole: Sequence[WordSet]
@@ -104,7 +104,7 @@ class _Source(NamedTuple):
 
 @dataclass(frozen=True)
 class WeightedOrder:
-    """Tasks of some lengths, each sampled with its probability among the remaining ones.
+    """Tasks of the given lengths, each sampled with its probability among the remaining ones.
 
     Repeated draws are rejected; after `MISSES` misses in a row, tasks are sampled exactly from the remaining words.
     Both give the same distribution. Tasks of weight 0 are never sampled.

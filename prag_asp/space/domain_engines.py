@@ -33,7 +33,7 @@ Value = TypeVar("Value")
 
 @dataclass
 class DomainEngines:
-    """The engines of a domain under some conditions, one for each level and length.
+    """The engines of a domain under given conditions, one for each level and length.
 
     No plan has fewer than `fewest_actions` actions; shorter lengths need no engine. With `shortest`, only those plans
     of the program whose goal cannot be reached by a shorter plan are words.
@@ -135,7 +135,7 @@ class DomainEngines:
 
     @cached_property
     def actions(self) -> dict[str, clingo.Symbol]:
-        """The actions of the domain by their texts."""
+        """The actions of the domain, by text."""
         return {str(action): action for action in self.model.domain.facts.actions}
 
     @cached_property

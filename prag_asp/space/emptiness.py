@@ -77,7 +77,7 @@ def why_empty(
 def fewest_changes(
     space: TaskSpace, *, action: str | Atom | None = None, step: int | None = None
 ) -> tuple[tuple[RestrictingLine, ...], ...]:
-    """Return the single lines of the domain each of whose removal makes an empty space nonempty; all conditions stay.
+    """Return each line of the domain whose removal alone makes an empty space nonempty; all conditions are kept.
 
     If no single line suffices, the result is one set of lines of minimal size; if all lines together do not suffice,
     the result is empty. For a nonempty space, the only element of the result is the empty set of lines. For `action`
@@ -135,7 +135,7 @@ def _steps_to_acceptance(automaton: Automaton) -> int | None:
 
 
 def _program(space: TaskSpace, clauses: Sequence[Clause]) -> Program:
-    """Return the program of a space's domain under some conditions, without pruning any actions."""
+    """Return the program of a space's domain under the given conditions, without pruning any actions."""
     domain = conditioned(space.domain, Condition(tuple(clauses)))
     return whole_program(replace(domain, facts=replace(domain.facts, pruned=(), unreachable=(), static=())))
 

@@ -92,7 +92,7 @@ def within(limits: Limits, words: Iterator[Item], level: str, length: int) -> It
     """Yield words until a limit is reached.
 
     Raises:
-        LimitReached: a limit is reached; the error has the number of words yielded so far.
+        LimitReached: a limit is reached; the error gives the number of words yielded so far.
     """
     clock = limits.begin()
     for number, word in enumerate(words):

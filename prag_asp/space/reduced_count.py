@@ -49,7 +49,7 @@ class ReducedCounter:
         """Return the number of words of a given length, or None if the reduction does not apply.
 
         Raises:
-            LimitReached: a limit ended the count; the error has the number of words counted so far.
+            LimitReached: a limit ended the count; the error gives the number of words counted so far.
         """
         sizes, groups = self.reduction.sizes(length), self.reduction.groups
         if sizes not in self._models:
@@ -108,7 +108,7 @@ class ReducedModel:
 
     @cached_property
     def whole_sizes(self) -> tuple[int, ...] | None:
-        """The size of each group of interchangeable entities in the whole program; None without a valid reduction.
+        """The size of each group of interchangeable entities in the whole program, or None without a valid reduction.
 
         The reduction is invalid if entities of a group are not all interchangeable, or if units are interchangeable in
         only one of the reduced and the whole program.

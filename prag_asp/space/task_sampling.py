@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class TaskSampling:
-    """Random plans, tasks or (uniformly sampled) skeletons of some lengths, and their exact statistics.
+    """Random plans, tasks or (uniformly sampled) skeletons of given lengths, and their exact statistics.
 
     With `over`, a skeleton or a goal is sampled uniformly first. A draw depends only on the seed and its number.
     """
@@ -61,7 +61,7 @@ class TaskSampling:
         return chain.from_iterable(self.batches(seed=seed))
 
     def array(self, count: int, *, seed: int, first: int = 0) -> NDArray[np.int32]:
-        """Return draws of one length from number `first` on, as an array of shape (count, length).
+        """Return draws of one length from number `first` onwards, as an array of shape (count, length).
 
         Its values are indices into the `action_texts` of the space. Ranges of draws may be computed separately.
 

@@ -211,7 +211,7 @@ class TaskSpace:
 
         Raises:
             QueryError: there is no such level, or the prefix names no action of the domain.
-            LimitReached: a limit ended the count of a given length; the error has the number counted for that length.
+            LimitReached: a limit ended the count of a given length; the error gives the number counted for that length.
         """
         return sum(self.engines.count(by, length, first) for length, first in self._prefixes(by, prefix))
 
@@ -491,7 +491,10 @@ class TaskSpace:
                 return None
             return {skeleton: self.count("task", skeleton) for skeleton in self.enumerate("skeleton")}
 
-        parts = divide_skeletons(parse_shares(shares), seed, lambda clause: part(clause).count(), tasks_by_skeleton)
+        parts = divide_skeletons(
+            parse_shares(shares), seed, lambda clause: part(clause).count(), tasks_by_skeleton,
+            names=len(self.domain.facts.action_names), length=self.length,
+        )  # fmt: skip
         return {name: part(condition) for name, condition in parts.items()}
 
     def hold_out(self, what: str) -> tuple[TaskSpace, TaskSpace]:

@@ -151,8 +151,8 @@ def ordered_parts(
 
     Without weights, lengths have their exact shares or, with `evenly`, alternate. With `over`, a skeleton or a goal of
     the space is sampled uniformly first; draws that are in other parts, or not new, are repeated. A `deal` selects the
-    tasks of one of several workers. The `excluded` tasks, pairs of a length and a rank, are left out; parts keep their
-    other tasks. With `among`, all other tasks than these are left out; shares are then those of these tasks.
+    tasks of one of several workers. The `excluded` tasks, given as pairs of a length and a rank, are left out; parts
+    keep their other tasks. With `among`, all tasks except these are left out, and shares refer to these tasks.
 
     Raises:
         QueryError: a part is empty, there is nothing to sample, an excluded rank has no task, or weights or `over` are
@@ -285,7 +285,7 @@ def _excluded_words(
 
 
 def _without(order: RankOrder, sets: Sequence[RankedWords], words: Iterable[tuple[int, tuple[str, ...]]]) -> RankOrder:
-    """Return the order of a part without some words, which may belong to other parts."""
+    """Return the order of a part without certain words, which may belong to other parts."""
     ranks = ((place, sets[place].rank(word)) for place, word in words)
     numbers = {order.number(place, rank) for place, rank in ranks if rank is not None}
     return RemainingOrder(order, tuple(sorted(number for number in numbers if number is not None)))

@@ -38,8 +38,8 @@ GIVES = 0.001
 YIELDS = 0.0027
 """Metres by which a finger may be in what it holds: 2 mm of the definition, and how exact depths of hulls are."""
 
-BALL, LINED = 24, 1e-9
-"""Rings of a ball, and the cosine from which a line is parallel to a face."""
+LINED = 1e-9
+"""The cosine from which a line is parallel to a face."""
 
 
 class Grip(NamedTuple):
@@ -90,6 +90,12 @@ def grip(parts: Sequence[tuple[Part, Frame]], tool: Frame, opening: float) -> Gr
 def _through(part: Part, place: Frame, begins: Array, way: Array, most: float) -> tuple[Array, Array, Array, Array]:
     """Return where lines enter and leave a convex part, and its normals there along the lines; cut off at the pads."""
     local, along = (begins - place.at) @ place.turn - part.at, way @ place.turn
+    if part.kind == "sphere":
+        radius, nearest = part.half[0], local @ along
+        half = radius**2 - (local**2).sum(axis=1) + nearest**2
+        root = np.sqrt(np.maximum(half, 0.0))
+        low, high = np.maximum(-nearest - root, -most), np.minimum(root - nearest, most)
+        return low, np.where(half < 0.0, low - 1.0, high), -root / radius, root / radius
     normals, offsets = _faces(part)
     toward, left = normals @ along, offsets - local @ normals.T
     parallel = np.abs(toward) < LINED
@@ -104,15 +110,11 @@ def _through(part: Part, place: Frame, begins: Array, way: Array, most: float) -
 
 
 def _faces(part: Part) -> tuple[Array, Array]:
-    """Return the normals of the faces of a part, and their distances from its middle; round ones have many faces."""
+    """Return the normals of the faces of a part, and their distances from its middle; a round side has many faces."""
     if part.hull is not None:
         return part.hull.normals, part.hull.offsets
     angles = np.linspace(0, 2 * np.pi, 96, endpoint=False)
     ring = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(len(angles))])
-    if part.kind == "sphere":
-        heights = np.linspace(-np.pi / 2, np.pi / 2, BALL)
-        normals = np.concatenate([ring * np.cos(height) + [0, 0, np.sin(height)] for height in heights])
-        return normals, np.full(len(normals), part.half[0])
     if part.kind == "cylinder":
         normals = np.concatenate([ring, [[0, 0, 1], [0, 0, -1]]])
         return normals, np.array([part.half[0]] * len(ring) + [part.half[2]] * 2)

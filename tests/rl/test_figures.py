@@ -65,3 +65,35 @@ def test_success_of_the_oracle_against_length_is_what_is_kept() -> None:
     assert len(rows) == 30
     for length in range(1, 7):
         assert cells(str(length)) == [percent(Rate(sum(row["reached"] >= length for row in rows), 30))]
+
+
+CLONES = pq.read_table(RESULTS / "composition.parquet").to_pylist()
+
+
+def begun(rows: Sequence[Row], action: str = "") -> Rate:
+    """Return how many of the actions that clones began succeeded, of all or of those whose text begins so."""
+    ends = [
+        number < row["reached"]
+        for row in rows
+        for number, each in enumerate(row["task"].split()[: row["reached"] + 1])
+        if each.startswith(action)
+    ]
+    return Rate(sum(ends), len(ends))
+
+
+@pytest.mark.parametrize(("kind", "part"), sorted({(row["kind"], row["part"]) for row in CLONES}))
+def test_clones_transfer_as_is_kept(kind: str, part: str) -> None:
+    rows = kept("composition", kind=kind, part=part)
+    assert len(rows) == 20 and {(row["seed"], row["steps"]) for row in rows} == {(0, 3000)}
+    whole = percent(Rate(sum(row["success"] for row in rows), len(rows)))
+    assert cells(f"`{kind}` | `{part}`")[1:3] == [whole, percent(begun(rows))]
+
+
+def test_actions_that_clones_cannot_do_are_those_that_are_kept() -> None:
+    unseen, pairs = (kept("composition", kind="objects", part=part) for part in ("unseen_objects", "unseen_pairs"))
+    text = " ".join(TEXT.split())
+    for rate, words in (
+        (begun(unseen, "pick(panda,can_1"), "picks of the can succeeded"),
+        (begun(pairs, "stack"), "stacks succeeded"),
+    ):
+        assert f"{rate.successes} of {rate.trials} {words}" in text

@@ -28,6 +28,7 @@ SHORTENED = {
     "rates.py": "--blocks 1 --steps 100 --rounds 1 --seconds 0.1",
     "beside.py": "--rounds 1 --seconds 0.1",
     "lasting.py": "--steps 60 --every 30",
+    "composition.py": "--kind objects --part familiar --seeds 1 --steps 2 --tests 1",
     "chained.py": "--demonstrations 2 --count 1 --epochs 1 --length 2",
 }
 
@@ -82,6 +83,19 @@ def test_the_command_that_chains_runs(tmp_path: Path, monkeypatch: pytest.Monkey
     assert re.search(r"^2 of \d+ demonstrations succeed", output, re.MULTILINE)
     assert len(re.findall("^│ cloned ", output, re.MULTILINE)) == 2, "one row for each length"
     assert names(tmp_path) == {"chained.parquet", "chained.png"}
+
+
+def test_the_command_that_clones_recordings_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("torch")
+    suite = 'domain = "tabletop"\nlengths = 1\nphysics = {demonstrate = true}\n[parts.train]\ntasks = 2\n'
+    (tmp_path / "small.toml").write_text(suite + "split = {train = 0.5, familiar = 0.5}\n")
+    monkeypatch.setenv("COLUMNS", "120")
+    given = "--suite", tmp_path / "small.toml", "--output", tmp_path
+    assert re.search(r"^│ objects │ familiar │ 1 ", done_here(monkeypatch, of("composition.py"), *given), re.MULTILINE)
+    assert "composition.parquet" in names(tmp_path)
+    before = (tmp_path / "composition.parquet").read_bytes()
+    assert "familiar" in done_here(monkeypatch, of("composition.py"), *given)
+    assert (tmp_path / "composition.parquet").read_bytes() == before, "evaluations are not run again"
 
 
 def test_agents_with_default_settings_are_trained_and_tested_once(

@@ -22,8 +22,8 @@ STILL = replace(BACKGROUND, interchange=type(BACKGROUND.interchange)())
 """The same without renamings."""
 
 
-def tasks_for(name: str, chance: Chance, count: int) -> list[Task]:
-    generator = chance.generator(7)
+def tasks_for(name: str, chance: Chance, count: int, number: int = 7) -> list[Task]:
+    generator = chance.generator(number)
     lengths = (
         itertools.repeat(3) if name.startswith("hamming") else (generator.randint(0, 4) for _ in itertools.count())
     )
@@ -32,31 +32,37 @@ def tasks_for(name: str, chance: Chance, count: int) -> list[Task]:
 
 @pytest.mark.parametrize("name", METRICS)
 def test_the_distance_is_the_least_over_all_renamings(name: str, chance: Chance) -> None:
-    tasks = tasks_for(name, chance, 8)
-    for one, other in itertools.pairwise(tasks):
-        found = compare(one, other, name, BACKGROUND)
-        least = min(compare(one, renamed(other, names), name, STILL).distance for names in all_renamings())
-        assert found.distance == pytest.approx(least, abs=1e-12) if name.startswith("jaro") else found.distance == least
-        again = compare(one, renamed(other, found.renaming), name, STILL)
-        assert again.distance == found.distance and 0 <= found.normalised <= 1
+    for number in range(7, 7 + chance.examples(1)):
+        tasks = tasks_for(name, chance, 8, number)
+        for one, other in itertools.pairwise(tasks):
+            found = compare(one, other, name, BACKGROUND)
+            least = min(compare(one, renamed(other, names), name, STILL).distance for names in all_renamings())
+            assert (
+                found.distance == pytest.approx(least, abs=1e-12)
+                if name.startswith("jaro")
+                else found.distance == least
+            )
+            again = compare(one, renamed(other, found.renaming), name, STILL)
+            assert again.distance == found.distance and 0 <= found.normalised <= 1
 
 
 @pytest.mark.parametrize("name", METRICS)
 def test_a_metric_is_zero_for_renamed_tasks_symmetric_and_triangular(name: str, chance: Chance) -> None:
-    tasks = tasks_for(name, chance, 6)
-    between = {pair: compare(*pair, name, BACKGROUND) for pair in itertools.product(tasks, repeat=2)}
-    for one, other in itertools.product(tasks, repeat=2):
-        found, back = between[one, other], between[other, one]
-        assert found.distance == pytest.approx(back.distance) and found.normalised == pytest.approx(back.normalised)
-        assert one is not other or found.distance == 0
-    names = list(all_renamings())
-    for number, task in enumerate(tasks):
-        assert compare(task, renamed(task, names[5 * number % len(names)]), name, BACKGROUND).distance == 0
-    if METRICS[name].axioms:
-        for one, middle, other in itertools.product(tasks, repeat=3):
-            for value in ("distance", "normalised"):
-                way = getattr(between[one, middle], value) + getattr(between[middle, other], value)
-                assert getattr(between[one, other], value) <= way
+    for number in range(7, 7 + chance.examples(1)):
+        tasks = tasks_for(name, chance, 6, number)
+        between = {pair: compare(*pair, name, BACKGROUND) for pair in itertools.product(tasks, repeat=2)}
+        for one, other in itertools.product(tasks, repeat=2):
+            found, back = between[one, other], between[other, one]
+            assert found.distance == pytest.approx(back.distance) and found.normalised == pytest.approx(back.normalised)
+            assert one is not other or found.distance == 0
+        names = list(all_renamings())
+        for place, task in enumerate(tasks):
+            assert compare(task, renamed(task, names[5 * place % len(names)]), name, BACKGROUND).distance == 0
+        if METRICS[name].axioms:
+            for one, middle, other in itertools.product(tasks, repeat=3):
+                for value in ("distance", "normalised"):
+                    way = getattr(between[one, middle], value) + getattr(between[middle, other], value)
+                    assert getattr(between[one, other], value) <= way
 
 
 def recursive(one: Sequence[Any], other: Sequence[Any], cost: Callable[[Any, Any], Fraction]) -> Fraction:

@@ -56,6 +56,12 @@ def spaces() -> Spaces:
     }
 
 
+def every_other(rows: list[Row]) -> list[Row]:
+    """Leave out every second length before the longest one of a level: the longer formulas contain the shorter ones."""
+    longest = {(domain, level): length for domain, level, length, *_ in sorted(rows, key=lambda row: row[2])}
+    return [row for row in rows if row[2] == 0 or (longest[row[0], row[1]] - row[2]) % 2 == 0]
+
+
 def counted(spaces: Spaces, engine: str, row: Row) -> int:
     domain, level, length, prefix, _ = row
     flat, _, by = level.rpartition(".")
@@ -67,18 +73,20 @@ def test_the_automaton_meets_the_known_count(spaces: Spaces, row: Row) -> None:
     assert counted(spaces, "automaton", row) == row[4]
 
 
-@pytest.mark.parametrize("row", [row for row in COUNTS if row[4] <= ENUMERABLE], ids=str)
+@pytest.mark.parametrize("row", every_other([row for row in COUNTS if row[4] <= ENUMERABLE]), ids=str)
 def test_clingo_meets_the_known_count(spaces: Spaces, row: Row) -> None:
     assert counted(spaces, "clingo", row) == row[4]
 
 
 @pytest.mark.parametrize(
     "row",
-    [
-        row
-        for row in COUNTS
-        if row[4] <= FOUND_ONE_BY_ONE and row[2] <= (OF_SMALL if row[0] in ("prag", "hanoi") else UNROLLED)
-    ],
+    every_other(
+        [
+            row
+            for row in COUNTS
+            if row[4] <= FOUND_ONE_BY_ONE and row[2] <= (OF_SMALL if row[0] in ("prag", "hanoi") else UNROLLED)
+        ]
+    ),
     ids=str,
 )
 def test_sat_meets_the_known_count(spaces: Spaces, row: Row) -> None:

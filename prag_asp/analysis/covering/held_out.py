@@ -22,7 +22,7 @@ SHARE = 5
 
 @dataclass(frozen=True)
 class HeldOut:
-    """Combinations of `strength` + 1 factors that only test tasks contain, and the actions that have one of them."""
+    """Combinations of `strength` + 1 factors that occur only in test tasks, and the actions that have one of them."""
 
     strength: int
     combinations: tuple[Combination, ...]

@@ -1,8 +1,8 @@
-"""Tasks that cover combinations of factors, in rounds: others replace those that turn out to be infeasible.
+"""Tasks that cover combinations of factors, chosen in rounds; tasks that turn out to be infeasible are replaced.
 
-The first round is a small covering set, whose tasks cover many combinations each. If one of them is infeasible, one
-bad combination may be the cause. Later rounds therefore try the combinations that are left one by one, if possible with
-tasks whose other combinations are all covered.
+The first round is a small covering set, whose tasks cover many combinations each. If one of them is infeasible, a
+single bad combination may be the cause. Later rounds therefore try the remaining combinations one by one, if possible
+with tasks whose other combinations are all covered.
 """
 
 from __future__ import annotations
@@ -22,19 +22,21 @@ from prag_asp.atom import parse_atom
 from prag_asp.space.task_space import TaskSpace
 
 ROUNDS = 10
-"""The number of rounds: a combination that is still missing was in at least so many infeasible tasks, or in all."""
+"""The number of rounds: a combination that is still missing was in at least this many infeasible tasks, or in all of
+them."""
 
 WALKS = 100
-"""The number of random tasks among which an unused one is looked for: neighbours of infeasible tasks are often so."""
+"""The number of random tasks among which an unused one is looked for, because neighbours of infeasible tasks are often
+infeasible."""
 
 LOOK = 10_000
-"""The number of tasks, in order, among which an unused one is looked for after that."""
+"""The number of tasks, in order, among which an unused one is then looked for."""
 
 
 class CoveringRounds:
     """Chooses tasks of a space round by round, as ranks; tasks of `excluded` ranks are never chosen.
 
-    Unless `trivial`, tasks whose final state is the initial state do not replace others.
+    Unless `trivial` is true, tasks whose final state is the initial state do not replace others.
 
     Raises:
         QueryError: the strength is out of range, the space has several lengths, or its states are too many to be
@@ -64,7 +66,7 @@ class CoveringRounds:
         )
 
     def following(self, feasible: Sequence[Sequence[str]]) -> list[int]:
-        """Return the ranks of the tasks of the next round, given the feasible plans so far; none at the end."""
+        """Return the ranks of the tasks in the next round, given the feasible plans so far, or nothing at the end."""
         self._round += 1
         if self._round == 1 and self._first:
             self._used.update(self._first)
@@ -80,7 +82,7 @@ class CoveringRounds:
         return chosen
 
     def _replacement(self, combination: Combination, left: frozenset[Combination]) -> int | None:
-        """Return an unused task with a combination, if possible with no other one that is left."""
+        """Return an unused task with a given combination, if possible without any other that remains."""
         having = [combination in own for own in self._covers]
         fewest = min(len(own & left) for own in self._covers if combination in own)
         clean = [has and len(own & left) == fewest for has, own in zip(having, self._covers, strict=True)]
@@ -100,7 +102,7 @@ class CoveringRounds:
 
 
 class WordsThrough:
-    """The words without `banned` letters and with at least one of the letters `hit`, both as arrays (letters,)."""
+    """The words without `banned` letters that have at least one of the letters `hit`; both are arrays (letters,)."""
 
     def __init__(self, words: LayeredAutomaton, hit: NDArray[np.bool_], banned: NDArray[np.bool_]) -> None:
         self._steps = words.edges or ()
@@ -117,14 +119,14 @@ class WordsThrough:
         self._possible = bool(through[0] > 0)
 
     def found(self, chance: random.Random) -> Iterator[list[int]]:
-        """Yield words: first some random ones, which may be repeated, then all in order, up to a maximum number."""
+        """Yield words: first random ones, which may be repeated, and then all in order, up to a maximum number."""
         if self._possible:
             for _ in range(WALKS):
                 yield self._walk(chance)
             yield from islice(self._from(0, 0, False), LOOK)
 
     def _edges(self, place: int, state: int, seen: bool) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Return the edges from a state on words of the set, and how many words each leads to, up to a factor."""
+        """Return the edges from a state along words of the set, and how many words each leads to, up to a factor."""
         begins = self._steps[place].begins
         end = begins[state + 1] if state + 1 < len(begins) else len(self._steps[place].letters)
         edges = np.arange(begins[state], end)
@@ -132,7 +134,7 @@ class WordsThrough:
         return edges[weights > 0], weights[weights > 0]
 
     def _walk(self, chance: random.Random) -> list[int]:
-        """Return a random word; all have nearly the same probability."""
+        """Return a random word; all words have nearly the same probability."""
         state, seen, word = 0, False, list[int]()
         for place, step in enumerate(self._steps):
             edges, weights = self._edges(place, state, seen)
@@ -142,7 +144,7 @@ class WordsThrough:
         return word
 
     def _from(self, place: int, state: int, seen: bool) -> Iterator[list[int]]:
-        """Yield the rests of words from a state, in order."""
+        """Yield the remainders of words from a state, in order."""
         if place == len(self._steps):
             yield []
             return

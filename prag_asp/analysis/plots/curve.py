@@ -28,7 +28,7 @@ SIZE = (8.0, 5.5)
 """The size of a picture in inches."""
 
 MARKED = 60
-"""The maximum number of lengths for which each length has a marker."""
+"""The maximum number of lengths up to which each length has a marker."""
 
 
 @dataclass(frozen=True)

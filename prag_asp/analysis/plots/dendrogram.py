@@ -38,7 +38,7 @@ class Dendrogram:
 
     @property
     def leaves(self) -> tuple[int, ...]:
-        """The tasks in an order in which no two lines of a picture cross."""
+        """The tasks in an order in which no two lines of the picture cross."""
         if not self.merges:
             return tuple(range(self.count))
         order: list[int] = []

@@ -21,7 +21,7 @@ def recognizes(folder: Path) -> bool:
 
 
 def read(folders: Mapping[str, Path]) -> Iterator[AuditedProblem | FailedRead]:
-    """Yield the tasks of datasets; the goal of a task is what its plan changes."""
+    """Yield the tasks in datasets; the goal of a task is what its plan changes."""
     for suite, folder in folders.items():
         for entry in Dataset.open(folder).entries():
             label = f"{entry.part}-{entry.number}"

@@ -210,7 +210,7 @@ def _options(texts: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _imported(wrapper: str | None) -> Any:
-    """Return the callable MODULE:CALLABLE, or None without a name."""
+    """Return the callable MODULE:CALLABLE, or None if no name is given."""
     if wrapper is None:
         return None
     from prag_asp.evaluation.policies.python_callable import imported

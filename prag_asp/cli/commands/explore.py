@@ -91,7 +91,8 @@ def explore(
 def _refuse(names: Sequence[str], reason: str) -> None:
     """Check that no option with one of these names is given.
 
-    Raises: QueryError: such an option is given.
+    Raises:
+        QueryError: such an option is given.
     """
     context = click.get_current_context()
     for parameter in context.command.params:

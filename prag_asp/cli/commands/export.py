@@ -52,7 +52,7 @@ def export() -> None:
     """Write tasks or datasets in the formats of other tools.
 
     FORM is dimacs (the default) for the task space of DOMAIN as a formula; pddl for DOMAIN or some of its tasks; or
-    lerobot, minari, robomimic or bddl for the dataset in DIR.
+    lerobot, minari, robomimic, bddl or rerun for the dataset in DIR.
     """
 
 
@@ -86,17 +86,19 @@ def dimacs(*, request: DomainOptions, by: Any, format: str, output: str | None) 
 )
 @click.option(
     "-o", "--output", metavar="DIR", required=True, shell_complete=shell_completion.files,
-    help="New folder, written completely or not at all: domain.pddl, problem.pddl, and plan.txt for a task; for "
-    "several tasks domain_1.pddl, ..., numbered by rank or by position in the file.",
+    help="New folder, written completely or not at all: domain.pddl, problem.pddl, the view, and plan.txt for a task; "
+    "for several tasks domain_1.pddl, ..., numbered by rank or by position in the file.",
 )  # fmt: skip
 def pddl(*, request: DomainOptions, selection: TaskSelection, positive: bool, unconditional: bool, output: str) -> None:
     """Write a domain, or some of its tasks, as PDDL domains and problems.
 
     They have the same plans. Fluents that are unknown in the initial state of a task are false in PDDL; a comment in
-    the problem gives their number.
+    the problem gives their number. The files domain.planviz.json and state_view.js make the PDDL extension of VS Code
+    show the final states of plans.
     """
     from prag_asp.output import new_folder, replace_file
     from prag_asp.planners import write
+    from prag_asp.planners.state_view import SETTINGS_SUFFIX, view_script, view_settings
 
     folder = Path(output)
     if folder.exists():
@@ -105,13 +107,15 @@ def pddl(*, request: DomainOptions, selection: TaskSelection, positive: bool, un
     with progress() as tell:
         domain = request.domain()
         selected = selection.of(request.space(tell, domain)) if selection.any else None
-        files = ("domain{}.pddl", "problem{}.pddl", "plan{}.txt")[: 3 if selected else 2]
+        script, settings = "state_view{}.js", f"domain{{}}{SETTINGS_SUFFIX}"
+        files = ("domain{}.pddl", "problem{}.pddl", script, settings, "plan{}.txt")[: 5 if selected else 4]
         suffixes, tasks = selected if selected is not None else ([""], repeat(None, 1))
         with new_folder(folder) as part:
             for number, (suffix, task) in enumerate(zip(suffixes, tasks, strict=True)):
                 tell("tasks written", number, len(suffixes))
                 found = write(domain, task, negative=not positive, conditional=not unconditional)
-                texts = (found.domain, found.problem, "".join(f"{step}\n" for step in found.plan))
+                view = view_script(found.fluents), view_settings(script.format(suffix))
+                texts = (found.domain, found.problem, *view, "".join(f"{step}\n" for step in found.plan))
                 for file, text in zip(files, texts, strict=False):
                     replace_file(part / file.format(suffix), text.encode(), follow=False)
     say(folder)
@@ -132,7 +136,7 @@ def _conventions(form: str) -> Callable[[Callable[..., None]], Callable[..., Non
         help="Add the poses of objects as observation.environment_state.  [default: without cameras]",
     )  # fmt: skip
     depth = click.option("--depth", is_flag=True, help="Add depth images in millimetres as depth.CAMERA.")
-    chosen = {"lerobot": (depth, objects, state, action), "bddl": ()}.get(form, (action,))
+    chosen = {"lerobot": (depth, objects, state, action), "bddl": (), "rerun": ()}.get(form, (action,))
 
     def decorated(command: Callable[..., None]) -> Callable[..., None]:
         for option in chosen:
@@ -192,5 +196,12 @@ _add_dataset_form(
     "bddl",
     "Write each task of a dataset as a BDDL problem for LIBERO.\n\n"
     "A problem contains the objects, the initial state, the goal and the instruction.",
+    "DIR",
+)
+_add_dataset_form(
+    "rerun",
+    "Write a dataset's episodes as recordings of Rerun.\n\n"
+    "Each episode is one .rrd file with the 3D scene, subgoals, contacts with their forces, joints and camera images "
+    "on one time line.",
     "DIR",
 )

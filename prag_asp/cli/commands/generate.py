@@ -35,7 +35,7 @@ MOST_CANDIDATES = 100_000
 """The maximum number of candidates, as in `DatasetSpec`, which need not be imported for the help."""
 
 SHOWN = 5
-"""The maximum number of missing combinations that a line names."""
+"""The maximum number of missing combinations that are listed on a line."""
 
 
 @click.command()
@@ -50,7 +50,7 @@ SHOWN = 5
 )  # fmt: skip
 @click.option(
     "--diverse", type=whole(1), metavar="K",
-    help="Instead of --tasks: K tasks that are far apart, chosen among sampled ones.",
+    help="Instead of --tasks: choose K of the sampled tasks that are far apart.",
 )  # fmt: skip
 @click.option(
     "--candidates", type=whole(1, MOST_CANDIDATES), metavar="N",
@@ -152,8 +152,8 @@ def generate(
     """Write a dataset of distinct feasible tasks of length N.
 
     Tasks are sampled without replacement. DIR holds Parquet tables of tasks, witnesses and rejected tasks, a
-    dataset.json with exact figures, the domain, and a dataset card. If the command is interrupted, run it again: it
-    continues, and the result has the same bytes.
+    dataset.json with exact numbers, the domain, and a dataset card. If the command is interrupted, run it again: it
+    continues, and the result is the same, byte for byte.
     """
     from prag_asp.dataset.dataset_spec import SHARD
     from prag_asp.dataset.generation import generate as make
@@ -265,7 +265,7 @@ def print_parts(dataset: Dataset) -> None:
 
 
 def chosen_lines(manifest: Manifest) -> Iterator[str]:
-    """Yield a line on what the chosen tasks of a dataset reach, if it has any."""
+    """Yield a line about what the chosen tasks of a dataset achieve, if it has any."""
     if manifest.cover:
         cover = manifest.cover
         names = f"; missing: {', '.join(cover.missing[:SHOWN])}" if cover.missing else ""
@@ -276,6 +276,6 @@ def chosen_lines(manifest: Manifest) -> Iterator[str]:
         )
     for name, figures in (manifest.diverse or {}).items():
         yield (
-            f"{name}: tasks at least {figures.separation:.4g} apart ({figures.metric}); each of "
-            f"{plural(figures.candidates, 'candidate')} is within {figures.radius:.4g} of one of them"
+            f"{name}: tasks at least {figures.separation:.4g} apart ({figures.metric}), and at most "
+            f"{figures.radius:.4g} from any of {plural(figures.candidates, 'candidate')}"
         )

@@ -34,9 +34,9 @@ def merge(
 ) -> None:
     """Merge the parts of a dataset that several machines have generated.
 
-    The parts are all results of `generate --part 1/N` to `N/N`. The dataset has the same bytes as a dataset that a
-    single machine writes without --part. Parts end at different samples; the few samples that no part has validated
-    are validated now. If the command is interrupted, run it again: it continues.
+    The parts are the results of `generate --part 1/N` to `--part N/N`. The merged dataset is the same, byte for byte,
+    as the one that a single machine writes without --part. Parts end at different samples; this command validates the
+    few samples that no part has validated. If it is interrupted, run it again: it continues.
     """
     from prag_asp.dataset.merging import merge as make
     from prag_asp.missing import require_pyarrow

@@ -253,7 +253,7 @@ def _say_all(found: AnswerSets, listed: Iterator[AnswerSet], form: str) -> None:
 
 
 def _document(found: AnswerSets, fields: Mapping[str, str]) -> str:
-    """Return a JSON object of the optimum and some fields, given as JSON because numbers may have any size."""
+    """Return a JSON object of the optimum and other fields, given as JSON because numbers may have any size."""
     if found.optimum is not None:
         values = [{"priority": priority, "value": value} for priority, value in found.optimum.values]
         fields = {"optimum": json.dumps(values), **fields}

@@ -259,7 +259,7 @@ def _suffixes(form: str) -> tuple[str, ...]:
 
 
 def _check_output(output: Path, form: str) -> None:
-    """Before anything is loaded, check that the output can be a picture.
+    """Check, before anything is loaded, that the output can be a picture.
 
     Raises:
         QueryError: its suffix does not fit the form.

@@ -129,7 +129,7 @@ def _background(given: ComparedTasks, up_to: str) -> Background:
 
 
 def _metric(metric: str, costs: str | None, given: ComparedTasks, up_to: str) -> Metric:
-    """Return the metric with a given name or with the costs in a file; print why it is not a metric if so."""
+    """Return the metric with a given name or with the costs in a file; if the costs are not a metric, print why."""
     from prag_asp.similarity.metrics import metric_of
 
     if costs is None:
@@ -228,7 +228,7 @@ def _json(found: TaskComparison) -> Iterator[str]:
 def _novel(
     given: ComparedTasks, known: ComparedTasks, metric: str, costs: str | None, up_to: str, form: str
 ) -> Iterator[str]:
-    """Yield how far the given tasks are from the nearest known ones, the nearest first."""
+    """Yield how far the given tasks are from the nearest known ones, nearest first."""
     import json
 
     from prag_asp.analysis.farthest_first import novelty

@@ -1,4 +1,4 @@
-"""The Parquet files of a LeRobotDataset, which are grouped in chunks and written episode by episode."""
+"""The Parquet files of a LeRobotDataset, which are grouped into chunks and written episode by episode."""
 
 from __future__ import annotations
 

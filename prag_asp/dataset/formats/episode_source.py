@@ -165,7 +165,7 @@ class EpisodeSource:
 
     @cached_property
     def legend(self) -> list[str]:
-        """The entity of each number in a segmentation, the same for all episodes."""
+        """The entity that each number in a segmentation stands for, which is the same for all episodes."""
         others = [entity for entity, shape in self.scene.shapes.items() if not shape.traits.body]
         return list(dict.fromkeys([NOTHING, table_of(self.scene), *others, *self.robots, *self.objects]))
 

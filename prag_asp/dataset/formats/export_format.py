@@ -25,11 +25,12 @@ class ExportFormat(Protocol):
 
 
 class FormatInfo(NamedTuple):
-    """A format: the name of its class, the packages that it needs, and whether it needs recordings."""
+    """A format: the name of its class, the packages that it needs, whether it needs recordings, and its extra."""
 
     title: str
     packages: tuple[str, ...]
     recorded: bool = True
+    extra: str = "formats"
 
 
 FORMS: Mapping[str, FormatInfo] = {
@@ -37,5 +38,6 @@ FORMS: Mapping[str, FormatInfo] = {
     "minari": FormatInfo("Minari", ("pyarrow", "h5py", "PIL")),
     "robomimic": FormatInfo("Robomimic", ("pyarrow", "h5py")),
     "bddl": FormatInfo("Bddl", ("pyarrow",), recorded=False),
+    "rerun": FormatInfo("Rerun", ("pyarrow", "PIL", "rerun"), extra="rerun"),
 }
 """The formats by name; a name is also that of the module that defines the class."""

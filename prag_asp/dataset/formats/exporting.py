@@ -33,8 +33,9 @@ def export(
 ) -> Path:
     """Export a dataset, or a part or subset of one, and return the path of the export.
 
-    `form` is one of ``lerobot``, ``minari``, ``robomimic`` and ``bddl``; `target` is a new folder or, for
-    ``robomimic``, a new file. The export is written atomically, with the same bytes for the same dataset. `level` is
+    `form` is one of ``lerobot``, ``minari``, ``robomimic``, ``bddl`` and ``rerun``; `target` is a new folder or, for
+    ``robomimic``, a new file. The export is written atomically, with the same bytes for the same dataset, except for
+    ``rerun``, which numbers rows at random. `level` is
     the level of detail of the instructions: ``vague``, ``default`` or ``exact``. `action` is the convention of actions,
     one of `prag_asp.physics.control.control.CONTROLS`. The other options apply only to ``lerobot``, because the other
     formats have all observations: `state` holds the conventions of the state, which are ``joint_position`` or
@@ -50,7 +51,7 @@ def export(
     if form not in FORMS:
         raise QueryError(unknown(form, FORMS, "form"))
     info = FORMS[form]
-    require_packages(form, info.packages)
+    require_packages(form, info.packages, info.extra)
     source = EpisodeSource(data if isinstance(data, Dataset) else Dataset.open(data), level, action)
     if info.recorded:
         source.require_recordings()

@@ -1,4 +1,4 @@
-"""Shared parts of the HDF5 formats: files with reproducible bytes, and the observations of an episode."""
+"""What the HDF5 formats have in common: files with reproducible bytes, and the observations in an episode."""
 
 from __future__ import annotations
 

@@ -54,11 +54,11 @@ APART = 0.10
 class Appearance:
     """The appearance of the entities of a domain, independent of the state.
 
-    For each entity, `nouns` holds the words that fit it, the most specific one first; `names` holds its name, which is
-    used if nothing visible distinguishes it; `colors` holds the colour terms that fit it (true) or may fit it (false);
-    `sizes` holds its mean extent in metres, and `places` its position if it is fixed. `seen` holds the entities that
-    every picture shows; `pictured` is true if the domain has a scene to show. `sayable` holds the colours, sizes and
-    places for which the language has adjectives, and `robots` holds the robots of the scene.
+    For each entity, `nouns` holds the words that fit it, most specific first; `names` holds its name, which is used if
+    nothing visible distinguishes it; `colors` holds the colour terms that fit it (true) or may fit it (false); `sizes`
+    holds its mean extent in metres, and `places` its position if it is fixed. `seen` holds the entities that every
+    picture shows; `pictured` is true if the domain has a scene to show. `sayable` holds the colours, sizes and places
+    for which the language has adjectives, and `robots` holds the robots of the scene.
     """
 
     nouns: Mapping[str, tuple[str, ...]]
@@ -72,13 +72,13 @@ class Appearance:
     robots: frozenset[str] = frozenset()
 
     def recoloured(self, colors: Mapping[str, str]) -> Appearance:
-        """Return the appearance with different colours for some entities."""
+        """Return the appearance with different colours for the given entities."""
         new = {entity: color_terms(color) for entity, color in colors.items() if entity in self.nouns}
         return replace(self, colors={**self.colors, **new})
 
     @cached_property
     def terms(self) -> tuple[str, ...]:
-        """The colour terms that fit something and that the language has."""
+        """The colour terms that the language has and that fit something."""
         sure = [term for terms in self.colors.values() for term, fits in terms.items() if fits]
         return tuple(term for term in dict.fromkeys(sure) if term in self.sayable)
 
@@ -132,7 +132,7 @@ def _has_colour(scene: Scene, entity: str) -> bool:
 
 
 def _line(entity: str, kind: str, parents: Mapping[str, tuple[str, ...]]) -> list[str]:
-    """Return an entity, its class and the classes above it, the nearest first."""
+    """Return an entity, its class and the classes above it, nearest first."""
     found = [entity, kind]
     for name in found:
         found += [parent for parent in parents.get(name, ()) if parent not in found]

@@ -111,7 +111,7 @@ class ContextSet:
         return self._short[entity]
 
     def properties(self, entity: str) -> Iterator[Description]:
-        """Yield the descriptions of an entity that use its properties, the shortest first (full brevity, Dale 1989).
+        """Yield the descriptions of an entity that use its properties, shortest first (full brevity, Dale 1989).
 
         Among descriptions of the same length, colour comes before size, and size before place, as people choose (the
         preference order of the incremental algorithm, Dale and Reiter 1995).

@@ -328,7 +328,7 @@ def shortened(text: str, most: int = 60) -> str:
 
 
 def unnumbered(frame: str) -> str:
-    """Return the frame of an exact instruction with a single action, which needs no number in front of the action."""
+    """Return the frame of an exact instruction with a single action, which does not need to be numbered."""
     return frame[max(frame.find("{action}"), 0) :] if frame.find("{number}") < frame.find("{action}") else frame
 
 

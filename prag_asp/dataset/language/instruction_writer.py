@@ -69,7 +69,7 @@ class InstructionWriter:
         self._aims: dict[State, State] = {}
 
     def recoloured(self, colors: Mapping[str, str]) -> InstructionWriter:
-        """Return a writer for pictures in which some entities have different colours."""
+        """Return a writer for pictures in which the given entities have different colours."""
         if not colors:
             return self
         other = copy(self)
@@ -79,7 +79,7 @@ class InstructionWriter:
         return other
 
     def instructions(self, task: Task, seed: int = 0) -> Instructions:
-        """Return the instructions of a task; the seed chooses among phrasings, reproducibly.
+        """Return the instructions for a task; the seed determines which phrasings are used.
 
         Raises:
             QueryError: the task is not one of this domain, or an action has no unambiguous sentence.

@@ -48,7 +48,7 @@ class Lexicon:
         self._reset_caches()
 
     def recoloured(self, colors: Mapping[str, str]) -> Lexicon:
-        """Return the lexicon for pictures in which some entities have different colours."""
+        """Return the lexicon for pictures in which the given entities have different colours."""
         other = copy(self)
         other.appearance = self.appearance.recoloured(colors)
         other.phrases = NounPhrases(self.grammar, other.appearance, self.sentences)

@@ -1,4 +1,4 @@
-"""Plain instructions: a sentence of `[language]` for each action, with the names of entities as they are."""
+"""Plain instructions: a sentence from `[language]` for each action, with the names of entities unchanged."""
 
 from __future__ import annotations
 

@@ -68,7 +68,7 @@ class _Paraphrases:
 
 
 class SentenceWriter:
-    """Writes the sentences of a language that a reader parses back to one action, or to one fluent and its value."""
+    """Writes sentences in a language that a reader parses back to one action, or to one fluent and its value."""
 
     def __init__(self, reader: InstructionReader, phrasings: Phrasings) -> None:
         self._reader, self._lexicon, self._phrasings = reader, reader.lexicon, phrasings

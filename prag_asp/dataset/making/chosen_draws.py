@@ -1,6 +1,6 @@
-"""Draws that are chosen, not sampled: they cover combinations of factors, or are far apart.
+"""Draws that are chosen rather than sampled: they cover combinations of factors, or are far apart.
 
-A choice depends on which earlier draws were feasible. Draws are therefore chosen in rounds: those of a round depend
+A choice depends on which earlier draws were feasible. Draws are therefore chosen in rounds: those in a round depend
 only on the results of earlier rounds, and are validated together. The same results give the same draws, so that a run
 can be resumed and verified.
 """
@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace
 
 TOGETHER = 16
-"""Draws of a round of tasks that are far apart: enough for the workers of a machine, and few are chosen in vain."""
+"""The number of draws in a round of tasks that are far apart: it occupies a machine's workers, and few draws are
+wasted."""
 
 
 class DrawChoice(Protocol):
@@ -49,14 +50,14 @@ class DrawChoice(Protocol):
         ...
 
     def figures(self, rows: Iterable[Row]) -> CoverFigures | DiverseFigures:
-        """Return what the tasks of a part reach, given their rows with the columns `draw` and `plan`."""
+        """Return what the tasks of a part achieve, given their rows with the columns `draw` and `plan`."""
         ...
 
 
 def choice_of(space: TaskSpace, spec: DatasetSpec, order: TaskOrder, share: int) -> DrawChoice | None:
     """Return the choice that a dataset requests for a part with an order, or None if its tasks are sampled.
 
-    `share` is the number of candidates of the part.
+    `share` is the number of candidates for the part.
 
     Raises:
         QueryError: the space has several lengths, or its states are too many to be listed.
@@ -107,7 +108,7 @@ class CoverChoice:
         return bool(ranks)
 
     def figures(self, rows: Iterable[Row]) -> CoverFigures:
-        """Return which combinations the tasks cover, chosen and sampled ones."""
+        """Return which combinations the tasks cover, both chosen and sampled ones."""
         missing, reachable = self._rounds.missing([row["plan"] for row in rows]), len(self._rounds.reachable)
         texts = sorted(map(combination_text, missing))
         return CoverFigures(int(self._spec.cover or 0), reachable, reachable - len(missing), texts)
@@ -129,7 +130,7 @@ class DiverseChoices:
         self.draws: list[RankedDraw] = []
 
     def _nearest(self, chosen: Collection[int]) -> NDArray[np.float64]:
-        """Return the distance of each candidate from the nearest of some of them; infinite if there are none."""
+        """Return the distance of each candidate from the nearest of those given, or infinity if there are none."""
         nearest = np.full(len(self._candidates), np.inf)
         for number in chosen:
             nearest = np.minimum(nearest, self._distances.row(number) / float(self._distances.denominator or 1))
@@ -164,7 +165,7 @@ class DiverseChoices:
 
 @dataclass(frozen=True)
 class ListedOrder:
-    """Tasks in the order of a list."""
+    """Tasks in the order given by a list."""
 
     draws: Sequence[RankedDraw]
 
@@ -196,7 +197,7 @@ class FollowingOrder:
 
 
 def record_figures(manifest: Manifest, part: str, figures: CoverFigures | DiverseFigures) -> None:
-    """Record in dataset.json what the tasks of a part reach."""
+    """Record in dataset.json what the tasks of a part achieve."""
     if isinstance(figures, CoverFigures):
         manifest.cover = figures
     else:

@@ -29,7 +29,7 @@ class MachineParts:
         return DrawPlan(validated=tuple(reader.draws for reader in self._readers[name]))
 
     def draw(self, name: str, holder: Holder) -> DrawRows:
-        """Return the rows of a draw; callers request draws in ascending order.
+        """Return the rows of a draw; draws must be requested in ascending order.
 
         Raises:
             QueryError: a file of a part is missing, or differs from its record in dataset.json.

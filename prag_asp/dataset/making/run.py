@@ -8,6 +8,7 @@ from contextlib import closing, suppress
 from dataclasses import dataclass
 from hashlib import sha256
 from itertools import chain, islice, takewhile, tee
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -134,9 +135,10 @@ class DatasetRun:
             # Other machines may have the rest, or a stratum may have too few feasible tasks.
             exhausted = (spec.part is not None or bool(spec.strata)) and note.draws >= number_of(note.size)
             if note.tasks < note.requested and not exhausted:
-                diverse = (self._manifest.diverse or {}).get(note.name)
-                candidates = 0 if diverse is None else diverse.candidates
-                raise NotFound(too_few(note, parts[note.name], self._limit(note.name), candidates))
+                diverse, available = (self._manifest.diverse or {}).get(note.name), parts[note.name]
+                all_drawn = diverse is not None and note.draws >= diverse.candidates
+                candidates = spec.candidates_of(self._shares[note.name]) if all_drawn else 0
+                raise NotFound(too_few(note, available, self._limit(note.name), candidates))
         return Dataset.open(self._folder)
 
     def _limit(self, name: str) -> int:
@@ -158,7 +160,8 @@ class DatasetRun:
         for note in manifest.parts:
             note.requested = spec.tasks_of(shares[note.name])
             more = note.rows("tasks") < note.requested and note.draws < self._limit(note.name)
-            more |= bool(spec.cover) and not manifest.complete
+            stopped = bool(manifest.cover and manifest.cover.missing)  # perhaps by a limit of draws
+            more |= bool(spec.cover) and (not manifest.complete or (stopped and note.draws < (self._max_draws or inf)))
             if more and note.draws < number_of(note.size):
                 manifest.complete = False
                 if note.shards and not note.shards[-1].full:
@@ -195,9 +198,9 @@ class DatasetRun:
         write_manifest(self._folder, self._manifest)
 
     def _fill(self, writer: PartWriter, part: TaskOrder, journaled: list[DrawResult]) -> DrawChoice | None:
-        """Add draws to a part until it has the requested tasks, or the limit of draws is reached.
+        """Add draws to a part until it has the requested tasks, or until the limit on draws is reached.
 
-        Returns the choice of draws, or None if all of them are sampled.
+        Return the choice of draws, or None if all of them are sampled.
         """
         note, spec, limit = writer.note, self._spec, min(self._limit(writer.note.name), part.size)
         choice = choice_of(self._space, spec, part, spec.candidates_of(self._shares[note.name]))
@@ -225,7 +228,7 @@ class DatasetRun:
     def _add(
         self, writer: PartWriter, part: TaskOrder, journaled: list[DrawResult], requested: int, limit: int
     ) -> set[int]:
-        """Add draws of an order to a part until it has the requested tasks, or `limit` draws; return the feasible."""
+        """Add draws of an order to a part until it has the requested tasks or `limit` draws; return feasible ones."""
         note, parts, passed = writer.note, self._parts, set[int]()
         plan = DrawPlan(self._spec.deal) if parts is None else parts.plan(note.name)
         with closing(self._records(writer, part, plan, journaled, limit)) as records:
@@ -263,7 +266,7 @@ class DatasetRun:
     def _records(
         self, writer: PartWriter, part: TaskOrder, plan: DrawPlan, journaled: list[DrawResult], limit: int
     ) -> Generator[DrawRecord, None, None]:
-        """Yield the draws of a part that this run validates; the results of the first ones may be `journaled`."""
+        """Yield the draws of a part that this run validates; the results of the first few may be `journaled`."""
         numbers, again = tee(plan.missing(writer.next, limit))
         drawn = zip(numbers, part.pick(again), strict=False)
         first = list(islice(drawn, len(journaled)))
@@ -327,9 +330,9 @@ class DatasetRun:
 
 
 def too_few(part: PartManifest, available: TaskOrder, limit: int, candidates: int = 0) -> str:
-    """Return the message for a part with fewer tasks than requested, with the reason.
+    """Return the message for a part that has fewer tasks than requested, with the reason.
 
-    `candidates` is the number of tasks among which those of the part are chosen, or 0 if they are sampled.
+    `candidates` is the number of sampled tasks among which those of the part are chosen if all of them have been drawn.
     """
     draws = plural(part.draws, "draw")
     summary = f"only {part.tasks} of {plural(part.requested, 'task')} for {part.name} found in {draws}"
@@ -345,6 +348,10 @@ def too_few(part: PartManifest, available: TaskOrder, limit: int, candidates: in
         if 2 * proved > part.draws:
             return f"{summary}, {proved} of them proved infeasible; see prag-asp learn, which excludes such tasks"
         return f"{summary}; raise --max-draws" if part.tasks else f"{summary}; raise --budget or --max-draws"
-    if part.draws >= (candidates or available.size):
-        return f"{summary}, {'all nontrivial candidates; raise --candidates' if candidates else 'the whole space'}"
-    return f"{summary}; those left weigh next to nothing: give other weights, or --uniform"
+    ends = "; those left weigh next to nothing: give other weights, or --uniform"
+    if candidates:
+        few = candidates < available.size
+        ends = f", all nontrivial {'candidates; raise --candidates' if few else 'tasks of the space'}"
+    elif part.draws >= available.size:
+        ends = ", the whole space"
+    return summary + ends

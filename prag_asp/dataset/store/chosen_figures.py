@@ -1,4 +1,4 @@
-"""What a dataset of chosen tasks reaches, as stored in dataset.json."""
+"""What the chosen tasks of a dataset achieve, as stored in dataset.json."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from prag_asp.tables.json_fields import Whole
 
 
 class CoverFigures(msgspec.Struct, frozen=True):
-    """The numbers of reachable and of covered combinations of `strength` factors, and those that are missing."""
+    """The numbers of reachable and of covered combinations of `strength` factors, and the missing combinations."""
 
     strength: Whole
     reachable: Whole
@@ -17,7 +17,7 @@ class CoverFigures(msgspec.Struct, frozen=True):
 
 
 class DiverseFigures(msgspec.Struct, frozen=True):
-    """How far apart the tasks are: the smallest distance between two of them, by a metric.
+    """How far apart the tasks are: the smallest distance between two of them, according to a metric.
 
     Each of the `candidates` is within `radius` of a task.
     """

@@ -31,7 +31,7 @@ State = Mapping[Atom, bool]
 
 
 class Fluents(dict[Atom, int]):
-    """Numbers for the fluents in some rows, assigned on first use, because rows share most fluents."""
+    """Numbers for the fluents in rows, assigned on first use, because rows share most fluents."""
 
     def __missing__(self, fluent: Atom) -> int:
         self[fluent] = number = len(self)
@@ -104,7 +104,7 @@ class StatesColumn:
         self._sizes, self._facts = array("i"), FactsColumn(fluents)
 
     def add(self, states: Sequence[State]) -> None:
-        """Add the facts of some states."""
+        """Add the facts of several states."""
         for state in states:
             self._facts.add(state)
         self._sizes.append(len(states))

@@ -293,7 +293,7 @@ class Dataset:
     def _ranked(self, length: int, rank: int) -> Iterator[tuple[PartManifest, Mapping[str, Any]]]:
         """Yield the row of the task with a given rank, if the dataset has such a task.
 
-        If all tasks are sampled uniformly and the split is only by tasks, the number of the draw follows from the rank.
+        If all tasks are sampled uniformly and only tasks are split, the number of the draw follows from the rank.
         """
         from prag_asp.space.without_replacement import order_of
 

@@ -39,7 +39,7 @@ Decimal = Annotated[str, msgspec.Meta(pattern="^[0-9]+$", max_length=MOST_DIGITS
 
 
 class CauseCount(msgspec.Struct):
-    """A cause of failure, and the number of attempts that failed because of it."""
+    """A cause of failure, and the number of attempts that failed for it."""
 
     cause: str
     count: Whole
@@ -56,7 +56,7 @@ class RejectionCount(msgspec.Struct):
 class LengthTally(msgspec.Struct):
     """The outcomes of the draws of one length; without physics, all count as feasible.
 
-    `trivial` draws are left out before physics, and the pass rate is that of the others.
+    `trivial` draws are left out before physics, and the pass rate refers to the others.
     """
 
     length: Whole
@@ -138,7 +138,7 @@ class Manifest(msgspec.Struct):
     """The contents of dataset.json.
 
     `lengths` and `where` define the space of its tasks; `spaces` holds the exact size of that space by length. `cover`
-    and `diverse` (by part) hold what chosen tasks reach.
+    and `diverse` hold, for each part, what its chosen tasks achieve.
     """
 
     complete: bool
@@ -171,7 +171,7 @@ class Manifest(msgspec.Struct):
 
     @property
     def request(self) -> dict[str, Any]:
-        """The values besides the domain that identify the dataset, as `request_of` returns them."""
+        """The values that, together with the domain, identify the dataset, as `request_of` returns them."""
         return {"lengths": self.lengths, "where": self.where, **self.spec.fixed()}
 
     def difference(self, other: Manifest, ignored: str = "") -> str:
@@ -198,7 +198,7 @@ class Manifest(msgspec.Struct):
 
 
 def request_of(space: TaskSpace, spec: DatasetSpec) -> dict[str, Any]:
-    """Return the values besides the domain that identify a dataset: the space, and the fixed part of the request."""
+    """Return what, together with the domain, identifies a dataset: the space and the fixed part of the request."""
     where = [str(clause) for clause in space.condition.clauses]
     return {"lengths": [*space.lengths], "where": where, **spec.fixed()}
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class DrawRows(NamedTuple):
-    """A draw of another dataset: its row, its tally, and the rows of its initial states."""
+    """A draw from another dataset: its row, its tally, and the rows of its initial states."""
 
     passed: bool
     row: pa.Table

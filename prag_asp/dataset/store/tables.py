@@ -66,7 +66,7 @@ class TableReader:
             yield self.row("tasks", *self.place(note, "tasks", number))
 
     def _ranks(self, shards: Sequence[Shard]) -> list[tuple[int, str]]:
-        """Return the length and the rank of each task in some shards, as Python values.
+        """Return the length and the rank of each task in the given shards, as Python values.
 
         To compare them, Arrow would import pandas.
         """

@@ -126,7 +126,7 @@ class _SuiteCounter:
     def by_length(
         self, what: str, clauses: Sequence[str], lengths: Sequence[int], parts: Sequence[SuitePart]
     ) -> dict[int, int]:
-        """Return the number of tasks of each length that satisfy all of some conditions and the distances of parts."""
+        """Return the number of tasks of each length that satisfy all given conditions and the distances from parts."""
         self._progress(f"counting {what}", self._done, self._total)
         self._done += 1
         conditions = frozenset(clauses)
@@ -146,7 +146,7 @@ class _SuiteCounter:
 
 
 def count_apart(space: TaskSpace, apart: Sequence[ApartSpec]) -> int:
-    """Return the number of tasks of a space of one length that are far from all tasks of some sets.
+    """Return how many tasks of a space of one length are far from all tasks in the given sets.
 
     Raises:
         QueryError: the space and a set have different interchangeable entities.

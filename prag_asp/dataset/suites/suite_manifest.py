@@ -26,7 +26,7 @@ NAME, SPELLED = "suite.json", "suite.toml"
 class SuitePartManifest(msgspec.Struct):
     """A part: its conditions, its exact size, the number of its tasks, and the record of its dataset.json.
 
-    `distance` is its distance in edits from other parts, if it has one.
+    `distance` is its required distance from other parts in edits, if there is one.
     """
 
     name: str

@@ -55,7 +55,8 @@ def load_suite(name_or_path: str | Path, *, domain: Domain | None = None, trust:
     may run the Python files of the domain.
 
     Raises:
-        QueryError: there is no such suite, or the file has problems; the message has a line for each, with its place.
+        QueryError: there is no such suite, or the file has problems; the message contains a line for each, with its
+            place.
         DomainError: the file cannot be read or is not TOML, or something is wrong with the domain.
     """
     path = suite_file(name_or_path)
@@ -104,7 +105,7 @@ class _SuiteReader:
         """Return the suite.
 
         Raises:
-            QueryError: the file has problems; the message has a line for each.
+            QueryError: the file has problems; the message contains a line for each.
             DomainError: something is wrong with the domain.
         """
         name = self._table.domain

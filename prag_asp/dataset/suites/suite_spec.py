@@ -30,9 +30,10 @@ class HeldOut:
 class SuitePart:
     """A part: the tasks from which it samples, the number of samples, and the language of their texts.
 
-    `where` holds all its conditions, including those of the suite and of everything held out. `unseen` is held out from
-    the other parts, `of` is the part whose tasks it repeats, and `shares` are the parts with which it may share tasks.
-    Each task is at least as many edits as `distance` says from all tasks that satisfy the conditions of other parts.
+    `where` holds all its conditions, including those of the whole suite and those that exclude what is held out.
+    `unseen` is held out from the other parts, `of` is the part whose tasks this part repeats, and `shares` are the
+    parts with which it may share tasks. Each task is at least `distance` edits away from all tasks that satisfy the
+    conditions of other parts.
     """
 
     name: str
@@ -96,7 +97,7 @@ class Suite:
         )
 
     def apart_from(self, part: SuitePart) -> list[ApartSpec]:
-        """Return the sets of tasks from which the tasks of a part have a distance."""
+        """Return the sets of tasks from which the tasks of a part must keep a distance."""
         others = ((self.parts[name], distance) for name, distance in part.distance.items())
         return [ApartSpec(distance, [*other.lengths], [*other.where]) for other, distance in others]
 

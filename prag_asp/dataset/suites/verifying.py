@@ -136,7 +136,7 @@ def _wrong_note(suite: Suite, note: SuiteManifest, progress: Progress) -> Iterat
 
 
 def _too_near(suite: Suite, part: SuitePart, data: Dataset) -> Iterator[Finding]:
-    """Yield the tasks that are too near to another part; each distance is that of a shortest path.
+    """Yield the tasks that are too close to another part; each distance is that of a shortest path.
 
     The automaton from which the tasks were sampled is not used.
     """

@@ -1,4 +1,4 @@
-"""Check the files of a dataset: all files listed in dataset.json exist unchanged, and there are no others."""
+"""Check the files of a dataset: all files listed in dataset.json exist and are unchanged, and there are no others."""
 
 from __future__ import annotations
 

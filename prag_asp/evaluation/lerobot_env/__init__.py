@@ -1,7 +1,7 @@
 """Tasks as an environment type of LeRobot, for ``lerobot-eval --env.type=prag_asp``.
 
 LeRobot imports this package with ``--env.discover_packages_path=prag_asp.evaluation.lerobot_env``. Only this package
-imports LeRobot's configurations of environments.
+imports LeRobot's environment configurations.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from prag_asp.evaluation.lerobot_view import LeRobotView
 from prag_asp.rl.environment import TaskEnv
 
 NAME = "prag_asp/LeRobot-v0"
-"""The name of the environments, which importing this package registers."""
+"""The name of the environments, which are registered when this package is imported."""
 
 PIXELS = "pixels"
 
@@ -25,12 +25,12 @@ PIXELS = "pixels"
 @EnvConfig.register_subclass("prag_asp")
 @dataclass
 class LeRobotTasks(EnvConfig):  # type: ignore[misc]  # LeRobot has no types for mypy
-    """The configuration of environments with observations and actions as in `prag-asp export lerobot`.
+    """The configuration of environments whose observations and actions are as in `prag-asp export lerobot`.
 
-    `task` is the name or the folder of a domain, and `length` the lengths of its tasks; or give the folder of a
-    `dataset`. `where`, `split`, `hold_out`, `control` and `cameras` are as for `TaskEnv`; images have `size` pixels a
-    side. `state` lists the conventions of the state. There are `fps` actions per second, and at most `episode_length`
-    in an episode.
+    `task` is the name or the folder of a domain, and `length` gives the lengths of its tasks; alternatively, `dataset`
+    is the folder of a dataset. `where`, `split`, `hold_out`, `control` and `cameras` are as for `TaskEnv`; images are
+    `size` pixels wide and high. `state` lists the conventions of the state. There are `fps` actions per second, and at
+    most `episode_length` in an episode.
     """
 
     task: str | None = "tabletop"
@@ -73,7 +73,7 @@ class LeRobotTasks(EnvConfig):  # type: ignore[misc]  # LeRobot has no types for
 
     @property
     def gym_kwargs(self) -> dict[str, Any]:
-        """The arguments of `lerobot_env`."""
+        """The arguments for `lerobot_env`."""
         tasks = {"domain": self.task, "length": self.length} if self.dataset is None else {"dataset": self.dataset}
         images = {"cameras": tuple(self.cameras), "size": self.size if self.cameras else None}
         return {

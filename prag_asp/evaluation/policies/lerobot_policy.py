@@ -23,7 +23,7 @@ from prag_asp.physics.control.recorded_actions import state_names
 from prag_asp.rl.environment import TaskEnv
 
 STATE, BODIES = "observation.state", "observation.environment_state"
-"""The inputs of a policy besides images: states of the robots, and poses of objects."""
+"""The inputs of a policy other than images: states of the robots, and poses of objects."""
 
 
 class LeRobotPolicy:

@@ -209,7 +209,7 @@ async function showComparison() {
     make("td", {}, grouped(number)), make("td", {}, note));
   const named = (side) => side.where.join(" and ") || "no condition";
   fill("comparison", make("h3", {}, `Compared by ${view.level}s`),
-    view.distinguishes ? make("p", { class: "quiet" }, "A condition tells interchangeable entities apart, so plans are counted.") : null,
+    view.distinguishes ? make("p", { class: "quiet" }, "A condition distinguishes interchangeable entities, so plans are counted.") : null,
     make("div", { class: "scroll" }, make("table", {}, make("tbody", {},
       row(named(view.first), view.first.count, `${percent(view.first.share_of_overlap)} of it in both`),
       row(named(view.second), view.second.count, `${percent(view.second.share_of_overlap)} of it in both`),

@@ -86,7 +86,7 @@ function showVerdict(verdict) {
     line("Cause", verdict.cause), line("Nearest", verdict.nearest),
     verdict.causes.length ? line("Failed attempts", verdict.causes.map(([cause, number]) => `${cause} (${number})`).join(", ")) : null,
     make("p", { class: "quiet" }, verdict.effort));
-  fill("physics-same", make("details", {}, make("summary", {}, "The same elsewhere"), ...sameResults(verdict.same)));
+  fill("physics-same", make("details", {}, make("summary", {}, "As a command or in Python"), ...sameResults(verdict.same)));
   return verdict.status === "feasible";
 }
 

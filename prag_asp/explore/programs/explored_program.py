@@ -105,7 +105,7 @@ class ExploredProgram:
         return self.answers.where(*literals)
 
     def result(self, literals: tuple[str, ...]) -> ModelsResult:
-        """Return the numbers under some literals.
+        """Return the numbers under the given literals.
 
         All choices share the diagram of the whole program. If it takes too long, the program under the choices is
         compiled, which may be easier.

@@ -177,7 +177,7 @@ def _is_open(symbol: clingo.Symbol, atom: AtomNumbers, result: ModelsResult, dec
 
 
 def _order(state: ModelsState, atom: AtomNumbers) -> Fraction | int:
-    """Return the number by which facets are sorted, the largest first; equal ones remain in clingo's order."""
+    """Return the number by which facets are sorted, largest first; equal ones remain in clingo's order."""
     if state.sort == "share":
         return atom.count
     if state.sort == "significance" and atom.chosen is not None and atom.excluded is not None:

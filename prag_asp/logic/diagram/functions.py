@@ -131,7 +131,7 @@ class Functions:
         return outer(function)
 
     def variables(self, functions: Iterable[Node]) -> set[int]:
-        """Return the variables on which some functions depend."""
+        """Return the variables on which any of the given functions depends."""
         seen, waiting = {FALSE, TRUE}, list(functions)
         while waiting:
             node = waiting.pop()
@@ -155,7 +155,7 @@ class Functions:
     def cases(
         self, functions: tuple[Node, ...], possible: Callable[[Cube], bool], cube: Cube = ()
     ) -> Iterator[tuple[Cube, tuple[Node, ...]]]:
-        """Yield disjoint conjunctions that cover all assignments, each with the constant values of some functions.
+        """Yield disjoint conjunctions that cover all assignments, each with the constant values of the functions.
 
         Impossible conjunctions and their extensions are omitted.
         """

@@ -19,8 +19,8 @@ atom of U, and this atom is in C. Therefore no stage of C reaches an atom of U, 
 Lifschitz 2003 split by loops in the same way.)
 
 The stages are functions of M, so again each answer set is one model. The stage at which an atom appears is its level in
-the strong level ranking of M, which Janhunen (2004, 2006) shows to be unique; he writes levels in binary, which is
-smaller for large components, and propagates less.
+the strong level ranking of M, which Janhunen (2004, 2006) shows to be unique; he encodes levels in binary, which is
+smaller for large components but propagates less.
 
 *With copies.* Counting by cases needs less (Kabir, Chakraborty and Meel 2024): each atom of a component has a copy that
 implies the atom. The copy of a true atom follows if one of its rules has a true body, with copies in place of the

@@ -60,7 +60,7 @@ class ClauseBuilder:
         self.add(first, -second)
 
     def all_of(self, literals: Iterable[Literal], into: Literal | None = None) -> Literal:
-        """Return the conjunction of some literals; with `into`, state that this literal is equivalent to it."""
+        """Return the conjunction of the given literals; with `into`, state that this literal is equivalent to it."""
         inputs = set(literals) - {TRUE}
         if -TRUE in inputs or any(-literal in inputs for literal in inputs):
             existing: Literal | None = -TRUE
@@ -82,7 +82,7 @@ class ClauseBuilder:
         return output
 
     def any_of(self, literals: Iterable[Literal], into: Literal | None = None) -> Literal:
-        """Return the disjunction of some literals; with `into`, state that this literal is equivalent to it."""
+        """Return the disjunction of the given literals; with `into`, state that this literal is equivalent to it."""
         return -self.all_of((-literal for literal in literals), None if into is None else -into)
 
     def at_least(self, bound: int, literals: Sequence[Literal], weights: Sequence[int]) -> Literal:

@@ -119,7 +119,7 @@ class LiftableLines:
         return (self._lines_of([each for each in removed if model[abs(each) - 1] < 0]),)
 
     def _lines_of(self, literals: Sequence[Literal]) -> tuple[RestrictingLine, ...]:
-        """Return the lines of some literals, sorted by file and line."""
+        """Return the lines of the given literals, sorted by file and line."""
         return tuple(sorted((self._lines[each] for each in literals), key=lambda at: (at.path, at.line, at.text)))
 
     def _open(self, literals: Sequence[Literal], *, loose: bool = True) -> bool:

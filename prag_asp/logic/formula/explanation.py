@@ -43,7 +43,7 @@ class Explanation:
 
 
 def explain(model: DomainLogic, plan: Sequence[clingo.Symbol]) -> Explanation | None:
-    """Return why a sequence of actions of the domain is not a plan, or None if it is one.
+    """Return why a sequence of the domain's actions is not a plan, or None if it is one.
 
     Raises:
         EngineError: the program has no counterpart in clauses.
@@ -126,11 +126,11 @@ class _ReasonSearch:
         self.actions = [self._atom(OCCURS, action, k) for k, action in enumerate(plan, 1)]
 
     def lawful(self, end: int) -> list[Literal]:
-        """Return the literals of "no constraint is violated up to a time"."""
+        """Return the literals which state that no constraint is violated up to a time."""
         return [-literal for time, literals in self._broken.items() if time <= end for literal in literals.values()]
 
     def until(self, step: int) -> list[Literal]:
-        """Return the literals of "the first steps occur and violate no constraint"."""
+        """Return the literals which state that the first steps occur and violate no constraint."""
         return [*self.actions[:step], *self.lawful(step)]
 
     def reasons(self, step: int) -> Iterator[str]:

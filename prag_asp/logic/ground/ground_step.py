@@ -72,7 +72,7 @@ class GroundStep:
 
 
 def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
-    """Ground one step of a program for every state that it may start from.
+    """Ground one step of a program for every state from which it may start.
 
     The atoms of step t-1 are not known beforehand: the step is grounded again until it derives no new ones. A step that
     carries only the state is grounded once. A step that carries more, like the hierarchy of `kitchen`, is grounded at
@@ -266,7 +266,7 @@ def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], others: Iterabl
 
 
 def ground_plan(program: Program, length: int, reads: StepReads) -> GroundStep:
-    """Ground all steps of plans of a given length; `names` then has the atoms of every step.
+    """Ground all steps of plans of a given length; `names` then contains the atoms of every step.
 
     Raises:
         DomainError: clingo cannot ground the program.
@@ -325,19 +325,21 @@ def _recorded(grounder: Grounder, recorder: GroundRecorder, reads: StepReads) ->
     always: list[clingo.Symbol] = []
     for name, arity in sorted(reads.timed | reads.previous | {STATE, FINAL}):
         for arguments, literal, is_fact in ground_atoms(grounder.control, name, arity):
-            symbol, (*others, time) = clingo.Function(name, arguments), arguments
             if not (literal or is_fact):  # only `not` reads it
                 continue
+            *others, time = arguments
+            untimed = clingo.Function(name, others)
             if time == START:
-                initial.add(clingo.Function(name, others))
+                initial.add(untimed)
                 if not is_fact:
-                    obstacles.append(Obstacle(f"{symbol} depends on a choice: plans do not begin in one state"))
+                    spelled_atom = clingo.Function(name, arguments)
+                    obstacles.append(Obstacle(f"{spelled_atom} depends on a choice: plans do not begin in one state"))
                 continue
             if time == NOW and is_fact and (name, arity) in reads.timed & (reads.last | CONTRACT):
-                always.append(clingo.Function(name, others))
-            names[literal] = symbol
+                always.append(untimed)
+            names[literal] = clingo.Function(name, arguments)
             if time in by_time:
-                by_time[time][clingo.Function(name, others)] = literal
+                by_time[time][untimed] = literal
     if any(rule.heads for rule in recorder.rules.get("base", [])):
         obstacles.append(Obstacle("the base part makes a choice"))
     return GroundStep(

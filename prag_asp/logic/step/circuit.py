@@ -63,11 +63,11 @@ class Gates:
         return CONSTANTS + place
 
     def all(self, operands: Iterable[int]) -> int:
-        """Return the conjunction of some gates."""
+        """Return the conjunction of gates."""
         return self._gate(True, operands)
 
     def any(self, operands: Iterable[int]) -> int:
-        """Return the disjunction of some gates."""
+        """Return the disjunction of gates."""
         return self._gate(False, operands)
 
     def _gate(self, conjunction: bool, operands: Iterable[int]) -> int:
@@ -84,7 +84,7 @@ class Gates:
         return self._numbers[key]
 
     def circuit(self, roots: Sequence[int]) -> tuple[Circuit, Mapping[int, int]]:
-        """Return the circuit of some gates and all gates that they read, and the number that each gate has in it."""
+        """Return the circuit of the given gates and of all gates that they read, and each gate's number in it."""
         before = CONSTANTS + self._inputs
         needed: set[int] = set()
         waiting = [gate for gate in roots if gate >= before]

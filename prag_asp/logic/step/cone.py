@@ -44,7 +44,7 @@ def find_cone(step: NormalStep, labels: Iterable[int] = ()) -> Cone:
 
 
 def _influence(step: NormalStep, roots: Iterable[int]) -> set[int]:
-    """Return `roots` and the atoms that they depend on, in this step and in all earlier ones."""
+    """Return `roots` and the atoms on which they depend, in this step and in all earlier ones."""
     now, before = step.ground.now, {atom: symbol for symbol, atom in step.ground.before.items()}
     seen: set[int] = set()
     waiting = list(roots)

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.logic.ground.ground_step import timeless, unrolled
+from prag_asp.logic.step.bit_columns import bits_of, columns_of, each_bits
 from prag_asp.logic.step.normal import NormalStep, RuleBody
-from prag_asp.logic.step.strata import Column, Stratum, evaluate, stratify
+from prag_asp.logic.step.strata import Stratum, evaluate, stratify
 from prag_asp.program.grounding import Grounder, Part
 from prag_asp.program.predicates import OCCURS, STATE
 from prag_asp.program.sources import Program
@@ -105,31 +106,31 @@ class Hindsight:
     def follow(self, states: Truth, letters: NDArray[np.int64]) -> tuple[Truth, Truth]:
         """Return the states after valid actions with the given numbers, and the atoms of the steps for hindsight."""
         size = len(letters)
-        columns = dict(zip(self._carried, states, strict=True))
-        columns.update((atom, letters == number) for number, atom in enumerate(self.step.occurs.values()))
-        evaluate(self._forward, self.step.bodies, columns, size)
-        return _rows_of(columns, self._carried.values(), size), _rows_of(columns, self._seen, size)
+        values = dict(zip(self._carried, each_bits(states), strict=True))
+        values.update((atom, bits_of(letters == number)) for number, atom in enumerate(self.step.occurs.values()))
+        evaluate(self._forward, self.step.bodies, values, size)
+        return _rows_of(values, self._carried.values(), size), _rows_of(values, self._seen, size)
 
     def evaluate_last(self, seen: Truth) -> Truth:
         """Return the known atoms of the final state, from the seen atoms of the last step."""
-        return self._evaluated(dict(zip(self._seen, seen, strict=True)), "ending", seen.shape[1])
+        return self._evaluated(dict(zip(self._seen, each_bits(seen), strict=True)), "ending", seen.shape[1])
 
     def evaluate_before(self, seen: Truth, known: Truth) -> Truth:
         """Return the known atoms before steps, from the seen atoms of the steps and the known atoms after them."""
-        columns = dict(zip(self._seen, seen, strict=True))
-        columns.update(zip((atom for atom, *_ in self._rows), known, strict=True))
-        return self._evaluated(columns, "hindsight", seen.shape[1])
+        values = dict(zip(self._seen, each_bits(seen), strict=True))
+        values.update(zip((atom for atom, *_ in self._rows), each_bits(known), strict=True))
+        return self._evaluated(values, "hindsight", seen.shape[1])
 
     def end_values(self, read: Truth) -> FluentValues:
         """Return the values in final states, from the truth of the atoms `last_read`; shape (fluents, plans)."""
-        columns = dict(zip(self._read("ending"), read, strict=True))
-        return self.values(self._evaluated(columns, "ending", read.shape[1]))
+        values = dict(zip(self._read("ending"), each_bits(read), strict=True))
+        return self.values(self._evaluated(values, "ending", read.shape[1]))
 
-    def _evaluated(self, columns: dict[int, Column], part: str, size: int) -> Truth:
+    def _evaluated(self, values: dict[int, int], part: str, size: int) -> Truth:
         bodies, strata = self._parts[part]
-        evaluate(strata, bodies, columns, size)
+        evaluate(strata, bodies, values, size)
         place = 0 if part == "ending" else 1
-        return _rows_of(columns, (row[place] for row in self._rows), size)
+        return _rows_of(values, (row[place] for row in self._rows), size)
 
     def values(self, known: Truth) -> FluentValues:
         """Return known atoms as values of fluents."""
@@ -143,11 +144,9 @@ def _number(value: clingo.Symbol) -> int:
     return TRUE if value.name == "true" else FALSE
 
 
-def _rows_of(columns: Mapping[int, Column], atoms: Iterable[int], size: int) -> Truth:
-    """Return the columns of atoms as rows; an atom that nothing derives is false."""
-    false = np.zeros(size, dtype=np.bool_)
-    rows = [columns.get(atom, false) for atom in atoms]
-    return np.stack(rows) if rows else np.zeros((0, size), dtype=np.bool_)
+def _rows_of(values: Mapping[int, int], atoms: Iterable[int], size: int) -> Truth:
+    """Return the truth of atoms as rows; an atom that nothing derives is false."""
+    return columns_of((values.get(atom, 0) for atom in atoms), size)
 
 
 def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]) -> FluentValues:

@@ -17,7 +17,7 @@ from prag_asp.logic.step.transition import Transition
 from prag_asp.program.entity_names import action_name
 
 FEWEST_VARIABLES = 12
-"""The minimum number of variables to search for parts; with fewer, there are few states."""
+"""The minimum number of variables for which parts are searched for; with fewer, there are few states anyway."""
 
 Node = tuple[str, int]
 """A variable, an atom that rules define, or an action, by number."""
@@ -53,6 +53,14 @@ class _Parts:
         self._idle_nodes: dict[int, list[Node]] = {}
         self._asking: dict[int, list[Node]] = {}
         self._settled = self._decided()
+        nodes = [
+            *(("action", letter) for letter in self._moves),
+            *(("variable", place) for place in range(len(transition.variables))),
+        ]
+        for letter, move in self._moves.items():
+            self._join_effects(letter, move)
+        if len(set(map(self._root, nodes))) == 1:
+            return  # the other rules could only join more
         rules = transition.rules
         for place, atom in enumerate(rules.written):
             if atom in rules.order:
@@ -109,14 +117,18 @@ class _Parts:
                 decided |= inside
         return decided
 
+    def _join_effects(self, letter: int, move: Move) -> None:
+        """Join an action with the nodes that its guards read, and with the variables that it sets."""
+        places = self._transition.places_set(move)
+        self._join([("action", letter), *self._read(move.guards), *(("variable", place) for place in places)])
+
     def _join_action(self, letter: int, move: Move) -> None:
-        """Join an action with the nodes that it reads and sets, and record the constraints that read it."""
+        """Join an action with the other nodes that it reads, and record the constraints that read it."""
         action: Node = ("action", letter)
         own = {atom for stratum in move.strata for atom in stratum.atoms}
         for atom in own:
             self._join([action, ("atom", atom), *self._read(move.bodies[atom], own)])
-        self._join([action, *self._read(move.guards), *self._read(move.constraints, own)])
-        self._join([action, *(("variable", place) for place in self._transition.places_set(move))])
+        self._join([action, *self._read(move.constraints, own)])
         constants = {**self._transition.rules.no_action, **move.constants}
         for number in move.touched:
             simplified = simplify(self._transition.constraints[number], constants)
@@ -145,7 +157,7 @@ class _Parts:
         return nodes
 
     def _leaves(self, body: RuleBody) -> list[Node]:
-        """Return the variables that a constraint on the final state depends on."""
+        """Return the variables on which a constraint on the final state depends."""
         step = self._transition.step
         places = {step.ground.now.get(symbol): place for place, symbol in enumerate(self._transition.variables)}
         seen: set[int] = set()

@@ -87,7 +87,7 @@ def _left_of_rules(
         stratum = rules.strata[place]
         inside = set(stratum.atoms) if stratum.recursive else set()
         for atom in stratum.atoms:
-            simplified = [simplify(body, constants) for body in rules.bodies_with(action, atom)]
+            simplified = rules.simplified_with(action, atom, affected, constants)
             if any(body is True for body in simplified):
                 constants[atom] = True
             elif atom not in inside and all(body is False for body in simplified):

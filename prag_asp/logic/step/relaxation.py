@@ -146,7 +146,7 @@ class _Relaxed:
         values: dict[int, May],
         value: Callable[[int], May],
     ) -> None:
-        """Add the facts of the atoms of some strata to `values`; `value` reads these and all other facts."""
+        """Add the facts of the atoms in the given strata to `values`; `value` reads these and all other facts."""
         for stratum in strata:
             if not stratum.recursive:
                 values |= {atom: self._value(bodies[atom], value) for atom in stratum.atoms}
@@ -159,7 +159,7 @@ class _Relaxed:
                 values |= {atom: (self._value(bodies[atom], value)[0], TRUE) for atom in stratum.atoms}
 
     def _value(self, bodies: Sequence[RuleBody], value: Callable[[int], May]) -> May:
-        """Return the gates of an atom with some bodies; a sum with a positive bound requires a true literal."""
+        """Return the gates of an atom with the given bodies; a sum with a positive bound requires a true literal."""
         true = []
         for body in bodies:
             literals = [value(abs(literal))[literal < 0] for literal in body.literals]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -62,7 +62,7 @@ class StepRules:
         ]
 
     @cached_property
-    def _by_action(self) -> Mapping[int, tuple[Mapping[int, list[RuleBody]], list[ActionSum], list[RuleBody]]]:
+    def _by_action(self) -> Mapping[int, tuple[Mapping[int, list[RuleBody]], list[ActionSum], _Others]]:
         """Map each atom to the bodies that contain an action (keyed by action), the sums, and all other bodies."""
         table = {}
         for atom in self.order:
@@ -75,13 +75,19 @@ class StepRules:
                     sums.append(ActionSum.of(body, self.actions))
                 else:
                     (by_action.setdefault(acting[0], []) if acting else others).append(body)
-            table[atom] = (by_action, sums, others)
+            table[atom] = (by_action, sums, _Others(others, self.no_action))
         return table
 
-    def bodies_with(self, action: int, atom: int) -> list[RuleBody]:
-        """Return the bodies of an atom that may be true if one action occurs and no other."""
+    def simplified_with(
+        self, action: int, atom: int, affected: Set[int], constants: Constants
+    ) -> list[RuleBody | bool]:
+        """Return the bodies of an atom that may be true if one action occurs and no other, simplified.
+
+        `affected` are the atoms that the action can change; beyond the actions, no other atom is among the constants.
+        """
         by_action, sums, others = self._by_action[atom]
-        return [*by_action.get(action, ()), *(body for each in sums for body in each.with_action(action)), *others]
+        own = [*by_action.get(action, ()), *(body for each in sums for body in each.with_action(action))]
+        return [*(simplify(body, constants) for body in own), *others.simplified(action, affected, constants)]
 
     @cached_property
     def readers(self) -> Mapping[int, list[int]]:
@@ -118,3 +124,23 @@ def _places(atoms: Sequence[int]) -> dict[int, list[int]]:
     for place, atom in enumerate(atoms):
         places.setdefault(atom, []).append(place)
     return places
+
+
+class _Others:
+    """Bodies that contain no action positively, simplified once for all actions that do not concern them."""
+
+    def __init__(self, bodies: list[RuleBody], no_action: Constants) -> None:
+        self._bodies = bodies
+        self._idle = [simplify(body, no_action) for body in bodies]
+        self._readers: dict[int, list[int]] = {}
+        for number, body in enumerate(bodies):
+            for literal in body.literals:
+                self._readers.setdefault(abs(literal), []).append(number)
+
+    def simplified(self, action: int, affected: Set[int], constants: Constants) -> list[RuleBody | bool]:
+        """Return the bodies, simplified for an action that can change the `affected` atoms."""
+        found = self._idle.copy()
+        for atom in (action, *(affected & self._readers.keys())):
+            for number in self._readers.get(atom, ()):
+                found[number] = simplify(self._bodies[number], constants)
+        return found

@@ -1,4 +1,4 @@
-"""Stratification of ground rules, and their evaluation on columns."""
+"""Stratification of ground rules, and their evaluation in many states at once."""
 
 from __future__ import annotations
 
@@ -6,15 +6,12 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from prag_asp.errors import EngineError
 from prag_asp.logic.ground.ground_step import GroundStep
+from prag_asp.logic.step.bit_columns import all_true, bits_of, column_of
 from prag_asp.logic.step.normal import NormalStep, RuleBody, normal_step
 from prag_asp.program.finite.components import components
-
-Column = NDArray[np.bool_]
-"""The truth of one atom in many states: shape (number of states,)."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +35,7 @@ def stratified_step(ground: GroundStep) -> NormalStep:
 
 
 def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[RuleBody, ...]]) -> list[Stratum]:
-    """Return the atoms that `roots` depend on and that rules define, in order of dependency.
+    """Return the atoms on which `roots` depend and that rules define, in order of dependency.
 
     Raises:
         EngineError: an atom depends on its own negation.
@@ -57,53 +54,54 @@ def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[RuleBody, ...]]) -
     return strata
 
 
-def body_column(body: RuleBody, column: Callable[[int], Column], size: int) -> Column:
-    """Return the truth of a body as a column."""
+def body_bits(body: RuleBody, read: Callable[[int], int], size: int, every: int) -> int:
+    """Return the truth of a body in `size` states as bits; `every` has all of them."""
     if body.weights:
         total = np.zeros(size, dtype=np.int64)
         for literal, weight in zip(body.literals, body.weights, strict=True):
-            total += weight * (column(literal) if literal > 0 else ~column(-literal))
-        reached: Column = total >= body.bound
-        return reached
-    result: Column | None = None
+            total += weight * column_of(read(literal) if literal > 0 else every ^ read(-literal), size)
+        return bits_of(total >= body.bound)
+    result = every
     for literal in body.literals:
-        value = column(literal) if literal > 0 else ~column(-literal)
-        result = value if result is None else result & value
-    return np.ones(size, dtype=np.bool_) if result is None else result
+        result &= read(literal) if literal > 0 else every ^ read(-literal)
+        if not result:
+            break
+    return result
 
 
 def evaluate(
     strata: Iterable[Stratum],
     bodies: Mapping[int, tuple[RuleBody, ...]],
-    columns: dict[int, Column],
+    values: dict[int, int],
     size: int,
-    read: Callable[[int], Column] | None = None,
-) -> Callable[[int], Column]:
-    """Add the column of every atom of `strata` to `columns`, and return a reader of columns.
+    read: Callable[[int], int] | None = None,
+) -> Callable[[int], int]:
+    """Add the truth of every atom of `strata` in `size` states, as bits, to `values`; return a reader of values.
 
-    `read` reads `columns` and all other atoms; by default, an atom that nothing derives is false.
+    `read` reads `values` and all other atoms; by default, an atom that nothing derives is false.
     """
-    false = np.zeros(size, dtype=np.bool_)
-    column = read or (lambda atom: columns.get(atom, false))
+    every = all_true(size)
+    reader = read or (lambda atom: values.get(atom, 0))
     for stratum in strata:
         if not stratum.recursive:
             for atom in stratum.atoms:
-                columns[atom] = _any_body(bodies[atom], column, size)
+                values[atom] = _any_body(bodies[atom], reader, size, every)
             continue
-        columns.update(dict.fromkeys(stratum.atoms, false))
+        values.update(dict.fromkeys(stratum.atoms, 0))
         changed = True
         while changed:
             changed = False
             for atom in stratum.atoms:
-                value = columns[atom] | _any_body(bodies[atom], column, size)
-                changed |= not np.array_equal(value, columns[atom])
-                columns[atom] = value
-    return column
+                value = values[atom] | _any_body(bodies[atom], reader, size, every)
+                changed |= value != values[atom]
+                values[atom] = value
+    return reader
 
 
-def _any_body(bodies: tuple[RuleBody, ...], column: Callable[[int], Column], size: int) -> Column:
-    value: Column | None = None
+def _any_body(bodies: tuple[RuleBody, ...], read: Callable[[int], int], size: int, every: int) -> int:
+    value = 0
     for body in bodies:
-        result = body_column(body, column, size)
-        value = result if value is None else value | result
-    return np.zeros(size, dtype=np.bool_) if value is None else value
+        value |= body_bits(body, read, size, every)
+        if value == every:
+            break
+    return value

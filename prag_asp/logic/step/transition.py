@@ -1,8 +1,8 @@
 """A step of a domain as a function from states to states, evaluated on all states of a frontier at once.
 
 This module does not interpret the meaning of rules. The ground rules are evaluated once without an action, which gives
-every atom a column over the states. For each action, only the atoms that depend on it are re-evaluated, and only on the
-states in which it breaks no constraint that reads the state directly.
+every atom its truth in all states. For each action, only the atoms that depend on it are re-evaluated; if it may occur
+in few of many states, on these alone.
 """
 
 from __future__ import annotations
@@ -15,16 +15,20 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.logic.step.bit_columns import Column, all_true, bits_of, column_of, columns_of, each_bits
 from prag_asp.logic.step.cone import find_cone
 from prag_asp.logic.step.moves import Move, compile_move
 from prag_asp.logic.step.normal import NormalStep, RuleBody
 from prag_asp.logic.step.packed import WORD, Rows, pack, unpack
 from prag_asp.logic.step.step_rules import StepRules
-from prag_asp.logic.step.strata import Column, Stratum, body_column, evaluate, stratify
+from prag_asp.logic.step.strata import Stratum, body_bits, evaluate, stratify
 from prag_asp.processes.progress_events import stage
 
 ROOM = 2**25
 """The maximum memory in bytes for the columns of `Needs` that are tested together."""
+
+WIDE, SPARSE = 2**12, 8
+"""From this number of states on, an action that may occur in less than one of `SPARSE` is evaluated on these alone."""
 
 MANY = 64
 """The number of actions from which on `Needs` rules out actions together; fewer actions are tried one by one."""
@@ -62,7 +66,7 @@ class Needs:
         return cls(len(actions), tuple(numbers), letters, np.append(starts, len(table)), table[:, 1])
 
     def met(self, read: Callable[[int], Column], states: int) -> NDArray[np.bool_]:
-        """Return which actions are not forbidden in some state of a frontier, shape (actions,)."""
+        """Return which actions are not forbidden in at least one state of a frontier, shape (actions,)."""
         met = np.ones(self.size, dtype=np.bool_)
         if not len(self.letters):
             return met
@@ -140,7 +144,7 @@ class Transition:
 
     @cached_property
     def final_strata(self) -> list[Stratum]:
-        """The rules that the check after the last step depends on, in order."""
+        """The rules on which the check after the last step depends, in order."""
         roots = [abs(literal) for body in self.step.final for literal in body.literals]
         return stratify(roots, self.step.final_bodies)
 
@@ -152,14 +156,14 @@ class Transition:
 
     def accepts(self, states: Rows) -> Column:
         """Return whether a plan may end in each state, shape (number of states,)."""
-        broken = np.zeros(len(states), dtype=np.bool_)
-        if not self.step.final:
-            return ~broken
-        columns = self._columns(states, self.step.ground.now)
-        read = evaluate(self.final_strata, self.step.final_bodies, columns, len(states))
-        for body in self.step.final:
-            broken |= body_column(body, read, len(states))
-        return ~broken
+        every = all_true(len(states))
+        broken = 0
+        if self.step.final:
+            values = self._values(states, self.step.ground.now)
+            read = evaluate(self.final_strata, self.step.final_bodies, values, len(states))
+            for body in self.step.final:
+                broken |= body_bits(body, read, len(states), every)
+        return column_of(every ^ broken, len(states))
 
     def places_set(self, move: Move) -> list[int]:
         """Return the variables that an action determines, in order."""
@@ -168,7 +172,7 @@ class Transition:
 
     def rests(self, states: Rows) -> Column:
         """Return whether each state is unchanged and breaks no constraint if no action occurs, shape (states,)."""
-        before = _Before.evaluated(self.rules, self._columns(states, self.step.ground.before), len(states))
+        before = _Before.evaluated(self.rules, self._values(states, self.step.ground.before), len(states))
         stays: Column = (before.after == states).all(axis=1) & (before.breaches == 0)
         return stays
 
@@ -177,102 +181,117 @@ class Transition:
 
         `candidates` restricts the actions of each state, shape (states, actions); without it, all actions are tried.
         """
-        before = _Before.evaluated(self.rules, self._columns(states, self.step.ground.before), len(states))
+        before = _Before.evaluated(self.rules, self._values(states, self.step.ground.before), len(states))
         tried = np.ones(len(self.actions), dtype=np.bool_)
         if candidates is not None:
             tried &= candidates.any(axis=0)
         if len(tried) > MANY:
-            tried &= self._needs.met(before.read, len(states))
+            tried &= self._needs.met(before.column, len(states))
         for letter in np.flatnonzero(tried).tolist():
-            sources = _unguarded(self.move(letter), before, None if candidates is None else candidates[:, letter])
-            if len(sources):
-                yield _apply(self.move(letter), letter, before, sources)
+            valid = _unguarded(self.move(letter), before, None if candidates is None else candidates[:, letter])
+            if valid.any():
+                yield _apply(self.move(letter), letter, before, valid)
 
-    def _columns(self, states: Rows, atoms: Mapping[clingo.Symbol, int]) -> dict[int, Column]:
-        """Return the columns of the variables among `atoms`."""
-        rows = unpack(states, len(self.variables))
-        return {atoms[symbol]: row for symbol, row in zip(self.variables, rows, strict=True) if symbol in atoms}
+    def _values(self, states: Rows, atoms: Mapping[clingo.Symbol, int]) -> dict[int, int]:
+        """Return the truth of the variables among `atoms`, as bits."""
+        rows = each_bits(unpack(states, len(self.variables)))
+        return {atoms[symbol]: bits for symbol, bits in zip(self.variables, rows, strict=True) if symbol in atoms}
 
 
 @dataclass(frozen=True)
 class _Before:
     """A frontier with every rule evaluated for a step without an action.
 
-    `broken` holds the constraints that are violated in some state, and `breaches` the number of constraints that are
-    violated in each state; `after` and `labels` are the states and the labels after a step without an action.
+    `values` has the truth of atoms in its `size` states, as bits. `broken` holds the constraints that are violated in
+    some state, and `breaches` the number of constraints that are violated in each state; `after` and `labels` are the
+    states and the labels after a step without an action.
     """
 
-    read: Callable[[int], Column]
+    values: Mapping[int, int]
+    size: int
     broken: Mapping[int, Column]
     breaches: NDArray[np.int32]
     after: Rows
     labels: NDArray[np.bool_]
+    _columns: dict[int, Column] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def evaluated(cls, rules: StepRules, columns: dict[int, Column], size: int) -> _Before:
-        """Evaluate the rules on the columns of the atoms of step t-1."""
-        read = evaluate(rules.strata, rules.idle, columns, size)
+    def evaluated(cls, rules: StepRules, values: dict[int, int], size: int) -> _Before:
+        """Evaluate the rules on the truth of the atoms of step t-1."""
+        read, every = evaluate(rules.strata, rules.idle, values, size), all_true(size)
         broken: dict[int, Column] = {}
         breaches = np.zeros(size, dtype=np.int32)
         for number, body in rules.idle_constraints:
-            value = body_column(body, read, size)
-            if value.any():
-                broken[number] = value
-                breaches += value
-        return cls(read, broken, breaches, pack(_stacked(map(read, rules.written), size)),
-                   _stacked(map(read, rules.labels), size).T)  # fmt: skip
+            bits = body_bits(body, read, size, every)
+            if bits:
+                broken[number] = column_of(bits, size)
+                breaches += broken[number]
+        after = pack(columns_of(map(read, rules.written), size))
+        return cls(values, size, broken, breaches, after, columns_of(map(read, rules.labels), size).T)
+
+    def read(self, atom: int) -> int:
+        """Return the truth of an atom, as bits."""
+        return self.values.get(atom, 0)
+
+    def column(self, atom: int) -> Column:
+        """Return the truth of an atom as a column."""
+        if atom not in self._columns:
+            self._columns[atom] = column_of(self.read(atom), self.size)
+        return self._columns[atom]
 
 
-def _apply(move: Move, letter: int, before: _Before, sources: NDArray[np.intp]) -> Successors:
-    columns: dict[int, Column] = {}
+def _apply(move: Move, letter: int, before: _Before, valid: Column) -> Successors:
+    sources = np.flatnonzero(valid)
+    few = before.size >= WIDE and SPARSE * len(sources) < before.size
+    size = len(sources) if few else before.size
+    every = all_true(size)
+    values: dict[int, int] = {}
 
-    def column(atom: int) -> Column:
-        if atom not in columns:
+    def read(atom: int) -> int:
+        if atom not in values:
             constant = move.constants.get(atom)
-            columns[atom] = before.read(atom)[sources] if constant is None else np.full(len(sources), constant)
-        return columns[atom]
+            if constant is not None:
+                values[atom] = every if constant else 0
+            else:
+                values[atom] = bits_of(before.column(atom)[sources]) if few else before.read(atom)
+        return values[atom]
 
-    evaluate(move.strata, move.bodies, columns, len(sources), column)
-    bad = np.zeros(len(sources), dtype=np.bool_)
+    evaluate(move.strata, move.bodies, values, size, read)
+    bad = 0
     for body in move.constraints:
-        bad |= body_column(body, column, len(sources))
-    if bad.any():
-        allowed = ~bad
-        sources = sources[allowed]
-        columns = {atom: value[allowed] for atom, value in columns.items()}
+        bad |= body_bits(body, read, size, every)
+    rows = np.arange(size) if few else sources
+    if bad:
+        rows = rows[~column_of(bad, size)[rows]]
+    sources = sources[rows] if few else rows
     states = (before.after[sources] & move.keep) | move.put
     for place, atom in move.changed:
         word, shift = divmod(place, WORD)
-        states[:, word] |= columns[atom].astype(np.uint64) << np.uint64(shift)
+        states[:, word] |= column_of(values[atom], size)[rows].astype(np.uint64) << np.uint64(shift)
     labels = before.labels[sources]
     for place, atom in move.labels:
-        labels[:, place] = columns[atom]
+        labels[:, place] = column_of(values[atom], size)[rows]
     for place, value in move.fixed_labels:
         labels[:, place] = value
     return Successors(letter, sources, states, labels)
 
 
-def _unguarded(move: Move, before: _Before, tried: NDArray[np.bool_] | None) -> NDArray[np.intp]:
-    """Return the rows in which an action is forbidden neither by a guard nor by a constraint that does not read it."""
-    size = len(before.breaches)
+def _unguarded(move: Move, before: _Before, tried: Column | None) -> Column:
+    """Return whether, in each state, neither a guard nor a constraint that does not read an action forbids it."""
     if move.impossible:
-        return np.zeros(0, dtype=np.intp)
+        return np.zeros(before.size, dtype=np.bool_)
     breaches = before.breaches
     for number in move.touched & before.broken.keys():
         breaches = breaches - before.broken[number]
-    valid = breaches == 0
+    valid: Column = breaches == 0
     if tried is not None:
         valid &= tried
+    bits, every = bits_of(valid), all_true(before.size)
     for guard in move.guards:
-        if not valid.any():
+        if not bits:
             break
-        valid &= ~body_column(guard, before.read, size)
-    return np.flatnonzero(valid)
-
-
-def _stacked(columns: Iterator[Column], size: int) -> NDArray[np.bool_]:
-    rows = list(columns)
-    return np.stack(rows) if rows else np.zeros((0, size), dtype=np.bool_)
+        bits &= every ^ body_bits(guard, before.read, before.size, every)
+    return column_of(bits, before.size)
 
 
 def build_transition(step: NormalStep, labels: Sequence[clingo.Symbol] = ()) -> Transition:

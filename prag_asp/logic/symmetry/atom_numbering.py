@@ -108,7 +108,7 @@ class Atoms:
         return shaped in self._numbers
 
     def named_atoms(self, atoms: Mapping[int, int]) -> Iterator[tuple[Shaped, int]]:
-        """Yield those of some atoms that are named, each with its value."""
+        """Yield those of the given atoms that are named, each with its value."""
         for number, mark in atoms.items():
             key = self._keys[number]
             if isinstance(key, tuple):

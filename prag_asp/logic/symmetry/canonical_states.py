@@ -128,7 +128,7 @@ class Merging:
         return np.concatenate(columns)
 
     def classes(self, twins: NDArray[np.bool_]) -> Twins:
-        """Return the classes of twins in some states, given which entities are twins of the previous one."""
+        """Return the classes of twins in the given states, given which entities are twins of the previous one."""
         return Twins.between(self.actions, twins)
 
     def free(self, states: Rows) -> NDArray[np.bool_]:

@@ -24,7 +24,7 @@ TOGETHER = 2**22
 
 @dataclass(frozen=True)
 class StateBits:
-    """The bits set in some packed states, each a term: `state` and `term` have shape (bits,), in order of the states.
+    """The bits set in packed states, each a term: `state` and `term` have shape (bits,), in order of the states.
 
     `alone` holds, for each state and entity, the patterns of the bits that name only that entity, as a set packed into
     words, shape (states, entities, words). `related` are the indices, in `state` and `term`, of the bits that relate
@@ -39,7 +39,7 @@ class StateBits:
     related: NDArray[np.intp]
 
     def entities(self, bits: NDArray[np.intp]) -> NDArray[np.int64]:
-        """Return the entities that the given bits name, shape (bits, most entities in a term)."""
+        """Return the entities that the given bits name, one row for each bit."""
         return self.terms.entities[self.term[bits]]
 
 

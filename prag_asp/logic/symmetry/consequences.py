@@ -71,7 +71,7 @@ class Consequences:
         return self._remembered[literal]
 
     def _follow(self, literals: Iterable[SignedAtom], below: _Closure | None) -> _Closure | None:
-        """Return the consequences of some literals and of those in `below`, or None if they contradict the rules."""
+        """Return the consequences of literals and of those in `below`, or None if they contradict the rules."""
         closure = _Closure({literal for literal in literals if below is None or not below.has(literal)}, {}, below)
         waiting = list(closure.literals)
         while waiting:
@@ -93,7 +93,7 @@ class Consequences:
 
 @dataclass(frozen=True)
 class _Closure:
-    """The consequences of some literals, and the sums that they reach in the bodies of rules, by rule number.
+    """The consequences of given literals, and the sums that they reach in the bodies of rules, by rule number.
 
     Both contain only the differences from the closure `below`.
     """

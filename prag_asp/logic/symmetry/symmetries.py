@@ -22,7 +22,7 @@ Unit = tuple[clingo.Symbol, ...]
 
 @dataclass(frozen=True)
 class Symmetries:
-    """Groups of two or more interchangeable entities, and joint groups of two or more units, the outer ones first."""
+    """Groups of two or more interchangeable entities, and joint groups of two or more units, outer ones first."""
 
     groups: tuple[tuple[clingo.Symbol, ...], ...] = ()
     joint: tuple[tuple[Unit, ...], ...] = ()

@@ -118,7 +118,7 @@ class _Terms:
     has: Callable[[Shaped], bool]
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[MissingImage]:
-        """Yield the terms that name some entities and whose image is not a term."""
+        """Yield the terms that name any of the given entities and whose image is not a term."""
         for entity in entities:
             for shape, inside in self.naming.get(entity, ()):
                 if not self.has((shape, tuple([names.get(each, each) for each in inside]))):
@@ -133,7 +133,7 @@ class _Terms:
         return iter(())
 
     def size(self, entities: Iterable[int]) -> int:
-        """Return the total number of terms that name each of some entities, a measure of the work."""
+        """Return the total number of terms that name each of the given entities, as a measure of the work."""
         return sum(len(self.naming.get(entity, ())) for entity in entities)
 
 
@@ -178,7 +178,7 @@ class _Rules:
         return False
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[MissingImage]:
-        """Yield the atoms of rules that name some entities and whose image is not an atom."""
+        """Yield the atoms of rules that name any of the given entities and whose image is not an atom."""
         yield from self._terms.lacking(names, entities)
         if self._others:
             yield from self._others.lacking(names, entities)
@@ -204,14 +204,14 @@ class _Rules:
         return image is not None and (image in self._deriving or self._entails(image))
 
     def _entails(self, rule: SpelledRule) -> bool:
-        """Return whether a rule is entailed by the rules of every step, or, if it is of the last step, by all rules."""
+        """Return whether a rule is entailed by the rules of every step or, if it is of the last step, by all rules."""
         if rule.last not in self._consequences:
             rules = (each for each in self.atoms.rules if rule.last or not each.last)
             self._consequences[rule.last] = Consequences([*rules, *self.atoms.definitions])
         return self._consequences[rule.last].has(rule)
 
     def size(self, entities: Iterable[int]) -> int:
-        """Return the total number of atoms that name each of some entities."""
+        """Return the total number of atoms that name each of the given entities."""
         return self._terms.size(entities)
 
     @cached_property

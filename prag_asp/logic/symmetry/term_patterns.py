@@ -23,9 +23,9 @@ class Patterns:
     """Terms, each as a pattern and the distinct units that it names, from left to right.
 
     A unit is called an entity here; an entity that is interchangeable on its own is a unit of one entity. `pattern` has
-    shape (terms,); `entities` has shape (terms, most entities in a term), padded with -1; `named` is the number of
-    entities that each pattern names, and `places` is the total number of entities. The terms are `complete` if every
-    renaming of a term that permutes the groups is a term again.
+    shape (terms,); `entities` has a row for each term, padded with -1; `named` is the number of entities that each
+    pattern names, and `places` is the total number of entities. The terms are `complete` if every renaming of a term
+    that permutes the groups is a term again.
     """
 
     pattern: NDArray[np.int64]

@@ -12,7 +12,7 @@ from prag_asp.logic.symmetry.term_patterns import Patterns
 
 @dataclass(frozen=True)
 class Twins:
-    """Classes of twins in some states, each represented by its first entity.
+    """Classes of twins in given states, each represented by its first entity.
 
     For each entity, `first` is the first twin, `rank` the number of twins before it, and `count` the number of all its
     twins including itself; all have shape (states, entities).
@@ -46,7 +46,7 @@ class Twins:
         return result
 
     def multiplicity(self, letter: int, states: NDArray[np.intp]) -> NDArray[np.int64]:
-        """Return the number of renamings by twins of an action in each of some states."""
+        """Return the number of renamings by twins of an action in each of the given states."""
         entities = self.actions.entities[letter : letter + 1]
         result = np.ones(len(states), dtype=np.int64)
         for place in range(int(self.actions.arity[letter])):
@@ -64,7 +64,7 @@ class Twins:
     ) -> NDArray[np.int64]:
         """Return how many twins of the entity at a given place are named by actions before this place.
 
-        `entities` has shape (actions, most named); the result has shape (states, actions).
+        `entities` has a row for each action; the result has shape (states, actions).
         """
         first = self.first[states]
         counts = np.zeros((len(first), len(entities)), dtype=np.int64)

@@ -52,7 +52,7 @@ class Renamed(Protocol):
         ...
 
     def lacking(self, names: Mapping[int, int], entities: Iterable[int]) -> Iterator[MissingImage]:
-        """Yield the atoms that name at least one of some entities and have no image."""
+        """Yield the atoms that name at least one of the given entities and have no image."""
         ...
 
     def broken(self, names: Mapping[int, int]) -> Iterator[MissingImage]:
@@ -60,12 +60,12 @@ class Renamed(Protocol):
         ...
 
     def size(self, entities: Iterable[int]) -> int:
-        """Return the total number of atoms that name each of some entities."""
+        """Return the total number of atoms that name each of the given entities."""
         ...
 
 
 def joint_groups(blocks: Sequence[Block], classes: Mapping[int, Hashable], rules: Renamed) -> list[list[Block]]:
-    """Return groups of aligned units, the outer ones first, given blocks that cannot be swapped on their own.
+    """Return groups of aligned units, outer ones first, given blocks that cannot be swapped on their own.
 
     Entities of different `classes` are not interchangeable.
     """
@@ -189,7 +189,7 @@ class _UnitSearch:
                 yield swap
 
     def _units(self, star: Sequence[Swap], size: int) -> list[tuple[int, ...]]:
-        """Return the units given by swaps of one block with others, if of `size` blocks, and mark them as used."""
+        """Return the units given by swaps of one block with others if they have `size` blocks; mark them as used."""
         swaps = [swap for swap in star if len(swap) == size and self._taken.isdisjoint(swap)]
         if not swaps:
             return []
@@ -249,7 +249,7 @@ class _UnitSearch:
         return None
 
     def _names(self, moved: Swap) -> dict[int, int]:
-        """Return the renaming of entities by a swap of blocks."""
+        """Return the renaming of entities that a swap of blocks amounts to."""
         pairs = (zip(self._blocks[place], self._blocks[goes], strict=True) for place, goes in moved.items())
         return {entity: name for pair in pairs for entity, name in pair}
 

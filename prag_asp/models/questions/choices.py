@@ -18,7 +18,7 @@ NOT = "not "
 
 @dataclass(frozen=True)
 class AtomChoice:
-    """A shown symbol that answer sets must have, or lack if `excluded`; its text is a literal, such as ``not a``."""
+    """A shown symbol that answer sets must have or, if `excluded`, lack; its text is a literal, such as ``not a``."""
 
     symbol: clingo.Symbol
     excluded: bool = False
@@ -77,7 +77,7 @@ def add_choices(
 
 
 def rules_of_choice(choice: AtomChoice, conditions: Sequence[Condition], fresh: Callable[[], int]) -> Iterator[Rule]:
-    """Yield rules that exclude the answer sets against a choice, without changing the others."""
+    """Yield rules that exclude the answer sets that violate a choice, without changing the others."""
     if choice.excluded:
         yield from (Rule((), tuple(condition)) for condition in conditions)
         return

@@ -148,7 +148,7 @@ class _LiftableLines:
     _shown: Mapping[clingo.Symbol, Sequence[Condition]]
 
     def with_choices(self, choices: Sequence[AtomChoice], ground: GroundModels, *, project: bool) -> _LiftableLines:
-        """Return these lines and choices of the symbols of a ground program; a choice can be lifted like a line."""
+        """Return these lines and choices about symbols of a ground program; a choice can be lifted like a line."""
         if not choices:
             return self
         by_statement = project and ground.projected is not None

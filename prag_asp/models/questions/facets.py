@@ -50,7 +50,7 @@ class Facet:
 
 @dataclass(frozen=True)
 class _Companions:
-    """Bit sets: the atoms that at least one of some answer sets contains, and those that at least one lacks."""
+    """Bit sets: the atoms that at least one of several answer sets contains, and those that at least one lacks."""
 
     having: int = 0
     lacking: int = 0

@@ -22,7 +22,7 @@ LARGEST = 2**31 - 1
 
 @dataclass(frozen=True)
 class Optimum:
-    """The best values that answer sets reach, each with its priority, the highest priority first.
+    """The best values that answer sets reach, each with its priority, highest priority first.
 
     Values are minimized, as clingo prints them; the weights of ``#maximize`` are subtracted.
     """

@@ -198,7 +198,7 @@ class _FunctionValues:
         return [*found.values()]
 
     def combinations(self, terms: Iterable[FunctionTerm], line: int, source: PddlSource) -> Iterator[Row]:
-        """Return all combinations of values of some functions."""
+        """Return all combinations of values of the given functions."""
         terms = [*terms]
         values = [self.of(each) for each in terms]
         rows = prod(map(len, values))
@@ -315,7 +315,7 @@ class _Numbers:
 
 
 def _with_values(quantity: Quantity, row: Mapping[FunctionTerm, Fraction]) -> Quantity:
-    """Return a quantity with some functions replaced by their values."""
+    """Return a quantity in which the given functions are replaced by their values."""
     if isinstance(quantity, FunctionTerm):
         return row.get(quantity, quantity)
     if isinstance(quantity, Arithmetic):

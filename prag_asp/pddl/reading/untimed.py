@@ -89,7 +89,7 @@ def _made(literal: Literal, effect: SchemaEffect) -> Formula:
 
 
 def _regressed(literal: Literal, effects: Iterable[SchemaEffect]) -> Formula:
-    """Return the condition that must hold before some effects for a literal to hold after them."""
+    """Return the condition that must hold before the given effects for a literal to hold after them."""
     same = [each for each in effects if each.literal.predicate == literal.predicate]
     if not same:
         return literal

@@ -1,6 +1,6 @@
 """Check how an arm grasps and releases: the object is at the gripper, and the approach and retreat are straight.
 
-Names of waypoints are not trusted, except for `TRANSIT`: in transit an arm must not grasp, release or stop.
+Names of waypoints are not trusted, except for `TRANSIT`: in transit, an arm must not grasp, release or stop.
 """
 
 from __future__ import annotations
@@ -87,7 +87,7 @@ def _end(end: End, robot: str, simulator: Simulator) -> Stop:
 
 
 def _not_above(passed: Sequence[Stop]) -> Iterator[str]:
-    """Yield approaches to and departures from an object that are not straight, except while a handle is pulled."""
+    """Yield approaches to an object and departures from it that are not straight, except while a handle is pulled."""
     stops = []
     for _, same in groupby(passed, key=lambda stop: stop.joints):
         together = list(same)

@@ -32,7 +32,7 @@ def opening_problems(moment: Moment, physical: PhysicalTask, scene: Scene) -> It
 
 
 def carried_along(poses: Mapping[str, Pose], before: Openings, after: Openings, scene: Scene) -> dict[str, Pose]:
-    """Return all poses after drawers have moved together with their contents."""
+    """Return all poses after drawers have moved, together with their contents."""
     all_poses = dict(poses)
     for entity, opening in after.items():
         shape = scene.shapes[entity]

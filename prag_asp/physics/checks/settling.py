@@ -110,7 +110,7 @@ def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
     """Return why a state of a witness is not stable (one of `CAUSES`), or None if all states are stable.
 
     Raises:
-        SceneError: the task names an entity that has no shape.
+        SceneError: the task contains an entity that has no shape.
     """
     with open_settling(scene) as settling:
         fault = settling.fault(physical_task(task, scene), witness)

@@ -25,7 +25,7 @@ def check_witness(task: Task, witness: Witness, scene: Scene) -> list[str]:
     with the grasp of the held object, and the only bodies that move are those that the action is meant to move.
 
     Raises:
-        SceneError: the task names an entity that has no shape.
+        SceneError: the task contains an entity that has no shape.
     """
     with open_witness_check(scene) as check:
         return check(task, witness)

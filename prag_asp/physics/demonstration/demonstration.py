@@ -36,7 +36,7 @@ ARRAYS: Mapping[str, type[np.number[Any]]] = {
     "forces": np.float32,
     "ends": np.int32,
 }
-"""The arrays of an episode with their types, in the order of the file."""
+"""The arrays of an episode with their types, in the order in which they are stored."""
 
 LISTS, TEXTS = ("robots", "bodies", "objects", "furniture"), ("cause", "detail")
 

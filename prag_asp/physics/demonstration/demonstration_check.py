@@ -18,7 +18,7 @@ def check_demonstration(task: Task, demonstration: Demonstration, scene: Scene) 
     limits of the joints. The result is empty if the episode passes.
 
     Raises:
-        SceneError: the task names an entity that has no shape.
+        SceneError: the task contains an entity that has no shape.
     """
     from prag_asp.physics.demonstration.handling import handling_faults  # noqa: PLC0415 - it loads kinematics
 

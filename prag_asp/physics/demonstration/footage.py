@@ -54,7 +54,7 @@ class CameraVideo:
     """The video from one camera: N images of H x W pixels; see `CameraImage`.
 
     `intrinsics` (3, 3) contains fx, fy, cx and cy in pixels; `extrinsics` (N, 4, 4) contains the poses of the camera in
-    the scene in metres, with x to the right, y down and z ahead; `limits` (2,) are the distances of the near and far
+    the scene in metres, with x to the right, y down and z forwards; `limits` (2,) are the distances of the near and far
     planes in metres.
     """
 

@@ -17,7 +17,7 @@ MOST_IMAGES, WIDTH = 8, 160
 
 
 def strip_url(footage: Footage) -> str | None:
-    """Return the strip for the first camera as a data URL of a PNG image, or None without a video or Pillow."""
+    """Return the strip for the first camera as a data URL of a PNG image, or None if there is no video or no Pillow."""
     if not footage.videos or find_spec("PIL") is None:
         return None
     from PIL import Image  # noqa: PLC0415 - an optional dependency

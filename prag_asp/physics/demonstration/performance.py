@@ -87,7 +87,7 @@ def demonstrate(task: Task, witness: Witness, scene: Scene, variation: Variation
     """Execute a task from the initial state of a witness, in a varied world if requested, and return the episode.
 
     Raises:
-        SceneError: the task names an entity that has no shape.
+        SceneError: the task contains an entity that has no shape.
     """
     with open_simulator(scene) as planner, open_performer(scene, planner) as performer:
         return performer.perform(physical_task(task, scene), witness, variation)

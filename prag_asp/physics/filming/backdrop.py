@@ -83,7 +83,7 @@ def floors(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
 
 
 def _patch(scene: Scene, entity: str, numbers: Mapping[str, int], wall: float = 0.0) -> LevelPatch:
-    """Return the floor of a fixed entity as a rectangle, as high as the walls are thick, that ends in their middle."""
+    """Return the floor of a fixed entity as a rectangle, raised by the walls' thickness and ending in their middle."""
     (x, y, yaw), (half_x, half_y, _) = scene.fixed[entity], scene.shapes[entity].half
     half = (half_x - wall / 2, half_y - wall / 2)
     return LevelPatch(x, y, half, yaw, scene.color(entity), numbers[entity], wall)

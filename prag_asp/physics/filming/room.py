@@ -16,7 +16,7 @@ WALL, SKIRTING, FLOOR, CEILING = (226, 229, 231), (243, 243, 241), (178, 176, 17
 """Colours from 0 to 255."""
 
 BEHIND, BESIDE, BEFORE = 0.6, 1.5, 3.0
-"""Distances of the walls from the edges of the table, in metres; cameras stand before the table."""
+"""Distances of the walls from the edges of the table, in metres; cameras stand in front of the table."""
 
 FLOOR_HEIGHT, CEILING_HEIGHT, SKIRTING_HEIGHT = -0.74, 2.3, 0.08
 """Heights of the floor and of the ceiling above the table, which are usual for tables and rooms, and of the skirting

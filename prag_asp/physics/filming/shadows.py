@@ -55,7 +55,7 @@ def light_camera(scene: Scene, light: Vector, side: int) -> Camera:
 
 
 class LightPlaces(NamedTuple):
-    """Where the points of some pixels lie in the light's image.
+    """Where the points shown by given pixels lie in the light's image.
 
     `pixels` (N,) are the numbers of the pixels, `texels` (N,) are the numbers of the texels in the light's image, and
     `depths` (N,) are the distances in metres from the light along its axis.
@@ -95,7 +95,7 @@ class ShadowMap:
         self._table_shadow = narrow + (far - narrow) * share
 
     def places(self, pixels: NDArray[np.int64], points: tuple[Floats, Floats, Floats]) -> LightPlaces:
-        """Return where the points shown by some pixels lie in the light's image; coordinates are in metres."""
+        """Return where the points shown by the given pixels lie in the light's image; coordinates are in metres."""
         x, y, z = points
         across, down, depths = (row[0] * x + row[1] * y + row[2] * z + row[3] for row in self._outside[:3])
         side = self.camera.size[0]
@@ -143,7 +143,7 @@ def _doubled(images: Floats) -> Floats:
 
 
 def blurred(images: Floats, radius: int) -> Floats:
-    """Return images (..., H, W) after two box filters with a radius in pixels; beyond its edges, an image repeats."""
+    """Return images (..., H, W) after two box filters with a radius in pixels; edge pixels are repeated outwards."""
     width = np.float32(2 * radius + 1)
     for _ in range(2):
         for axis in (-2, -1):

@@ -59,9 +59,9 @@ RESTING = 0.002
 
 
 class Studio:
-    """A world for rendering some objects of a scene; use `open_studio`, which closes it.
+    """A world for rendering given objects of a scene; use `open_studio`, which closes it.
 
-    `movable` are the objects that can move, and the furniture with a part that can.
+    `movable` are the objects that can move, and the furniture that has a moving part.
     """
 
     def __init__(
@@ -120,7 +120,7 @@ class Studio:
         self._shadows_are_old = True
 
     def show(self, moment: Moment) -> None:
-        """Show a moment: move all objects and arms, and remove the objects that the moment lacks."""
+        """Show a moment by moving all objects and arms, and remove the objects that the moment lacks."""
         for name, arm in moment.arms.items():
             set_joints(self._client, self._arms[name], self._robots[name], arm.joints, arm.width)
             self._joints[name] = arm.joints
@@ -134,7 +134,7 @@ class Studio:
         self._shadows_are_old = True
 
     def pose(self, camera: Camera) -> NDArray[np.float64]:
-        """Return the current pose of a camera as a homogeneous matrix, with x to the right, y down and z ahead."""
+        """Return the current pose of a camera as a homogeneous matrix, with x to the right, y down and z forwards."""
         if camera not in self._poses:
             self._poses[camera] = camera.pose
         if not camera.mount:
@@ -215,14 +215,14 @@ class Studio:
     def distances(self, camera: Camera, entities: Collection[str]) -> Floats:
         """Return the distance in metres of each pixel that shows one of the entities, and 0 for the others.
 
-        Of robots only the hands count, of furniture only the moving parts.
+        For robots, only the hands count; for furniture, only the moving parts.
         """
         labels, depth = self._labelled(camera)
         chosen = [number for number, entity in enumerate(self.legend) if entity in entities]
         return np.where(np.isin(labels, chosen), depth, np.float32(0.0))
 
     def _labelled(self, camera: Camera) -> tuple[NDArray[np.int32], Floats]:
-        """Return the number of the entity in each pixel, -1 for none or for another part of it, and the distances."""
+        """Return the number of the entity in each pixel (-1 for none, or for another part of it), and the distances."""
         flags = pybullet.ER_SEGMENTATION_MASK_OBJECT_AND_LINKINDEX
         _, depth, numbers = self._drawn(camera, self.pose(camera), flags)
         labels = np.full(numbers.shape, -1, dtype=np.int32)
@@ -277,7 +277,7 @@ def matrices(camera: Camera, pose: NDArray[np.float64]) -> tuple[list[float], li
 def open_studio(
     scene: Scene, objects: Sequence[str], light: Vector = USUAL_LIGHT, fineness: Fineness = COARSE
 ) -> Iterator[Studio]:
-    """Open a world for rendering some objects of a scene, and close it afterwards.
+    """Open a world for rendering given objects of a scene, and close it afterwards.
 
     `light` is the direction to the light, and `fineness` sets how finely robots and shadows are rendered.
 

@@ -17,7 +17,7 @@ TEXELS = 1024
 """Texels along a side of a texture, a power of two because of the halved copies."""
 
 WOOD_SIDE, FLOOR_SIDE = 1.6, 2.4
-"""The side of the square that a texture covers, in metres: a plank then has the usual width of 10 cm."""
+"""The side in metres of the square that a texture covers, for which a plank has the usual width of 10 cm."""
 
 PLANKS, SEAM = 16, 2
 """The number of planks in the texture, and the width in texels of the groove between two planks, which is 3 mm."""

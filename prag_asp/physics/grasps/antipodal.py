@@ -49,11 +49,12 @@ ENOUGH_POINTS, UNSURE = 8, 0.15
 judgement as a cosine."""
 
 MOST = (40, 40, 24)
-"""The maximum number of distinct grasps of a body to keep, the best first, for each kind: from above, slanted, and from
-the side."""
+"""The maximum number of distinct grasps of a body to keep, best first, for each kind: from above, slanted, and from the
+side."""
 
 SLANTED, SIDEWAYS = 0.5, 1.2
-"""The smallest angles between the tool's direction and straight down of slanted and of sideways grasps, in radians."""
+"""The smallest angles, in radians, between the tool's direction and straight down for slanted and for sideways grasps.
+"""
 
 ENOUGH_SLACK, WIDE_CONTACT = 0.01, 0.005
 """The clearance at a finger and the radius of a contact, in metres, above which the score no longer rises."""
@@ -98,7 +99,7 @@ class GraspProblem(NamedTuple):
 
 
 def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Grasp, ...]:
-    """Return distinct grasps of a body, the most promising first; the result is empty if no sample yields one.
+    """Return distinct grasps of a body, most promising first; the result is empty if no sample yields one.
 
     The samples are fixed, so the same body has the same grasps.
     """
@@ -115,7 +116,7 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
         place = above_ground(gripper, lowest, candidate.middle, candidate.rotation)
         if place is None or not _is_distinct(place, kept, kind):
             continue
-        if not _promises(in_frame(dense[None], place)[0], facing @ matrix(place)[:3, 1], gripper, problem.friction):
+        if not _promises(in_frame(dense[None], place)[0], facing, place, gripper, problem.friction):
             continue
         grasp = _judged(problem, gripper, triangles, dense, place, tilt)
         if grasp is not None and _is_distinct(grasp.tool, kept, kind):
@@ -124,10 +125,10 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
     return tuple(sorted(kept, key=lambda grasp: -grasp.score))
 
 
-def _promises(points: Floats, facing: Floats, gripper: ParallelGripper, friction: float) -> bool:
+def _promises(points: Floats, normals: Floats, tool: Pose, gripper: ParallelGripper, friction: float) -> bool:
     """Return whether surface points, in the frame of a tool, may allow a grasp, before the exact contact is computed.
 
-    `facing` holds the components of the points' normals along the axis of the fingers.
+    `normals` are the normals of the points in the frame of the body.
     """
     if not _free(points, (gripper.palm,)):
         return False
@@ -136,7 +137,7 @@ def _promises(points: Floats, facing: Floats, gripper: ParallelGripper, friction
     between = (np.abs(x) < gripper.half_x) & (z > low) & (z < high) & (np.abs(y) < gripper.opening / 2)
     if between.sum() < ENOUGH_POINTS:
         return True
-    y, facing = y[between], facing[between]
+    y, facing = y[between], (normals @ matrix(tool)[:3, 1])[between]
     least = math.cos(CONE_SHARE * math.atan(friction)) - UNSURE
     for side in (1.0, -1.0):
         outermost = (side * y >= (side * y).max() - 2 * TOUCH) & (side * facing > 0.0)
@@ -183,7 +184,7 @@ def _widest(points: Floats, gripper: ParallelGripper, width: float) -> float | N
 def _judged(
     problem: GraspProblem, gripper: ParallelGripper, triangles: Floats, dense: Floats, place: Pose, tilt: float
 ) -> Grasp | None:
-    """Return the grasp at a place on the body, or None if the pads cannot grasp it there."""
+    """Return the grasp at a place on the body, or None if the pads cannot grasp the body there."""
     contact = gripper.contact(in_frame(triangles, place))
     if contact is None or contact.width > gripper.opening - 2 * ROOM or not _holds(contact, problem.friction):
         return None
@@ -227,7 +228,8 @@ def _free(points: Floats, boxes: Sequence[Box]) -> bool:
     """
     x, y, z = points.T
     for (a, b, c), (half_x, half_y, half_z) in boxes:
-        if ((np.abs(x - a) < half_x) & (np.abs(y - b) < half_y) & (np.abs(z - c) < half_z)).any():
+        near = np.flatnonzero(np.abs(z - c) < half_z)
+        if len(near) and ((np.abs(x[near] - a) < half_x) & (np.abs(y[near] - b) < half_y)).any():
             return False
     return True
 

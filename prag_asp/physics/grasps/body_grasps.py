@@ -36,7 +36,7 @@ SUFFIX = ".grasps"
 
 
 def body_grasps(shape: Shape, gripper: ParallelGripper, friction: float) -> tuple[Grasp, ...]:
-    """Return the grasps of a body with a model, in its frame, the best first, given the friction between it and pads.
+    """Return the grasps of a body with a model, in its frame, best first, given the friction between it and pads.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -90,7 +90,7 @@ def free_opening(shape: Shape, gripper: ParallelGripper, tool: Pose, width: floa
 def is_hand_free(shape: Shape, gripper: ParallelGripper, tool: Pose, width: float) -> bool:
     """Return whether neither a finger nor the palm penetrates the held body deeper than the rubber of the pads yields.
 
-    `tool` is the pose of the tool in the frame of the body, `width` the distance between the pads in metres.
+    `tool` is the pose of the tool in the frame of the body, and `width` is the distance between the pads in metres.
 
     Raises:
         SceneError: a mesh cannot be read.

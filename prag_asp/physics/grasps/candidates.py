@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from prag_asp.physics.grasps.pads import ParallelGripper
+from prag_asp.physics.grasps.pads import ParallelGripper, crossed
 from prag_asp.scene.geometry import Pose
 
 Floats = NDArray[np.float64]
@@ -65,7 +65,7 @@ class Candidate(NamedTuple):
 def grasp_candidates(
     parts: Sequence[Floats], centre: tuple[float, float, float], friction: float, opening: float
 ) -> list[Candidate]:
-    """Return candidates for grasps of a body, the most promising first; the samples are fixed.
+    """Return candidates for grasps of a body, most promising first; the samples are fixed.
 
     `parts` (n, 3, 3) are its convex parts as triangles and `centre` is its centre of mass, in its frame in metres;
     `friction` is the coefficient between pad and body, and `opening` is the opening of the gripper in metres.
@@ -169,15 +169,6 @@ def _tools(axis: Floats) -> Iterator[tuple[float, Floats]]:
             direction = math.cos(turn) * side + math.sin(turn) * across
             angle = math.acos(max(-1.0, min(1.0, -float(direction[2]))))
             yield angle, np.ascontiguousarray(np.array([crossed(axis, direction), axis, direction]).T)
-
-
-def crossed(one: Floats, two: Floats) -> Floats:
-    """Return the cross products of vectors (3,) or (n, 3); for few vectors, `np.cross` takes several times as long."""
-    if one.ndim == two.ndim == 1:
-        (a, b, c), (d, e, f) = one.tolist(), two.tolist()
-        return np.array([b * f - c * e, c * d - a * f, a * e - b * d])
-    (a, b, c), (d, e, f) = one.T, two.T
-    return np.stack([b * f - c * e, c * d - a * f, a * e - b * d], -1)
 
 
 def above_ground(gripper: ParallelGripper, lowest: float, middle: Floats, rotation: Floats) -> Pose | None:

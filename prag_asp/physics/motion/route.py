@@ -143,7 +143,7 @@ def checked_path(
 
 
 def _candidate_paths(simulator: Simulator, start: Joints, goal: Joints) -> Iterator[Sequence[Joints]]:
-    """Yield candidate paths, the shortest first: direct ones, then ones over nearby objects."""
+    """Yield candidate paths, shortest first: direct ones, then ones over nearby objects."""
     yield start, goal
     for height in HEIGHTS:
         over_start, over_goal = _above(simulator, start, height), _above(simulator, goal, height)

@@ -39,7 +39,7 @@ def plan_transit(task: Task, witness: Witness, scene: Scene) -> Witness | None:
     """Return a witness with the waypoints of collision-free paths added, or None if a path is not found.
 
     Raises:
-        SceneError: the task names an entity that has no shape.
+        SceneError: the task contains an entity that has no shape.
     """
     with open_simulator(scene) as simulator:
         return with_transit(simulator, physical_task(task, scene), witness)

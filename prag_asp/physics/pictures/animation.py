@@ -73,10 +73,10 @@ def animate(
 ) -> None:
     """Write an animation of a demonstration, `speed` times as fast, as a .gif, .webp or .mp4, depending on the suffix.
 
-    It shows `rate` frames per second with the current action below; `size` is the size of a frame in pixels. `fine`
-    renders frames like still pictures, which takes four times as long. `bystanders` also shows objects that the task
-    does not name, where they hide and touch nothing. `progress` is called with the number of rendered frames and the
-    total number of frames.
+    It shows `rate` frames per second, with the current action below; `size` is the size of a frame in pixels. With
+    `fine`, frames are rendered like still pictures, which takes four times as long. With `bystanders`, objects that the
+    task does not name are also shown, where they hide and touch nothing. `progress` is called with the number of
+    rendered frames and the total number of frames.
 
     Raises:
         PicturesMissingError: Pillow or, for an .mp4, PyAV is not installed.

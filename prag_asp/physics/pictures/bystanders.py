@@ -1,7 +1,7 @@
 """Bystanders: objects of the scene that a task does not name, at rest where nothing touches or needs them.
 
-A witness holds only the objects of its task. A picture also shows the others: they stand on the table, apart from all
-bodies and from the robots in all states and at all waypoints, and hide nothing that the task moves.
+A witness holds only the objects of its task. A picture also shows others: they stand on the table, away from all bodies
+and, in all states and at all waypoints, from the robots, and they hide nothing that the task moves.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 
 SEED = 0
-"""The seed of the places, so that all pictures of a witness show the same ones."""
+"""The seed for the places, so that all pictures of a witness show the same ones."""
 
 MOST, TRIES = 12, 24
 """The maximum number of bystanders, and the number of places that are tried for each."""
@@ -39,7 +39,7 @@ CLEAR = 0.02
 """The distance in metres between a bystander and everything that moves."""
 
 BENEATH = 0.12
-"""The height in metres below a hand, in each state, in which nothing stands that the hand might seem to hold."""
+"""How far below a hand, in metres, nothing stands in any state, because the hand might seem to hold it."""
 
 
 def absent_objects(scene: Scene, present: Mapping[str, Pose]) -> list[str]:
@@ -54,8 +54,8 @@ def place_bystanders(
 ) -> dict[str, Pose]:
     """Return the poses of bystanders, as many as there is room for, in the scene of a simulator.
 
-    `moments` are those of the states, and `passed` further moments that the robots pass. The bystanders are entirely in
-    the image of a `sight`, hide nothing in it, and do not change the value of any fact.
+    `moments` are those of the states, and `passed` are further moments through which the robots pass. The bystanders
+    are entirely in the image of a `sight`, hide nothing in it, and do not change the value of any fact.
     """
     scene = simulator.scene
     room = Room.of(moments, passed, simulator)
@@ -84,7 +84,7 @@ def visible_bystanders(
     scene: Scene,
     view: tuple[View, tuple[int, int]],
 ) -> dict[str, Pose]:
-    """Return the bystanders that hide nothing in a view of some moments, given with the picture's size in pixels."""
+    """Return the bystanders that hide nothing in a view of the given moments; the view includes the picture's size."""
     sight, situation = Sight.of(studio, view, moments), Situation(scene, poses)
     boxes = {entity: (body.low, body.high) for entity, body in situation.bodies}
     return {entity: pose for entity, pose in poses.items() if not sight.is_hidden_by(boxes[entity])}
@@ -104,10 +104,10 @@ def waypoint_moments(witness: Witness, scene: Scene) -> Iterator[Moment]:
 
 @dataclass(frozen=True)
 class Room:
-    """The room that objects and robots leave in some moments.
+    """The room that objects and robots leave in the given moments.
 
-    `bodies` are the bounding boxes of all objects and of the space beneath hands, `links` those of all links; `owners`
-    states for each of `links` its robot, its number, and the arm to which it belongs.
+    `bodies` are the bounding boxes of all objects and of the space beneath hands, and `links` are those of all links;
+    `owners` holds, for each of `links`, its robot, its number, and the arm to which it belongs.
     """
 
     simulator: Simulator
@@ -117,7 +117,7 @@ class Room:
 
     @classmethod
     def of(cls, moments: Sequence[Moment], passed: Iterable[Moment], simulator: Simulator) -> Room:
-        """Return the room in the moments of the states, and in further moments that the robots pass."""
+        """Return the room in the moments of the states, and in further moments through which the robots pass."""
         bodies, links, owners = list[Corners](), list[Corners](), list[tuple[str, int, Arm]]()
         for k, moment in enumerate(chain(moments, passed)):
             bodies += [(body.low, body.high) for _, body in situation_of_moment(simulator.scene, moment).bodies]
@@ -131,7 +131,7 @@ class Room:
         return cls(simulator, boxes_of(bodies), boxes_of(links), owners)
 
     def has_place(self, entity: str, pose: Pose, box: Boxes) -> bool:
-        """Return whether an object at a pose, with its bounding box, stays clear of everything."""
+        """Return whether an object at a pose, with its bounding box, keeps clear of everything."""
         if _near(box, self.bodies).any():
             return False
         close = np.flatnonzero(_near(box, self.links))
@@ -157,7 +157,7 @@ def situation_of_moment(scene: Scene, moment: Moment) -> Situation:
 
 
 def _candidates(search: Search, situation: Situation, entity: str) -> Iterator[Pose]:
-    """Yield random poses of an object on the table, among the objects of a situation."""
+    """Yield random poses at which an object can stand on the table, given the other objects in a situation."""
     for _ in range(TRIES):
         try:
             yield sample_pose(search, situation, PlacementRequest(entity, TABLE, (), 0))

@@ -101,7 +101,7 @@ def _outlined(taken: CameraImage, studio: Studio, changed: Sequence[str]) -> Cam
 
 
 def _grown(mask: NDArray[np.bool_], pixels: int) -> NDArray[np.bool_]:
-    """Return a mask enlarged by some pixels on all sides; every other step also grows it diagonally."""
+    """Return a mask enlarged by a number of pixels on all sides; every other step also grows it diagonally."""
     grown: NDArray[np.bool_] = mask.copy()
     for step in range(pixels):
         before = grown.copy()

@@ -1,4 +1,4 @@
-"""The world in which the pictures of one witness or demonstration are taken."""
+"""The world in which the pictures of a witness or demonstration are taken."""
 
 from __future__ import annotations
 
@@ -28,17 +28,17 @@ from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
 GIVE = 0.005
-"""The tolerance by which measured joint angles and openings may exceed their limits, in radians and metres."""
+"""The amount by which measured joint angles (radians) and openings (metres) may exceed their limits."""
 
 PASSED = FRAMES_A_SECOND // 10
-"""Of this many frames of a demonstration, one is kept clear of bystanders."""
+"""One out of this many frames of a demonstration is kept clear of bystanders."""
 
 
 @dataclass
 class PictureWorld:
     """A studio, the scene with the sizes of a task, the size of a picture in pixels, and the bystanders.
 
-    `shown` are those bystanders that hide nothing in the last view that was chosen.
+    `shown` are the bystanders that hide nothing in the view that was chosen last.
     """
 
     task: Task
@@ -51,7 +51,7 @@ class PictureWorld:
     _views: dict[tuple[int, ...], View] = field(default_factory=dict, repr=False)
 
     def choose_view(self, states: Sequence[int], frames: Iterable[Moment] = ()) -> View:
-        """Return the best view of some states, and remove the bystanders that hide something in it.
+        """Return the best view of the given states, and remove the bystanders that hide something in it.
 
         `frames` are further moments that will be shown.
         """
@@ -80,7 +80,7 @@ def open_picture_world(
     fineness: Fineness = FINE,
     bystanders: bool = True,
 ) -> Iterator[PictureWorld]:
-    """Open a world for pictures of a size in pixels that can show all moments in a scene, and close it afterwards.
+    """Open a world for pictures of a given size that can show all moments in a scene, and close it afterwards.
 
     Raises:
         QueryError: a number in the moments is wrong.

@@ -47,9 +47,9 @@ def film_strip(
 
     They are arranged in rows of at most `columns`; `size` is the size of one picture in pixels. What an action has
     changed is outlined, and shown in a close-up if the robot hides it. Below each picture are the action and its
-    positive effects in plain words, large enough to be read at the width of a page. `headings` that are not None
-    replace the words for the actions; `captions` replace all words with a heading and a text for each state.
-    `bystanders` also shows objects of the scene that the task does not name, where they hide and touch nothing.
+    positive effects in plain words, large enough to be legible at the width of a page. `headings` that are not None
+    replace the words for the actions; `captions` replace all words with a heading and a text for each state. With
+    `bystanders`, objects of the scene that the task does not name are also shown, where they hide and touch nothing.
 
     Raises:
         PicturesMissingError: Pillow is not installed.
@@ -86,7 +86,7 @@ def still(
 ) -> Image.Image:
     """Return a picture of one state (0 is the initial state) without a caption; `size` is in pixels.
 
-    `bystanders` also shows objects that the task does not name, in the same places in each state.
+    With `bystanders`, objects that the task does not name are also shown, in the same places in each state.
 
     Raises:
         PicturesMissingError: Pillow is not installed.

@@ -1,4 +1,4 @@
-"""What a view shows of the things that a task moves, and whether another box would hide a part of them."""
+"""What a view shows of the things that a task moves, and whether another box would hide any part of them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ class Sight:
 
     @classmethod
     def of(cls, studio: Studio, view: tuple[View, tuple[int, int]], moments: Iterable[Moment]) -> Sight:
-        """Return what a view, given with the size of the picture in pixels, shows in some moments."""
+        """Return what a view, given with the size of the picture in pixels, shows in the given moments."""
         camera = counting_camera(*view)
         distances = np.zeros(camera.size[::-1], dtype=np.float32)
         for moment in moments:
@@ -46,7 +46,7 @@ class Sight:
         return bool((pixels >= 0).all() and (pixels <= self.camera.size).all())
 
     def is_hidden_by(self, box: Corners) -> bool:
-        """Return whether a box may hide a part of what the camera sees: it is nearer in one of its pixels."""
+        """Return whether a box may hide part of what the camera sees, because it is closer at some pixel."""
         pixels, nearest = self._projected(box)
         outline = np.array(hull([(x, y) for x, y in pixels.tolist()]))
         sides = np.roll(outline, -1, axis=0) - outline

@@ -27,7 +27,7 @@ DIRECTIONS = (
 """The directions to the camera to try, the default one first."""
 
 FAVOUR = 1.1
-"""How many times as high as the default view another view has to score."""
+"""The factor by which another view's score must exceed that of the default view."""
 
 MOST = 6
 """The number of states that suffices for choosing a view."""
@@ -40,7 +40,7 @@ SHOULDER, WRIST, HAND = 0.40, 0.22, 0.2
 """The heights of a shoulder above the table and of a wrist above the fingertips, and the width of a hand, in metres."""
 
 View = tuple[Vector, Vector]
-"""The position of the camera, and the point that it looks at, in metres."""
+"""The position of the camera, and the point at which it looks, in metres."""
 
 
 def best_view(

@@ -129,18 +129,15 @@ class _GltfWriter:
 
     def _primitive(self, piece: MeshPiece) -> dict[str, Any]:
         """Add the triangles of a piece; equal corners are stored once."""
-        columns = [piece.corners.reshape(-1, 3), piece.normals.reshape(-1, 3)]
+        rows, indices = piece.indexed()
+        columns = {"POSITION": rows[:, :3], "NORMAL": rows[:, 3:6]}
         if piece.places is not None:
             # The texture coordinates of glTF begin at the upper left.
-            columns.append(piece.places.reshape(-1, 2) * (1.0, -1.0) + (0.0, 1.0))
-        rows, indices = np.unique(np.hstack(columns).astype(np.float32), axis=0, return_inverse=True)
-        names = ("POSITION", "NORMAL", "TEXCOORD_0")
-        ends = (3, 6, 8)
-        attributes = {}
-        for name, end, column in zip(names, ends, columns, strict=False):
-            values = np.ascontiguousarray(rows[:, end - column.shape[1] : end])
-            kind = f"VEC{column.shape[1]}"
-            attributes[name] = self._accessor(values, kind, use=VERTICES, bounds=name == "POSITION")
+            columns["TEXCOORD_0"] = np.column_stack([rows[:, 6], 1 - rows[:, 7]])
+        attributes = {
+            name: self._accessor(values, f"VEC{values.shape[1]}", use=VERTICES, bounds=name == "POSITION")
+            for name, values in columns.items()
+        }
         small = np.uint16 if len(rows) < 1 << 16 else np.uint32
         triangles = self._accessor(indices.ravel().astype(small), "SCALAR", use=INDICES)
         return {"attributes": attributes, "indices": triangles, "material": self._material(piece)}

@@ -48,6 +48,17 @@ class MeshPiece(NamedTuple):
     places: Floats | None = None
     texture: bytes = b""
 
+    def indexed(self) -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+        """Return the distinct corners as rows, and the triangles (n, 3) as indices of rows.
+
+        A row has the corner, its normal, and its texture coordinates if the piece has a texture.
+        """
+        columns = [self.corners.reshape(-1, 3), self.normals.reshape(-1, 3)]
+        if self.places is not None:
+            columns.append(self.places.reshape(-1, 2))
+        rows, indices = np.unique(np.hstack(columns).astype(np.float32), axis=0, return_inverse=True)
+        return rows, indices.reshape(-1, 3)
+
 
 def body_pieces(solids: Sequence[Solid], looks: Sequence[Look], color: str) -> list[MeshPiece]:
     """Return the visible pieces of a body: its looks, or else its solids.

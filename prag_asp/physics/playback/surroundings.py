@@ -33,6 +33,9 @@ LEG, INSET = 0.03, 0.06
 FLOOR_HALF = 4.0
 """Half the side of the floor in metres; viewers let it fade before it ends."""
 
+FLOOR_NAME = "floor"
+"""The name of the floor's body."""
+
 ABOVE = 0.0005
 """The height of zones above the table in metres, so that they hide it."""
 
@@ -62,7 +65,7 @@ def surroundings(scene: Scene) -> Iterator[BodyTrack]:
             yield _still(entity, [piece], (zone_x, zone_y, ABOVE), yaw)
     red, green, blue = (part / 255 for part in FLOOR)
     floor = _rectangle((FLOOR_HALF, FLOOR_HALF), (red, green, blue, 1.0), _image(concrete()), FLOOR_SIDE, (x, y))
-    yield _still("floor", [floor], (x, y, FLOOR_HEIGHT))
+    yield _still(FLOOR_NAME, [floor], (x, y, FLOOR_HEIGHT))
 
 
 def _still(name: str, pieces: list[MeshPiece], at: Vector, yaw: float = 0.0) -> BodyTrack:

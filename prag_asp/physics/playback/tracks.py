@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from prag_asp.physics.bullet import STDOUT, mute_output, pybullet
 from prag_asp.physics.demonstration.demonstration import Demonstration, pose_of
-from prag_asp.physics.filming.appearance_meshes import COARSE, low_files
-from prag_asp.physics.playback.mesh_pieces import MeshPiece, body_pieces, robot_pieces
+from prag_asp.physics.filming.appearance_meshes import COARSE, Fineness, low_files
+from prag_asp.physics.playback.mesh_pieces import CLOSE, MeshPiece, body_pieces, robot_pieces
 from prag_asp.physics.world.furniture_bodies import lighter
 from prag_asp.physics.world.simulated_arm import load_robot_files, set_joints
 from prag_asp.physics.world.simulator import open_client
@@ -37,17 +37,17 @@ class BodyTrack(NamedTuple):
 
 
 def body_tracks(
-    demonstration: Demonstration, scene: Scene, bystanders: Mapping[str, Pose] = NOBODY
+    demonstration: Demonstration, scene: Scene, bystanders: Mapping[str, Pose] = NOBODY, fineness: Fineness = CLOSE
 ) -> Iterator[BodyTrack]:
     """Yield the links of the robots (``robot/link``), the objects, and the moving parts of furniture (``name/part``).
 
-    `bystanders` are poses of further objects, which never move.
+    `bystanders` are poses of further objects, which never move; `fineness` is that of the robots.
 
     Raises:
         SceneError: the scene does not allow the size of an object, or a file cannot be read.
     """
     sized = demonstration.sized_scene(scene)
-    yield from _robot_tracks(demonstration, sized)
+    yield from _robot_tracks(demonstration, sized, fineness)
     for entity, pose in bystanders.items():
         yield _track(entity, _object_pieces(sized, entity), _rows([pose]))
     for i, entity in enumerate(demonstration.objects):
@@ -64,7 +64,7 @@ def body_tracks(
         yield _track(f"{entity}/part", body_pieces(boxes(parts.part), (), lighter(color)), _rows(moved))
 
 
-def _robot_tracks(demonstration: Demonstration, scene: Scene) -> Iterator[BodyTrack]:
+def _robot_tracks(demonstration: Demonstration, scene: Scene, fineness: Fineness) -> Iterator[BodyTrack]:
     """Yield the links of the robots, whose poses PyBullet computes from the joint angles."""
     with open_client() as client, mute_output(STDOUT):
         for number, name in enumerate(demonstration.robots):
@@ -80,7 +80,7 @@ def _robot_tracks(demonstration: Demonstration, scene: Scene) -> Iterator[BodyTr
                     body, list(joints), computeForwardKinematics=True, physicsClientId=client
                 )
                 frames[frame] = [(*state[4], *state[5]) for state in states]
-            pieces = robot_pieces(kind)
+            pieces = robot_pieces(kind, fineness)
             base = pybullet.getBodyInfo(body, physicsClientId=client)[0].decode()
             yield BodyTrack(f"{name}/{base}", pieces[base], _rows([robot.base]))
             for i, link in enumerate(links):

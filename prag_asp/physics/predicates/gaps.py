@@ -64,7 +64,7 @@ def top(entity: str) -> Node:
 
 
 def thinnest(entity: str, axis: int, scene: Scene) -> float:
-    """Return how far a body extends from its origin along an axis, in metres, at least, in any orientation."""
+    """Return the least distance, in metres, that a body extends from its origin along an axis in any orientation."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     if place is None:
         return least_reach(shape)

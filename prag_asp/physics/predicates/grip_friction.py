@@ -38,13 +38,13 @@ The robot also accelerates the object, so it may drop lighter bodies as well; a 
 
 
 def grasps_in_body(situation: Situation, entity: str, robot: str) -> tuple[Grasp, ...]:
-    """Return the grasps of a body with a model, in the body's frame, the best first."""
+    """Return the grasps of a body with a model, in the body's frame, best first."""
     gripper = ParallelGripper.of(situation.robot(robot))
     return body_grasps(situation.shape(entity), gripper, pad_friction(situation.scene, entity))
 
 
 def bearable(scene: Scene, entity: str, robot: str) -> float:
-    """Return the largest mass, in kilograms, of a body of some material that a robot's fingers can hold by friction.
+    """Return the largest mass, in kilograms, of a body of a given material that a robot's fingers can hold by friction.
 
     By Coulomb's law, the mass is 2 mu F / g, where F is the force of a finger and mu is the product of the two friction
     coefficients, which is how PyBullet combines them.

@@ -2,7 +2,7 @@
 
 The whole body has to be between the walls. A body with a model is measured by its solids, along the axes of the cavity.
 
-Furniture is a container, too: the cavity of a drawer is the cavity of its tray, and moves with the tray. ``located`` at
+Furniture is also a container: the cavity of a drawer is the cavity of its tray, and moves with the tray. ``located`` at
 the table means on the table or right above it, but not over a hollow body.
 """
 

@@ -19,8 +19,7 @@ Arguments = tuple[str, ...]
 
 
 ViolationsFunction = Callable[[Situation, Arguments], Iterator[float]]
-"""Yields how far a situation is from satisfying each condition of a predicate, the cheapest first; at most 0 if it
-does."""
+"""Yields how far a situation is from satisfying each condition of a predicate, cheapest first; at most 0 if it does."""
 
 WayFunction = Callable[[Situation, Arguments], float]
 """Returns the length of a path to a situation that satisfies a predicate, around obstacles."""
@@ -35,7 +34,7 @@ DemandsFunction = Callable[[Scene, Arguments], Iterator[Demand]]
 """Yields constraints on the positions of bodies that a predicate implies; no argument is furniture."""
 
 ImpossibleFunction = Callable[[Scene, Arguments], Iterator[str]]
-"""Yields the reasons, in words, why a predicate cannot hold for some entities of a scene whatever their poses."""
+"""Yields the reasons, in words, why a predicate cannot hold for the given entities of a scene, whatever their poses."""
 
 ExcludesFunction = Callable[[Scene, Arguments, "Predicate", Arguments], str | None]
 """Returns the reason, in words, why a predicate cannot hold together with another, or None if it can."""
@@ -48,7 +47,7 @@ The rectangle is given by its corners with the lowest and the highest coordinate
 
 
 class SentenceFunction(Protocol):
-    """Returns a sentence which states that a predicate holds or does not hold for some entities."""
+    """Returns a sentence which states that a predicate holds, or does not hold, for the given entities."""
 
     def __call__(self, arguments: Arguments, value: bool = True) -> str:
         """Return the sentence."""

@@ -2,7 +2,7 @@
 
 They come only from proofs and only forbid fluents to hold, so they are Horn clauses, like all invariants of a domain:
 they exclude exactly the plans with a state that is known to satisfy the premises of a proof, and each of these plans is
-proved infeasible. Exclusions of three or more fluents stay in physics: in partially known states, clauses of three
+proved infeasible. Exclusions of three or more fluents are left to physics: in partially known states, clauses of three
 literals cannot be propagated exactly.
 """
 
@@ -67,7 +67,7 @@ def prove_exclusions(domain_facts: Facts, scene: Scene, tell: Callable[[str], No
 
 
 def unproved_exclusions(domain: Domain, scene: Scene) -> Iterator[Fluents]:
-    """Yield the learned exclusions of a domain that physics does not prove, for example after a change of the scene.
+    """Yield the learned exclusions of a domain that physics does not prove, for example after a change to the scene.
 
     Raises:
         SceneError: the scene lacks the shape or the yaw of an entity in a spatial fluent.

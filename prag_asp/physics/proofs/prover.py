@@ -92,11 +92,11 @@ class Prover:
         return None
 
     def refutation(self, facts: Sequence[Fact]) -> str | None:
-        """Return the reason why some facts cannot hold together, or None if nothing is proved."""
+        """Return the reason why the given facts cannot hold together, or None if nothing is proved."""
         return next(self._reasons(facts, facts), None)
 
     def fewest(self, facts: Sequence[Fact]) -> tuple[Fact, ...]:
-        """Return a minimal subset of some facts that cannot hold together."""
+        """Return a minimal subset of the given facts that cannot hold together."""
         left = list(facts)
         for fact in facts:
             fewer = [other for other in left if other != fact]
@@ -147,7 +147,7 @@ class Prover:
         return [frozenset(members) for _, members in groups]
 
     def _together(self, group: frozenset[Fact]) -> str | None:
-        """Return why no positions of the bodies satisfy some facts, or None if nothing is proved; cached."""
+        """Return why no positions of the bodies satisfy the given facts, or None if nothing is proved; uses a cache."""
         if group not in self._known:
             true = sorted(group, key=lambda fact: (fact.predicate.name, fact.arguments))
             gaps: tuple[dict[Gap, None], ...] = ({}, {}, {})
@@ -161,7 +161,7 @@ class Prover:
         return self._known[group]
 
     def _constrain(self, fact: Fact) -> Constraints:
-        """Return a fact's constraints, with the weakest bounds over all sizes of its bodies; cached."""
+        """Return a fact's constraints, with the weakest bounds over all sizes of its bodies; results are cached."""
         if fact not in self._constraints:
             bounds = []
             for sized in self._sized(fact):

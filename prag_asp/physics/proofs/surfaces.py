@@ -1,4 +1,4 @@
-"""Proofs about the table's top and its zones: a body stands on exactly the surfaces under its centre.
+"""Proofs about the table top and its zones: a body stands on exactly the surfaces under its centre.
 
 A surface is a convex region in a plane, and a body stands on it if the body stands on the plane with its centre over
 the region. The centre of a body that is known to stand on several surfaces is thus over their intersection.
@@ -43,7 +43,7 @@ def surface_reasons(facts: Iterable[Fact], fresh: Iterable[Fact], scene: Scene) 
 
 
 def outline_of(surface: str, scene: Scene) -> Outline:
-    """Return the corners of the table's top or of a zone, counter-clockwise."""
+    """Return the corners of the table top or of a zone, counter-clockwise."""
     if scene.shapes[surface].kind == "table":
         (x, y), (size_x, size_y) = scene.table.centre, scene.table.size
         return rectangle(x, y, size_x / 2, size_y / 2, 0.0)

@@ -56,7 +56,7 @@ def tool_pose(robot: Robot, joints: Joints) -> Pose:
 
 
 def inverse(robot: Robot, tool: Pose, near: Joints | None = None) -> Iterator[Joints]:
-    """Yield at most `MAX_SOLUTIONS` joint configurations that bring the tool to a pose, the best first.
+    """Yield at most `MAX_SOLUTIONS` joint configurations that bring the tool to a pose, best first.
 
     The best configurations are those nearest to `near`, by default the robot's preferred posture turned towards the
     target. Each is within the joint limits, and according to forward kinematics, it brings the tool within 0.01 mm of

@@ -41,7 +41,7 @@ class FailureLog:
                 self._missed[fault] = min(missed, self._missed.get(fault, missed))
 
     def nearest(self, effects: Sequence[ActionEffect]) -> str:
-        """Return, in words, how far the best attempts at a task came, and the fault that ended most of them.
+        """Return, in words, how close the best attempts at a task came, and the fault that ended most of them.
 
         The text states by how much the nearest attempt failed, if this is known.
         """

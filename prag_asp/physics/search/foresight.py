@@ -54,7 +54,7 @@ def _rooms(physical: PhysicalTask, scene: Scene, k: int, entity: str, wide: bool
 
 
 def _later(physical: PhysicalTask, scene: Scene, k: int, entity: str) -> Iterator[tuple[int, str, Direction]]:
-    """Yield each object placed beside another that rests from state `k` on: the state, the object and its direction.
+    """Yield each object placed beside `entity` in state `k` or later: the state, the object and its direction.
 
     After the initial state, an object that is moved onto or into another object takes no room beside that object.
     """

@@ -87,7 +87,7 @@ class GraspOption(NamedTuple):
 
 
 def grasps(search: Search, situation: Situation, entity: str) -> list[GraspOption]:
-    """Return the ways of grasping an object, the easiest first.
+    """Return the ways of grasping an object, easiest first.
 
     Raises:
         Failure: there is no grasp, or with every grasp the object would twist in the gripper.
@@ -98,7 +98,7 @@ def grasps(search: Search, situation: Situation, entity: str) -> list[GraspOptio
 
 
 def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOption]:
-    """Return the grasps of a body with a model at its pose, the best first, each turned towards the arm's side.
+    """Return the grasps of a body with a model at its pose, best first, each turned towards the arm's side.
 
     Raises:
         Failure: there is no grasp, or none in which the pads bear the weight and the torque of the body.
@@ -151,7 +151,7 @@ def _along(pose: Pose, axis: Vector, direction: Vector) -> float:
 
 
 def _from_above(search: Search, situation: Situation, entity: str) -> list[tuple[Pose, float]]:
-    """Return tool poses from above that grasp an object, each with its opening in metres, the easiest first.
+    """Return tool poses from above that grasp an object, each with its opening in metres, easiest first.
 
     Boxes are grasped at opposite sides, round objects from four directions; first in the middle or as low as the palm
     allows, then at the top, where the palm clears nearby objects.

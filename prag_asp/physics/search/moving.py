@@ -25,7 +25,7 @@ from prag_asp.scene.robots import Joints
 
 
 def turn_to(search: Search, snapshot: Snapshot, robot: str | None) -> Snapshot:
-    """Make another robot the acting robot; None keeps the current robot."""
+    """Make another robot the acting robot; with None, the current robot remains."""
     turned = snapshot.turned_to(robot)
     search.simulator.turn_to(turned.acting)
     return turned

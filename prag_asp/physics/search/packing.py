@@ -40,7 +40,7 @@ from prag_asp.scene.furniture import swept
 from prag_asp.scene.geometry import Pose, Quaternion, compose, multiply, rotate, yaw_of, yaw_quaternion
 
 SPACINGS = (FINGER_ROOM, FINGER_ROOM / 2, SPACING, 0.005, 0.002, 0.0)
-"""The spacings between objects to try, in metres, the largest first; with the last, they touch."""
+"""The spacings between objects to try, in metres, largest first; with the last, they touch."""
 
 TIGHT = 0.002
 """The largest spacing, in metres, with which objects also touch the walls of a container."""
@@ -213,7 +213,7 @@ def _fill(
 def _places(
     corners: NDArray[np.float64], taken: NDArray[np.float64], touching: NDArray[np.float64], spacing: float
 ) -> NDArray[np.float64]:
-    """Return the places in the bounding box of some corners, shape (n, 2), that keep a spacing from `taken` places.
+    """Return the places in the bounding box of corners, shape (n, 2), that keep a spacing from `taken` places.
 
     They are on lines through the corners, on lines through `touching` places, and on the lines of a lattice.
     """

@@ -269,7 +269,7 @@ def placement_volume(
 
 
 def _close(situation: Situation, entity: str, volume: Volume, about: Iterable[Fact]) -> Volume:
-    """Return the part of a volume that is close enough to the objects beside it for people to see the relation."""
+    """Return the part of a volume that is close enough to the objects beside it for people to recognise it."""
     for fact in about:
         if fact.value and fact.predicate.seen_close:
             other = fact.arguments[1] if fact.arguments[0] == entity else fact.arguments[0]

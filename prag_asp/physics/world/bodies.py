@@ -122,7 +122,7 @@ def _make(
     frame: Pose | None = None,
     looks: Sequence[Look] = (),
 ) -> int:
-    """Make one body that consists of several solids, with its inertial `frame`; without a colour it is invisible."""
+    """Make one body that consists of several solids, with its inertial `frame`; without a colour, it is invisible."""
     own = {} if frame is None else {"baseInertialFramePosition": frame[0], "baseInertialFrameOrientation": frame[1]}
     with open_shapes(made_of, client, color, looks) as (solid, seen):
         body = pybullet.createMultiBody(

@@ -18,7 +18,7 @@ ARMS_APART = 0.01
 
 
 class ArmCollision(NamedTuple):
-    """The body that the arm collides with, and whether the hand collides.
+    """The body with which the arm collides, and whether the hand collides.
 
     If the hand collides, no other configuration for the tool pose helps.
     """

@@ -70,7 +70,7 @@ NO_PRESSING = Pressing(0.0, 0.0)
 
 @dataclass(frozen=True)
 class LoadedArm:
-    """An arm in a simulation: its robot, its body, and the joints of arm and gripper that motors drive.
+    """An arm in a simulation: its robot, its body, and the joints of the arm and gripper that motors drive.
 
     `base` is the pose of the arm in PyBullet: the pose of the centre of mass of its first link.
     """
@@ -95,7 +95,7 @@ class Dynamics:
         self._parts: dict[tuple[int, int], int] = {}
 
     def begin(self, objects: Sequence[str], moment: Moment, scene: Scene | None = None) -> None:
-        """Build a world with some objects and the arms as at a moment; `scene` may have different sizes.
+        """Build a world with the given objects and with the arms as at a moment; `scene` may have different sizes.
 
         Raises:
             SceneError: a robot cannot be loaded, or PyBullet refuses a body.

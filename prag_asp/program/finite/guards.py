@@ -33,7 +33,7 @@ COLLECTIONS = (ASTType.Pool, ASTType.Aggregate, ASTType.BodyAggregate, ASTType.H
 """Nodes in which intervals are alternatives, which do not multiply the instances of a rule."""
 
 MOST_COMBINATIONS = 100_000_000
-"""The maximum number of combinations of the constant intervals of a rule, which take clingo half a minute."""
+"""The maximum number of combinations of a rule's constant intervals; clingo needs half a minute for that many."""
 
 SMALL = 1_000
 """The largest constant weight for which sums are not checked; an overflow would take two million elements."""

@@ -193,7 +193,7 @@ def sample_index(shares: Sequence[Fraction], seed: int, *numbers: int | str) -> 
 
 
 def parse_share(what: str, number: Number | float, *, positive: bool = False) -> Fraction:
-    """Return a share from 0 to 1 as a fraction; a float is taken at its decimal digits. `positive` excludes 0.
+    """Return a share from 0 to 1 as a fraction; a float stands for its decimal digits. `positive` excludes 0.
 
     Raises:
         QueryError: the number is not in this range.

@@ -50,7 +50,8 @@ class SplitOptions:
     def require_default(self, reason: str) -> None:
         """Check that no option defines a division of a space.
 
-        Raises: QueryError: an option does; the message states the `reason` why the option has no effect.
+        Raises:
+            QueryError: an option does; the message states the `reason` why the option has no effect.
         """
         if self.shares is not None or self.skeletons or self.hold_out is not None or self.seed != 0:
             raise QueryError(f"shares, skeletons, hold_out and split_seed divide a space: {reason}")

@@ -1,6 +1,6 @@
 """Find the files to which a model refers, by the path conventions of PyBullet, ROS and model folders.
 
-As in PyBullet, a path is relative to the folder of the model or to a folder above it, the nearest first. In
+As in PyBullet, a path is relative to the folder of the model or to a folder above it, nearest first. In
 ``package://NAME/PATH`` and ``model://NAME/PATH``, NAME is also a folder, or it is the package that contains the model,
 whose folder may have a different name here. Files outside the folder of the domain are not found.
 """
@@ -47,7 +47,7 @@ def require_inside(path: Path, folder: Path) -> None:
 
 
 def _candidates(name: str, model: Path, folder: Path) -> Iterator[Path]:
-    """Yield the possible paths for a name, the likeliest first."""
+    """Yield the possible paths for a name, likeliest first."""
     scheme = next((scheme for scheme in SCHEMES if name.startswith(scheme)), "")
     plain = name.removeprefix(scheme).removeprefix(FILE)
     names = [plain] if not scheme else [plain, plain.partition("/")[2]]

@@ -200,7 +200,7 @@ def _part_mass(triangles: Floats) -> MassProperties:
 
 
 def quaternion_of(rows: Floats) -> tuple[float, float, float, float]:
-    """Return the unit quaternion (x, y, z, w) of a rotation matrix (3, 3), by Bar-Itzhack's eigenvector method."""
+    """Return the unit quaternion (x, y, z, w) of a rotation matrix (3, 3), using Bar-Itzhack's eigenvector method."""
     (a, b, c), (d, e, f), (g, h, i) = rows.tolist()
     matrix = np.array(
         [

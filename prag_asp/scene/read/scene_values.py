@@ -40,7 +40,7 @@ class DomainNames:
         return {**dict.fromkeys(self.entities.values(), ()), **self.classes}
 
     def line(self, entity: str) -> list[str]:
-        """Return the class of an entity and its ancestors, the nearest first."""
+        """Return the class of an entity and its ancestors, nearest first."""
         return ancestors(self.entities[entity], self.known_classes)
 
     def inherited(self, entity: str, by_class: Mapping[str, Value]) -> Value | None:
@@ -63,7 +63,7 @@ class DomainNames:
 
 
 def ancestors(name: str, classes: Mapping[str, Sequence[str]]) -> list[str]:
-    """Return a class and its ancestors without repetition, the nearest first."""
+    """Return a class and its ancestors without repetition, nearest first."""
     result = [name]
     for current in result:
         result += [parent for parent in classes.get(current, ()) if parent not in result]

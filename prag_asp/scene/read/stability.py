@@ -59,7 +59,7 @@ def base_of(points: Floats, height: float = CONTACT) -> Outline:
 
 
 def crown_of(points: Floats) -> Outline:
-    """Return the convex outline, seen from above, of the highest among points (n, 3)."""
+    """Return the convex outline, seen from above, of the highest of the given points (n, 3)."""
     return base_of(points * (1.0, 1.0, -1.0))
 
 

@@ -46,7 +46,7 @@ PROLOGUE = re.compile(rb"((?:\xef\xbb\xbf|\s|<!--.*?-->)+)(<\?xml\s.*?\?>)", re.
 """Characters that some files contain before the XML declaration, where XML allows none."""
 
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-"""The attributes of ``<inertia>``: the upper triangle of the matrix, by rows."""
+"""The attributes of ``<inertia>``: the upper triangle of the matrix, row by row."""
 
 
 class Frame(NamedTuple):

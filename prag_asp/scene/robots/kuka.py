@@ -77,7 +77,7 @@ class KukaSolver:
         yield from _joints(elbow, forearm, flange[:3, :3], np.tile(SIGNS, (len(angles), 1)), near).tolist()
 
     def sweeps(self, tool: Pose, near: Joints | None) -> Iterator[tuple[float, ...]]:
-        """Yield the elbow angles to try, the most promising first."""
+        """Yield the elbow angles to try, most promising first."""
         if near is None:
             yield AROUND
             yield COARSE

@@ -50,13 +50,13 @@ class PandaSolver:
     def solutions(
         self, flange: NDArray[np.float64], near: Joints, angles: Sequence[float]
     ) -> Iterator[Sequence[float]]:
-        """Yield joint angles for a pose of the flange; a branch without a solution is NaN."""
+        """Yield joint angles for a pose of the flange, or NaN for a branch without a solution."""
         actual, ik_full = np.array(near), _frankik().ik_full
         for angle in angles:
             yield from ik_full(flange, actual, angle).tolist()
 
     def sweeps(self, tool: Pose, near: Joints | None) -> Iterator[tuple[float, ...]]:
-        """Yield the angles of joint 7 to try, the most promising first."""
+        """Yield the angles of joint 7 to try, most promising first."""
         if near is not None:
             yield (near[6],)
             yield tuple(near[6] + angle for angle in NARROW)

@@ -52,7 +52,7 @@ class KinematicsSolver(Protocol):
         """
 
     def sweeps(self, tool: Pose, near: Joints | None) -> Iterator[tuple[float, ...]]:
-        """Yield free angles to try for a tool pose, the most promising first: around the joints `near`, if given."""
+        """Yield free angles to try for a tool pose, most promising first: around the joints `near`, if given."""
 
 
 class Hand(NamedTuple):

@@ -199,7 +199,7 @@ class _BreadthFirst:
         return places
 
     def _number_edges(self, successors: list[Successors], order: NDArray[np.intp], twins: Twins | None) -> _Edges:
-        """Return the edges to some successors, ordered by source and letter, and number their targets."""
+        """Return the edges to the given successors, ordered by source and letter, and number their targets."""
         letters = np.concatenate([np.full(len(some.sources), some.letter, dtype=np.int32) for some in successors])[
             order
         ]

@@ -147,7 +147,7 @@ class Layers:
         return self.diagrams.word(self.start)
 
     def accepts(self, states: Node) -> bool:
-        """Return whether a word may end in any of some states."""
+        """Return whether a word may end in any of the given states."""
         return bool(self._step.accepted(states))
 
     def onward(self, state: State) -> list[DiagramEdge]:

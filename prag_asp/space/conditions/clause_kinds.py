@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache, reduce
 from typing import ClassVar, Protocol
 
 import clingo
@@ -198,11 +199,20 @@ class Part:
         """Yield the request terms for the encoding."""
         rows: list[dict[str, int]] = [{} for _ in range(self.modulus)]
         for name in sorted({action_name(action) for action in facts.actions}):
-            numbers = list(range(self.modulus))
-            random.Random(f"{self.seed} {name}").shuffle(numbers)
-            for state, target in enumerate(numbers):
+            for state, target in enumerate(self._permutation(name)):
                 rows[state][name] = target
         yield from language_requests(number, Recogniser(rows, frozenset(self.residues)))
+
+    def includes(self, skeletons: Iterable[Sequence[str]]) -> list[bool]:
+        """Return whether each skeleton belongs to the part."""
+        permutation, residues = cache(self._permutation), frozenset(self.residues)
+        return [reduce(lambda number, name: permutation(name)[number], names, 0) in residues for names in skeletons]
+
+    def _permutation(self, name: str) -> list[int]:
+        """Return the image of each number under the permutation of a name."""
+        numbers = list(range(self.modulus))
+        random.Random(f"{self.seed} {name}").shuffle(numbers)
+        return numbers
 
 
 @dataclass(frozen=True)
@@ -291,7 +301,7 @@ SHORTEST = KeywordClause("shortest")
 
 
 def end_requests(number: int, conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
-    """Yield the requests of ``ends.lp`` for a final state that satisfies one of some conjunctions."""
+    """Yield the requests of ``ends.lp`` for a final state that satisfies one of the given conjunctions."""
     yield f"ends({number})"
     for which, conjunction in enumerate(conjunctions):
         yield f"either({number},{which})"

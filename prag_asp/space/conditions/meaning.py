@@ -54,7 +54,7 @@ def weakest(conjunctions: Sequence[Conjunction], goal: Assignment, facts: Facts)
 
 
 def shared(conjunctions: Sequence[Conjunction], facts: Facts) -> Conjunction:
-    """Return the values that every one of some conjunctions entails."""
+    """Return the values that each of the given conjunctions entails."""
     graph = invariant_graph(facts)
     names = {str(fluent): fluent for fluent in facts.fluents}
     closed = [

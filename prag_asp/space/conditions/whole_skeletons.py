@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from fractions import Fraction
+from itertools import compress
 from itertools import count as numbers_from
 from math import ceil, lcm
 
@@ -30,6 +31,10 @@ CLOSE = NEAR / 10
 MOST_SKELETONS, LONGEST = 500, 30
 """Maximum number of skeletons, and maximum length, for which parts are chosen skeleton by skeleton."""
 
+FEW_SEQUENCES = 5000
+"""Maximum number of sequences of action names for which the skeletons are listed first: that takes about as long as to
+count the tasks of one part."""
+
 SPELLABLE = re.compile(r"\w+")
 """The pattern of names that can be written in a regular expression."""
 
@@ -45,39 +50,62 @@ class SharesWarning(UserWarning):
 
 
 def divide_skeletons(
-    shares: Mapping[str, Fraction], seed: int, count: Count, listed: Callable[[], Skeletons | None]
+    shares: Mapping[str, Fraction],
+    seed: int,
+    count: Count,
+    listed: Callable[[], Skeletons | None],
+    *,
+    names: int,
+    length: int,
 ) -> dict[str, Condition]:
     """Return conditions that partition a space at random into parts that share no skeleton.
 
     A random automaton divides the skeletons evenly. If the shares of tasks come out uneven, skeletons are assigned by
-    their exact numbers of tasks: one by one, or in classes if `listed` returns None because there are too many.
+    their exact numbers of tasks: one by one, or in classes if `listed` returns None because there are too many. If
+    `names` action names have few sequences of this `length`, the skeletons are listed first and no part is counted.
 
     Raises:
         QueryError: a share is too small to be a class of skeletons.
     """
     modulus = _number_of_classes(shares)
     residues = divided(modulus, shares)
-    parts = {name: _part(numbers, modulus, seed) for name, numbers in residues.items()}
-    if _distance(parts, shares, count) > NEAR:
+    clauses = [Part(tuple(numbers), modulus, seed) for numbers in residues.values()]
+    parts = {name: Condition((clause,)) for name, clause in zip(shares, clauses, strict=True)}
+    listed_first = names**length <= FEW_SEQUENCES
+    few = listed() if listed_first else None
+    if few is None:
+        sizes = [count(part) for part in parts.values()]
+    else:
+        sizes = [sum(compress(few.values(), clause.includes(few))) for clause in clauses]
+    if farthest(sizes, list(shares.values())) <= NEAR:
+        return parts
+    if not listed_first:
         few = listed()
-        pieces = [count(_part([r], modulus, seed)) for r in range(modulus)] if few is None else list(few.values())
-        members: list[list[int]] = [[] for _ in shares]
-        for piece, part in enumerate(choose_parts(pieces, list(shares.values()), seed)):
-            members[part].append(piece)
-        if few is None:
-            parts = {name: _part(own, modulus, seed) for name, own in zip(shares, members, strict=True)}
-        else:
-            words = [" ".join(skeleton) or ".{0}" for skeleton in few]
-            expressions = [" | ".join(words[piece] for piece in own) for own in members]
-            clauses = [Matches(spelled) if spelled else Matches(".*", inverse=True) for spelled in expressions]
-            parts = {name: Condition((clause,)) for name, clause in zip(shares, clauses, strict=True)}
-        if _distance(parts, shares, count) > NEAR:
-            total = sum(map(count, parts.values()))
-            actual = ", ".join(f"{name} has {float(100 * count(part) / total):.1f} %" for name, part in parts.items())
-            requested = ", ".join(f"{float(100 * share):.4g} %" for share in shares.values())
-            why = "no choice of whole skeletons comes nearer; choose other shares or lengths"
-            warnings.warn(f"{actual} of the tasks, not {requested}: {why}", SharesWarning, stacklevel=3)
+    pieces = [count(_part([r], modulus, seed)) for r in range(modulus)] if few is None else list(few.values())
+    members: list[list[int]] = [[] for _ in shares]
+    for piece, place in enumerate(choose_parts(pieces, list(shares.values()), seed)):
+        members[place].append(piece)
+    if few is None:
+        parts = {name: _part(own, modulus, seed) for name, own in zip(shares, members, strict=True)}
+    else:
+        words = [" ".join(skeleton) or ".{0}" for skeleton in few]
+        expressions = [" | ".join(words[piece] for piece in own) for own in members]
+        matches = [Matches(spelled) if spelled else Matches(".*", inverse=True) for spelled in expressions]
+        parts = {name: Condition((clause,)) for name, clause in zip(shares, matches, strict=True)}
+    sizes = [sum(pieces[piece] for piece in own) for own in members]
+    if farthest(sizes, list(shares.values())) > NEAR:
+        _warn(shares, sizes)
     return parts
+
+
+def _warn(shares: Mapping[str, Fraction], sizes: Sequence[int]) -> None:
+    """Warn that the sizes of parts are far from the requested shares."""
+    total = sum(sizes)
+    percentages = {name: float(Fraction(100 * size, total)) for name, size in zip(shares, sizes, strict=True)}
+    actual = ", ".join(f"{name} has {share:.1f} %" for name, share in percentages.items())
+    requested = ", ".join(f"{float(100 * share):.4g} %" for share in shares.values())
+    why = "no choice of whole skeletons comes nearer; choose other shares or lengths"
+    warnings.warn(f"{actual} of the tasks, not {requested}: {why}", SharesWarning, stacklevel=4)
 
 
 def _number_of_classes(shares: Mapping[str, Fraction]) -> int:
@@ -103,7 +131,3 @@ def _number_of_classes(shares: Mapping[str, Fraction]) -> int:
 
 def _part(residues: Iterable[int], modulus: int, seed: int) -> Condition:
     return Condition((Part(tuple(residues), modulus, seed),))
-
-
-def _distance(parts: Mapping[str, Condition], shares: Mapping[str, Fraction], count: Count) -> Fraction:
-    return farthest([count(part) for part in parts.values()], list(shares.values()))

@@ -95,7 +95,7 @@ class AutoEngine:
         """Return the number of words of a given length.
 
         Raises:
-            LimitReached: a limit ended the count; the error has the number of words counted so far.
+            LimitReached: a limit ended the count; the error gives the number of words counted so far.
         """
         try:
             return self._answer(length, lambda engine: engine.count(length, prefix))

@@ -110,7 +110,7 @@ class AutomatonEngine:
         """Return the number of words of a given length.
 
         Raises:
-            LimitReached: a limit ended the exploration; the error has the number of words counted so far.
+            LimitReached: a limit ended the exploration; the error gives the number of words counted so far.
         """
         clock = self._limits.begin()
         reach = self._reach(length, clock, self._parts.spreads if prefix else self._parts.falls_apart)

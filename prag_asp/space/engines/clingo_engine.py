@@ -65,7 +65,7 @@ class ClingoEngine:
         """Return the number of words of a given length, by enumerating them all.
 
         Raises:
-            LimitReached: a limit ended the search; the error has the number of words counted so far.
+            LimitReached: a limit ended the search; the error gives the number of words counted so far.
         """
         clock = self._limits.begin()
         plans = self._plans(length)
@@ -89,7 +89,7 @@ class ClingoEngine:
         """Yield the words of a given length in order, lazily, by one search for each extension of a prefix.
 
         Raises:
-            LimitReached: a limit ended the search; the error has the number of words counted so far.
+            LimitReached: a limit ended the search; the error gives the number of words counted so far.
         """
 
         def search() -> Iterator[Letters]:
@@ -124,7 +124,7 @@ class ClingoEngine:
 
         Raises:
             EngineError: there are too many words to list.
-            LimitReached: a limit ended the search; the error has the number of words found so far.
+            LimitReached: a limit ended the search; the error gives the number of words found so far.
         """
         return weigh_words(self._listed(length), self.letters, self._model, self._level, length, weights, goals)
 

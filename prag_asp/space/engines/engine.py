@@ -20,7 +20,7 @@ Level = Literal["plan", "task", "skeleton"]
 LEVELS: tuple[Level, ...] = ("plan", "task", "skeleton")
 
 Letters = tuple[str, ...]
-"""A plan or a task as the texts of its actions, a skeleton as names."""
+"""A plan or a task as the texts of its actions, or a skeleton as names."""
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Engine(Protocol):
     def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:
         """Return, for each letter that can follow `prefix`, the number of words that continue with it.
 
-        Letters are in order. If `prefix` is as long as the words, no letter can follow it.
+        The letters are in order. If `prefix` is as long as the words, no letter can follow it.
         """
         ...
 

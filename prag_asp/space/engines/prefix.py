@@ -49,8 +49,7 @@ def engine_prefix(prefix: Prefix, by: Level, length: int, domain: Domain, model:
     parsed = parse_prefix(items, by, domain.facts)
     if by != "task" or not parsed:
         return parsed
-    actions = {str(action): action for action in model.domain.facts.actions}
-    return canonical_prefix(parsed, actions, model.symmetries(length))
+    return canonical_prefix(parsed, model.domain.facts.actions_by_text, model.symmetries(length))
 
 
 def parse_prefix(items: Sequence[str], by: Level, facts: Facts) -> tuple[str, ...]:
@@ -62,9 +61,9 @@ def parse_prefix(items: Sequence[str], by: Level, facts: Facts) -> tuple[str, ..
         QueryError: an item is neither an action nor the name of one, or a skeleton begins with a single action.
     """
     by_name: dict[str, list[str]] = {}
-    for action in facts.actions:
-        by_name.setdefault(action_name(action), []).append(str(action))
-    actions = {str(action) for action in facts.actions}
+    actions = facts.actions_by_text
+    for each, action in actions.items():
+        by_name.setdefault(action_name(action), []).append(each)
     parsed = []
     for item in items:
         text = str(parse_atom(item))
@@ -83,15 +82,15 @@ def parse_plan(items: Sequence[str | Atom], facts: Facts) -> tuple[clingo.Symbol
     Raises:
         QueryError: an item is not an action of the domain, or is only the name of several actions.
     """
-    actions = {str(action): action for action in facts.actions}
-    names = set(map(action_name, facts.actions))
+    actions = facts.actions_by_text
     plan = []
     for item in items:
         text = str(parse_atom(str(item)))
-        if text not in actions and text in names:
-            example = min(action for action in actions if action.startswith(f"{text}("))
-            raise QueryError(f"{text} is the name of actions; give one in full, such as {example}")
         if text not in actions:
+            names = set(map(action_name, facts.actions))
+            if text in names:
+                example = min(action for action in actions if action.startswith(f"{text}("))
+                raise QueryError(f"{text} is the name of actions; give one in full, such as {example}")
             raise QueryError(no_action(text, [*names, *actions], facts))
         plan.append(actions[text])
     return tuple(plan)

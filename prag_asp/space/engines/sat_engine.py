@@ -41,7 +41,7 @@ class SatEngine:
         """Return the number of words of a given length, by finding each word and blocking it with a clause.
 
         Raises:
-            LimitReached: a limit ended the search; the error has the number of words counted so far.
+            LimitReached: a limit ended the search; the error gives the number of words counted so far.
         """
         clock = self._limits.begin()
         counted = 0
@@ -62,7 +62,7 @@ class SatEngine:
         """Yield the words of a given length in order, lazily, by one search for each extension of a prefix.
 
         Raises:
-            LimitReached: a limit ended the search; the error has the number of words counted so far.
+            LimitReached: a limit ended the search; the error gives the number of words counted so far.
         """
         return within(self._limits, self._searching(length).words(prefix), self._level, length)
 
@@ -86,7 +86,7 @@ class SatEngine:
         return next(rank for rank, other in enumerate(self.words(len(word))) if other == word)
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return the words of a given length with their weights, by finding them all."""
+        """Return all words of a given length with their weights, which the solver finds one by one."""
         return weigh_words(self.words(length), self.letters, self._model, self._level, length, weights, goals)
 
     def formula(self, length: int) -> WordFormula:
@@ -94,7 +94,7 @@ class SatEngine:
         return self._searching(length).formula
 
     def _all(self, length: int, prefix: Letters) -> Iterator[Letters]:
-        """Yield the words that begin with `prefix`, each once and in any order, and block each found word by a clause.
+        """Yield each word that begins with `prefix` once, in any order; a clause then blocks it.
 
         A word has one letter at each step, so a clause that excludes one of its letters blocks only this word.
         """

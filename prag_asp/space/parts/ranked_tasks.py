@@ -34,7 +34,7 @@ class Ranks(Protocol):
         ...
 
     def cut(self, places: range) -> Ranks:
-        """Return the ranks at some places."""
+        """Return the ranks at the given places."""
         ...
 
 
@@ -73,7 +73,7 @@ class RankRange:
         return (rank - self.ranks.start) // self.ranks.step if rank in self.ranks else None
 
     def cut(self, places: range) -> RankRange:
-        """Return the ranks at some places."""
+        """Return the ranks at the given places."""
         step = self.ranks.step * places.step
         start = self.ranks.start + self.ranks.step * places.start
         return RankRange(range(start, start + step * size_of(places), step))
@@ -99,7 +99,7 @@ class ShuffledRanks:
         return self.places.place(self.order.place(rank)) if 0 <= rank < self.order.size else None
 
     def cut(self, places: range) -> ShuffledRanks:
-        """Return the ranks at some places."""
+        """Return the ranks at the given places."""
         return ShuffledRanks(self.order, self.places.cut(places))
 
 

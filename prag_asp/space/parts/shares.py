@@ -15,7 +15,7 @@ from prag_asp.program.facts import Facts
 
 
 def parse_shares(shares: Mapping[str, Number | float]) -> dict[str, Fraction]:
-    """Return shares as fractions; a float is taken at its decimal digits, so 0.8 is 4/5.
+    """Return shares as fractions; a float stands for its decimal digits, so 0.8 is 4/5.
 
     Raises:
         QueryError: the shares are not numbers above 0 that add up to 1.

@@ -16,6 +16,7 @@ import clingo
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.atom import Atom
 from prag_asp.errors import LimitReached
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.packed import Rows, pack
@@ -33,6 +34,9 @@ MOST_STATES = 2_000_000
 
 TOGETHER = 4096
 """Number of states that are expanded together."""
+
+FEW_STATES, MOST_KEPT = 20_000, 32
+"""Maximum number of states of a search that is kept for later tasks with the same initial state, and of searches."""
 
 SAFE = 2**62
 """Numbers of plans below this bound fit into 64 bits."""
@@ -191,6 +195,7 @@ class PlanSearch:
         program = Program(each_once((*domain.program.sources, *rules)))
         self._model = DomainLogic(replace(domain, program=program, reduction=None))
         values = [(fluent, value) for fluent in domain.facts.fluents for value in TRUTH]
+        self._kept: dict[frozenset[tuple[Atom, bool]], PlanLayers] = {}
         self._places = {(str(fluent), value): place for place, (fluent, value) in enumerate(values)}
         self._labels = [
             FINDING.timeless(clingo.Function("meets", [fluent, clingo.Function(TRUTH[value])]))
@@ -209,12 +214,19 @@ class PlanSearch:
             EngineError: the step is not a function of the state and the action.
             LimitReached: a limit was reached, or there are more than `MOST_STATES` states.
         """
-        wanted = self.goal_row(goal.items())
-        for layer in self.layers(Start.of(self._model.program, initial.items()), at_most, clock):
+        wanted, key = self.goal_row(goal.items()), frozenset(initial.items())
+        layers = self._kept.pop(key, None) or self.layers(Start.of(self._model.program, key))
+        found = None
+        for layer in layers.up_to(at_most, clock):
             solving = layer.solving(wanted)
             if solving.any():
-                return ShortestPlans(layer.depth, int(sum(layer.numbers[solving].tolist())))
-        return None
+                found = ShortestPlans(layer.depth, int(sum(layer.numbers[solving].tolist())))
+                break
+        if layers.states <= FEW_STATES:
+            self._kept[key] = layers
+            if len(self._kept) > MOST_KEPT:
+                del self._kept[next(iter(self._kept))]
+        return found
 
     def solvable(
         self, starts: Sequence[Values], goals: Sequence[Bits], at_most: int, clock: LimitClock
@@ -266,7 +278,7 @@ class PlanSearch:
         return solved_by(meets, goals)
 
     def _solvable_from(self, initial: Values, goals: Bits, at_most: int, clock: LimitClock) -> NDArray[np.bool_]:
-        layers = self.layers(Start.of(self._model.program, initial), at_most, clock)
+        layers = self.layers(Start.of(self._model.program, initial)).up_to(at_most, clock)
         return solved_by(np.concatenate([layer.meets[layer.ends] for layer in layers]), goals)
 
     def goal_row(self, values: Iterable[tuple[object, bool]]) -> Bits:
@@ -283,12 +295,11 @@ class PlanSearch:
         row[[self._places[each] for each in literals]] = True
         return np.packbits(row)
 
-    def layers(self, start: Start, at_most: int, clock: LimitClock) -> Iterator[PlanLayer]:
-        """Yield the states that plans from a state reach, in order of distance, until there are no new states.
+    def layers(self, start: Start) -> PlanLayers:
+        """Return the states that plans from a state reach, in order of their distance.
 
         Raises:
             EngineError: the step is not a function of the state and the action.
-            LimitReached: a limit was reached, or there are more than `MOST_STATES` states.
         """
         transition = self._transition
         if not start.covered(transition):
@@ -297,15 +308,38 @@ class PlanSearch:
             model = DomainLogic(replace(self._model.domain, program=program))
             transition = model.transition(tasks=False, labels=self._labels)
         rows = start.row(transition)
-        seen = Numbering(rows.shape[1])
-        seen.add(rows)
-        numbers: NDArray[Any] = np.ones(len(rows), dtype=np.int64)
-        yield PlanLayer(0, numbers, np.array([start.may_end()] * len(rows)), self._row(start.known)[None, :])
-        for depth in range(1, at_most + 1):
-            rows, numbers, meets = _advance(transition, rows, numbers, seen, clock)
-            if not len(rows):
+        ends = np.array([start.may_end()] * len(rows))
+        return PlanLayers(transition, rows, ends, self._row(start.known)[None, :])
+
+
+class PlanLayers:
+    """The states that plans from one state reach, in order of their distance; layers are found when they are needed."""
+
+    def __init__(self, transition: Transition, rows: Rows, ends: NDArray[np.bool_], meets: Bits) -> None:
+        self._transition, self._rows = transition, rows
+        self._seen = Numbering(rows.shape[1])
+        self._seen.add(rows)
+        self._found = [PlanLayer(0, np.ones(len(rows), dtype=np.int64), ends, meets)]
+
+    @property
+    def states(self) -> int:
+        """The number of states found so far."""
+        return len(self._seen)
+
+    def up_to(self, depth: int, clock: LimitClock) -> Iterator[PlanLayer]:
+        """Yield the layers up to a depth, lazily; stop when no state is new. After an error, there are no further ones.
+
+        Raises:
+            LimitReached: a limit was reached, or there are more than `MOST_STATES` states.
+        """
+        for number in range(depth + 1):
+            if number == len(self._found):
+                numbers = self._found[-1].numbers
+                self._rows, numbers, meets = _advance(self._transition, self._rows, numbers, self._seen, clock)
+                self._found.append(PlanLayer(number, numbers, self._transition.accepts(self._rows), meets))
+            if number and not len(self._found[number].numbers):
                 return
-            yield PlanLayer(depth, numbers, transition.accepts(rows), meets)
+            yield self._found[number]
 
 
 @dataclass(frozen=True)
@@ -324,7 +358,7 @@ class PlanGraph:
     def of(
         cls, sources: list[NDArray[np.int64]], targets: list[NDArray[np.int64]], ends: NDArray[np.bool_], meets: Bits
     ) -> PlanGraph:
-        """Return the graph that has some edges."""
+        """Return the graph with the given edges."""
         nothing = np.zeros(0, dtype=np.int64)
         own, others = (np.concatenate([nothing, *each]) for each in (sources, targets))
         order = np.argsort(own, kind="stable")

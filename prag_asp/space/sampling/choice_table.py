@@ -31,7 +31,7 @@ Resolve = Callable[[int, int], int]
 
 @dataclass(frozen=True)
 class ChoiceTable:
-    """The choices of one step: for some states, called slots 0, 1, ..., their edges with thresholds.
+    """The choices of one step: for given states, called slots 0, 1, ..., their edges with thresholds.
 
     The edges of slot s are ``first[s]:first[s + 1]``; `edges` are their numbers in the automaton, and `thresholds` are
     floor(2^64 * cumulative share), of which the last one for each state is unused. `guide` has 2^bits cells for each

@@ -75,7 +75,7 @@ def walks_of(weighed: Weighed, length: int) -> Walks:
 
 
 class PathWalks:
-    """Walks along the paths of an automaton, from a state `start`, in which each path is one word."""
+    """Walks along the paths of an automaton from the state `start`; each path is one word."""
 
     def __init__(self, completions: Completions, length: int, start: int = 0) -> None:
         self._completions = completions

@@ -52,7 +52,7 @@ class Sampler(Protocol):
     """A sampler of the words of one length."""
 
     def sample(self, bits: Bits, first: int, count: int, *, with_probabilities: bool) -> DrawArray:
-        """Return the draws from number `first` on, optionally with their probabilities.
+        """Return the draws from number `first` onwards, optionally with their probabilities.
 
         A draw depends only on its number and the random bits.
         """
@@ -68,7 +68,7 @@ class WeightSampler:
         self._total = weighed.total(length)
 
     def sample(self, bits: Bits, first: int, count: int, *, with_probabilities: bool) -> DrawArray:
-        """Return the draws from number `first` on."""
+        """Return the draws from number `first` onwards."""
         edges = self._paths.sample(bits, first, count)
         letters = _letters(self._automaton, edges)
         return DrawArray(letters, _shares(self._automaton, edges, [self._total] * count) if with_probabilities else ())
@@ -85,7 +85,7 @@ class WalkSampler:
         self._length = length
 
     def sample(self, bits: Bits, first: int, count: int, *, with_probabilities: bool) -> DrawArray:
-        """Return the draws from number `first` on."""
+        """Return the draws from number `first` onwards."""
         words, probabilities = [], []
         for number in range(first, first + count):
             drawn = bits.words(number, 1, self._length)[0].tolist()
@@ -119,7 +119,7 @@ class GoalSampler:
         self._paths = PathSampler(completions, length, self._starts)
 
     def sample(self, bits: Bits, first: int, count: int, *, with_probabilities: bool) -> DrawArray:
-        """Return the draws from number `first` on; the first random word of each draw determines its goal."""
+        """Return the draws from number `first` onwards; the first random word of each draw determines its goal."""
         running = list(range(1, len(self._starts) + 1))
         edges = np.empty((self._length, count), dtype=np.int64)
         goals = np.empty(count, dtype=np.int64)

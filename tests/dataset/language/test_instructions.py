@@ -91,7 +91,7 @@ def test_a_phrase_that_names_the_source_of_an_action_replaces_it() -> None:
     state = {**task.initial, parse_atom("inside(cup_2,sink_1)"): False, parse_atom("on_top(cup_2,table_1)"): True}
     known = replace(task, initial=FrozenDict(state))
     words = instruction_writer_of(space.domain).instructions(known)
-    assert words.subgoals[0] == "Pick the cup in the sink." and "from" not in words.default
+    assert words.subgoals[0] == "Take the cup in the sink." and "from" not in words.default
     assert instruction_writer_of(space.domain).read(known, words.default).actions == task.actions
 
 
@@ -175,7 +175,7 @@ def test_what_an_action_brings_about_leads_from_and_to_in_the_sentences_that_any
         for (action, _), sentences in GrammarReader(domain.settings, domain.facts, "en").plain().items():
             said[name, action] = spelled(sentences)
     assert said["hanoi", "move"] == "move <0> from <1> to <2>" and said["blocks", "unstack"] == "unstack <0> from <1>"
-    assert said["tabletop", "pick"] == "pick <1> out of <2>" and said["tabletop", "insert"] == "insert <1> into <2>"
+    assert said["tabletop", "pick"] == "take <1> out of <2>" and said["tabletop", "insert"] == "insert <1> into <2>"
     assert said["two_arms", "give"] == "give <0>, <1> and <2>"
 
 
@@ -192,7 +192,7 @@ def test_what_is_moved_is_named_even_if_it_is_the_only_one_of_its_kind() -> None
     domain = load_domain(text=text)
     plain = GrammarReader(domain.settings, domain.facts, "en").plain()
     said = {name: spelled(each) for (name, _), each in plain.items()}
-    assert said == {"pick": "pick <1> from <2>", "put": "put <1> to <2>"}
+    assert said == {"pick": "take <1> from <2>", "put": "put <1> to <2>"}
     writer = instruction_writer_of(domain)
     for task in TaskSpace(domain, 2):
         assert_read_back(writer, task, writer.instructions(task))

@@ -87,6 +87,9 @@ def test_rejected_tasks_are_replaced_where_others_have_the_same_combinations(
         assert cover and set(cover.missing) == covered(everything) - possible, number
         assert covered(list(data.tasks())) == possible and cover.covered == len(possible)
         assert others(folder) == []
+        before = content(folder)
+        generate(SPACE, folder, **{**COVER, "seed": number})  # tries again what is missing, in vain
+        assert content(folder) == before
 
 
 def test_tasks_far_apart_are_those_of_a_farthest_first_traversal_without_the_rejected_ones(
@@ -139,6 +142,17 @@ def test_a_killed_run_goes_on_to_the_same_bytes(
         make(folder)
         assert content(folder) == whole
         shutil.rmtree(folder)
+
+
+def test_a_run_that_a_limit_of_draws_ended_goes_on(tmp_path: Path) -> None:
+    generate(SPACE.at(2), tmp_path / "whole", **COVER)
+    few = generate(SPACE.at(2), tmp_path / "few", max_draws=2, **COVER)
+    assert few.manifest.cover and few.manifest.cover.missing and not list(verify(tmp_path / "few"))
+    before = content(tmp_path / "few")
+    generate(SPACE.at(2), tmp_path / "few", max_draws=2, **COVER)
+    assert content(tmp_path / "few") == before
+    generate(SPACE.at(2), tmp_path / "few", **COVER)
+    assert content(tmp_path / "few") == content(tmp_path / "whole")
 
 
 def test_figures_that_do_not_hold_are_found(tmp_path: Path) -> None:

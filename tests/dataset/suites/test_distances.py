@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from prag_asp import Dataset, QueryError, TaskSpace
-from prag_asp.dataset import count_suite, generate, generate_suite, verify
-from prag_asp.dataset.dataset_spec import ApartSpec
+from prag_asp.dataset import ApartSpec, count_suite, generate, generate_suite, verify
 from prag_asp.dataset.suites import verifying
 from tests.analysis.test_neighbours import edits
 from tests.commands import run

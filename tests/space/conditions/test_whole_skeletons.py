@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 
 from prag_asp import QueryError, TaskSpace, load_domain
+from prag_asp.space.conditions.clause_kinds import Part
+from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.conditions.whole_skeletons import SharesWarning
 from tests.commands import run
 from tests.domains import domain_of
@@ -38,6 +40,16 @@ def test_nine_skeletons_of_a_shipped_domain_meet_their_shares() -> None:
     space = TaskSpace(load_domain("tabletop"), 4)
     test = space.split_skeletons({"train": 0.8, "test": 0.2}, seed=3)["test"]
     assert abs(test.count() / space.count() - 0.2) <= 0.02
+
+
+@pytest.mark.parametrize("seed", [0, 7])
+def test_the_skeletons_of_a_part_are_those_that_engines_find(seed: int) -> None:
+    space = TaskSpace(domain_of(SKEWED), 3)
+    skeletons = list(space.enumerate("skeleton"))
+    for residues in ((0,), (1, 2, 4), ()):
+        part = Part(residues, 5, seed)
+        found = set(space.part(Condition((part,))).enumerate("skeleton"))
+        assert [skeleton in found for skeleton in skeletons] == part.includes(skeletons)
 
 
 def test_the_nearest_that_whole_skeletons_allow_comes_with_a_warning() -> None:

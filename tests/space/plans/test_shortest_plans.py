@@ -89,6 +89,16 @@ def test_known_numbers_of_shortest_plans() -> None:
     assert found == [ShortestPlans(1, 1), ShortestPlans(8, 36)]  # 2 orders, 3 ways to carry, twice
 
 
+def test_searches_that_are_kept_or_forgotten_find_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    tasks = TaskSpace(load_domain("prag"), 2)
+    kept, forgotten = (PlanSearch(tasks.engines.model) for _ in range(2))
+    found = [solved(kept, task) for task in tasks]
+    again = [solved(kept, task) for task in reversed(list(tasks))][::-1]
+    monkeypatch.setattr(shortest_plans, "MOST_KEPT", 1)
+    assert found == again == [solved(forgotten, task) for task in tasks]
+    assert len(kept._kept) == len({frozenset(task.initial.items()) for task in tasks}) > 1 == len(forgotten._kept)
+
+
 def test_a_search_stops_at_its_limits(monkeypatch: pytest.MonkeyPatch) -> None:
     blocks = TaskSpace(load_domain("blocks"), 6)
     search, task = PlanSearch(blocks.engines.model), blocks.at(8)[-1]
