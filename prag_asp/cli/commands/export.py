@@ -200,8 +200,8 @@ _add_dataset_form(
 )
 _add_dataset_form(
     "rerun",
-    "Write a dataset's episodes as recordings of Rerun.\n\n"
+    "Write a dataset's episodes as Rerun recordings.\n\n"
     "Each episode is one .rrd file with the 3D scene, subgoals, contacts with their forces, joints and camera images "
-    "on one time line.",
+    "on one timeline.",
     "DIR",
 )
