@@ -14,7 +14,6 @@ from prag_asp.report.report_table import ReportTable, Value, natural_order, show
 from prag_asp.report.source import ReportedTask, ReportSource
 from prag_asp.report.task_tables import chosen_tasks
 from prag_asp.versions import versions
-from prag_asp.wording import plural
 
 MOST_TASKS = 10_000
 """The largest number of tasks on a page, with about a megabyte for a thousand tasks; if there are more, a sample is
@@ -80,7 +79,8 @@ def _asset(name: str) -> str:
 
 def _summary(source: ReportSource) -> str:
     lengths = ", ".join(map(str, sorted({len(task.plan) for task in source.tasks})))
-    text = f"{plural(len(source.tasks), 'task')} of {lengths} actions"
+    number = len(source.tasks)
+    text = f"{number:,} {'task' if number == 1 else 'tasks'} of {lengths} actions"
     parts = [f"{part} {sum(task.part == part for task in source.tasks):,}" for part in source.parts if part]
     return f"{text} ({', '.join(parts)})" if parts else text
 
