@@ -34,7 +34,6 @@ from prag_asp.dataset.store.manifest import (
     request_of,
     write_manifest,
 )
-from prag_asp.dataset.store.tables import TableReader
 from prag_asp.dataset.validation_jobs import JobResult, ValidationJob, ValidationSetup
 from prag_asp.errors import NotFound, OutputError, QueryError
 from prag_asp.integers import digits_of, number_of
@@ -190,6 +189,8 @@ class DatasetRun:
                 writer.write()
                 write_manifest(self._folder, self._manifest)
             if choice is not None:
+                from prag_asp.dataset.store.tables import TableReader  # needs pyarrow
+
                 rows = TableReader(self._folder).rows(note, "tasks", ["draw", "plan"])
                 record_figures(self._manifest, note.name, choice.figures(rows))
             remove_after(self._folder / RECORDINGS / note.name, note.rows("tasks") * spec.starts)
@@ -211,6 +212,8 @@ class DatasetRun:
         if spec.cover:
             requested, most = part.size, min(self._max_draws or part.size, part.size)
         written = [*note.shards, *([note.tail] if note.tail and writer.next > note.tail.first else [])]
+        from prag_asp.dataset.store.tables import TableReader  # needs pyarrow
+
         tables = TableReader(self._folder)
         passed = {row["draw"] for shard in written for row in tables.of_shard("tasks", shard, ["draw"])}
         while writer.tasks < requested and writer.next < most:
