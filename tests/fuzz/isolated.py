@@ -54,8 +54,12 @@ class Ran:
     outlived: bool = False
 
 
-FOR_OTHERS = {"prag_asp.evaluation.lerobot_env", "prag_asp.evaluation.vla_eval_benchmark"}
-"""The modules that only other programs import, from which they inherit."""
+NOT_EVERYWHERE = {
+    "prag_asp.dataset.formats.rerun",
+    "prag_asp.evaluation.lerobot_env",
+    "prag_asp.evaluation.vla_eval_benchmark",
+}
+"""The modules of packages that are not installed everywhere."""
 
 
 def warm() -> None:
@@ -64,7 +68,7 @@ def warm() -> None:
     from prag_asp.physics.bullet import pybullet  # noqa: F401 - says nothing by way of this module
 
     for module in pkgutil.walk_packages(prag_asp.__path__, "prag_asp."):
-        if not module.name.endswith("__main__") and module.name not in FOR_OTHERS:
+        if not module.name.endswith("__main__") and module.name not in NOT_EVERYWHERE:
             importlib.import_module(module.name)
     for name in (
         "numpy.lib.format",
