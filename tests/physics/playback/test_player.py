@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from io import BytesIO
 from pathlib import Path
 from threading import Thread
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -59,7 +60,7 @@ def scene_file() -> bytes:
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
-    options = ["--no-sandbox", "--enable-unsafe-swiftshader"]
+    options = ["--no-sandbox", "--enable-unsafe-swiftshader", "--disable-gpu-watchdog"]
     with playwright.sync_playwright() as started:
         browser = started.chromium.launch(executable_path=CHROMIUM, args=options)
         yield browser
@@ -87,7 +88,7 @@ def open_page(browser: Any) -> Iterator[Callable[..., Any]]:
     yield opened
     for each in contexts:
         each.close()
-    assert [text for text in messages if "GL Driver Message" not in text] == []
+    assert [text for text in messages if "GL Driver Message" not in text and "CONTEXT_LOST" not in text] == []
 
 
 NO_WEBGL = "HTMLCanvasElement.prototype.getContext = () => null;"
@@ -100,11 +101,21 @@ def view(page: Any) -> np.ndarray:
         return np.asarray(shown.convert("RGB")).astype(int)
 
 
+def wait_for(page: Any, condition: Callable[[np.ndarray], bool], what: str) -> np.ndarray:
+    """Return the colours of the view as soon as they meet a condition; a lost WebGL context is restored meanwhile."""
+    deadline = monotonic() + PATIENCE / 1000
+    while not condition(pixels := view(page)):
+        assert monotonic() < deadline, what
+    return pixels
+
+
+def is_red(pixels: np.ndarray) -> np.ndarray:
+    return (pixels[..., 0] > 100) & (pixels[..., 1] < 60)
+
+
 def red_column(page: Any) -> float:
     """Return the mean column of the red pixels of the view, from 0 to 1."""
-    pixels = view(page)
-    red = (pixels[..., 0] > 100) & (pixels[..., 1] < 60)
-    assert red.sum() > 100, "the cube is seen"
+    red = is_red(wait_for(page, lambda pixels: is_red(pixels).sum() > 100, "the cube is seen"))
     return float(np.nonzero(red)[1].mean() / red.shape[1])
 
 
@@ -150,7 +161,7 @@ def test_the_view_turns_moves_and_zooms_by_keys_mouse_and_touch(
     page.wait_for_selector(".player-clock:not(:empty)")
     canvas = page.locator("canvas")
     canvas.focus()
-    first = view(page)
+    first = wait_for(page, lambda pixels: is_red(pixels).sum() > 100, "the cube is seen")
     left, top = canvas.bounding_box()["x"] + 100, canvas.bounding_box()["y"] + 100
     touch = page.context.new_cdp_session(page)
 
@@ -173,9 +184,9 @@ def test_the_view_turns_moves_and_zooms_by_keys_mouse_and_touch(
     moves += [lambda: drag("left"), lambda: drag("right"), lambda: page.mouse.wheel(0, 200), pinch]
     for number, move in enumerate(moves):
         move()
-        assert np.abs(view(page) - first).mean() > 1, f"move {number} changes the view"
+        wait_for(page, lambda pixels: np.abs(pixels - first).mean() > 1, f"move {number} changes the view")
         key("Home")
-        assert (view(page) == first).all(), f"the view is the first one again after move {number}"
+        wait_for(page, lambda pixels: (pixels == first).all(), f"the view is the first one again after move {number}")
 
 
 def test_without_webgl_the_page_says_so(scene_file: bytes, open_page: Callable[..., Any], tmp_path: Path) -> None:
