@@ -36,6 +36,7 @@ SETUP = {
     f"{INSTALL} '.[learning]'",
     ".venv/bin/python benchmarks/learning/oracle.py",
     ".venv/bin/python benchmarks/learning/chained.py",
+    ".venv/bin/python benchmarks/learning/composition.py",
     ".venv/bin/python benchmarks/learning/plain.py",
     ".venv/bin/python benchmarks/learning/standing.py",
     ".venv/bin/python benchmarks/learning/rates.py",
