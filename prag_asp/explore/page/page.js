@@ -2,7 +2,7 @@
 
 import { choice, fill, find, grouped, make, percent, sameResults, withArrows } from "./elements.js";
 import { showPhysics, withPhysics } from "./physics.js";
-import { ask, begin, doing, Problem } from "./requests.js";
+import { ask, begin, doing, hideProblem, Problem, showProblem } from "./requests.js";
 import { withTheme } from "./theme.js";
 
 const WATCHING = 1000; // milliseconds between two looks at what the server is doing
@@ -30,15 +30,9 @@ function go(query, from = []) {
   show();
 }
 
-function tell(error) {
-  if (!(error instanceof Problem)) throw error;
-  find("problem").hidden = false;
-  fill("problem", ...error.lines.map((line) => make("span", {}, line)));
-}
-
 async function show() {
   begin("page");
-  find("problem").hidden = true;
+  hideProblem();
   showConditions();
   const query = state.toString();
   const ended = watch();
@@ -50,7 +44,7 @@ async function show() {
     showPlan(plan);
     await Promise.all([showComparison(), plan.count === "0" ? showWhy() : showFacets()]);
   } catch (error) {
-    tell(error);
+    showProblem(error);
   } finally {
     ended();
   }
@@ -313,12 +307,12 @@ function undo() {
 async function jump(event, view, fields) {
   event.preventDefault();
   begin("page");
-  find("problem").hidden = true;
+  hideProblem();
   try {
     const found = await ask("page", view, { state, ...fields });
     if (found !== null) go(found.query, [found.same]);
   } catch (error) {
-    tell(error);
+    showProblem(error);
   }
 }
 
@@ -330,7 +324,7 @@ async function start() {
   try {
     vocabulary = await ask("start", "vocabulary");
   } catch (error) {
-    tell(error);
+    showProblem(error);
     return;
   }
   withPhysics(vocabulary);

@@ -1,5 +1,7 @@
 // Requests to the server. Each has the number of its state: a newer one ends the work on older ones of this window.
 
+import { fill, find, make } from "./elements.js";
+
 const own = crypto.getRandomValues(new Uint32Array(2)).join("-");
 const latest = new Map();
 const running = new Map();
@@ -9,6 +11,17 @@ export class Problem extends Error {
     super(lines.join("\n"));
     this.lines = lines;
   }
+}
+
+// Show the lines of a problem on the page; any other error is a fault of ours, and goes on.
+export function showProblem(error) {
+  if (!(error instanceof Problem)) throw error;
+  find("problem").hidden = false;
+  fill("problem", ...error.lines.map((line) => make("span", {}, line)));
+}
+
+export function hideProblem() {
+  find("problem").hidden = true;
 }
 
 // Begin a new state of a kind of requests, and end those of older states.
