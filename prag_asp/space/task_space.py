@@ -16,7 +16,7 @@ from prag_asp.batches import growing_batches
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
 from prag_asp.exact_numbers import Number
-from prag_asp.logic.domain_logic import DomainLogic
+from prag_asp.logic.domain_logic import logic_of
 from prag_asp.logic.symmetry.symmetries import Symmetries
 from prag_asp.space.conditions.condition import Condition
 from prag_asp.space.domain_engines import DomainEngines
@@ -72,7 +72,7 @@ class TaskSpace:
     ) -> None:
         if not isinstance(domain, Domain):
             raise QueryError(f"{domain!r} is not a domain; give load_domain({domain!r})")
-        self.engines = DomainEngines(DomainLogic(domain), engine, progress, limits)
+        self.engines = DomainEngines(logic_of(domain), engine, progress, limits)
         self.domain = domain
         self.lengths = parse_lengths(length)
         self.condition = Condition()
