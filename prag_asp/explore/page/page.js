@@ -149,7 +149,8 @@ async function showWhy() {
   }
   if (why.lines.length) {
     lines.push("These lines together exclude every task:", make("ul", {}, ...why.lines.map((each) => make("li", {}, make("code", {}, each)))));
-  } else if (why.empty) lines.push("No line excludes it: the declarations of the domain alone allow none.");
+  } else if (why.conditions.length) lines.push("They do so without any line that restricts plans.");
+  else if (why.empty) lines.push("No line excludes it: the declarations of the domain alone allow none.");
   fill("empty", ...lines, ...sameResults([why.same]));
 }
 
