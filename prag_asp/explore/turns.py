@@ -1,6 +1,7 @@
 """The requests of pages: one computes at a time, and a newer request from a window ends the work on its older ones.
 
-The work on a request also ends when its client closes the connection, as a browser does when a window is closed. Work in another process takes a separate turn, so that the views of a page are answered in the meantime.
+The work on a request also ends when its client closes the connection, as a browser does when a window is closed. Work
+in another process takes a separate turn, so that the views of a page are answered in the meantime.
 """
 
 from __future__ import annotations
