@@ -165,7 +165,7 @@ def _xml(world: World, scene: Scene, shown: Any, change: Change) -> str:
     links = "".join(f'<joint joint1="{robot}:left" joint2="{robot}:right"/>' for robot in shown.robots)
     return f"""
 <mujoco>
-  <compiler balanceinertia="true" autolimits="true" boundmass="1e-4" boundinertia="1e-9"/>
+  <compiler angle="radian" balanceinertia="true" autolimits="true" boundmass="1e-4" boundinertia="1e-9"/>
   <option timestep="{STEP}" cone="elliptic" impratio="10" integrator="implicitfast"/>
   <default><geom solref="0.01 1" solimp="0.95 0.99 0.001" contype="2" conaffinity="3"/></default>
   <asset>{"".join(meshes)}</asset>

@@ -21,6 +21,9 @@ from hypothesis import is_hypothesis_test
 from tests import chance as chances
 from tests.patience import patience
 from tests.processes import children
+from tests.shared_domains import share_shipped_domains
+
+share_shipped_domains()
 
 ROOT = Path(__file__).parent
 

@@ -65,7 +65,8 @@ class Domain:
     of the domain only if it is `trusted`. `learned` are the impossible pairs of fluents that only the file of learned
     invariants states, and `constants` are the values set for ``#const``s, by name. `reduction` is the small-model
     reduction of `program`, if there is one: counts use it, whereas `facts` is ground with all entities. `irreducible`
-    is the reason why a domain with many interchangeable entities has no reduction.
+    is the reason why a domain with many interchangeable entities has no reduction. `derived` has what is computed from
+    the domain once, such as its logic, by name; it is neither compared nor pickled.
     """
 
     name: str
@@ -80,6 +81,10 @@ class Domain:
     warnings: tuple[Problem, ...] = ()
     reduction: Reduction | None = None
     irreducible: str = ""
+    derived: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "derived": {}}
 
     @property
     def label(self) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from urllib.parse import parse_qsl, urlencode
 
@@ -46,21 +47,31 @@ class PageState:
 FIELDS = ("length", "where", "beside", "by", "do")
 
 
+def fields_of_query(query: str, names: Sequence[str]) -> dict[str, list[str]]:
+    """Return the values of each field of a link, in their order.
+
+    Raises:
+        QueryError: there are too many fields, or the name of one is not among `names`.
+    """
+    try:
+        fields = parse_qsl(query, keep_blank_values=True, max_num_fields=MOST_FIELDS)
+    except ValueError:
+        raise QueryError(f"the link has more than {MOST_FIELDS} fields; open a shorter one") from None
+    values: dict[str, list[str]] = {name: [] for name in names}
+    for name, value in fields:
+        if name not in values:
+            raise QueryError(unknown(name, names, "field of a link"))
+        values[name].append(value)
+    return values
+
+
 def parse_query(query: str) -> PageState:
     """Return the state that a query describes.
 
     Raises:
         QueryError: a field is unknown, missing or wrong.
     """
-    try:
-        fields = parse_qsl(query, keep_blank_values=True, max_num_fields=MOST_FIELDS)
-    except ValueError:
-        raise QueryError(f"the link has more than {MOST_FIELDS} fields; open a shorter one") from None
-    values: dict[str, list[str]] = {name: [] for name in FIELDS}
-    for name, value in fields:
-        if name not in values:
-            raise QueryError(unknown(name, FIELDS, "field of a link"))
-        values[name].append(value)
+    values = fields_of_query(query, FIELDS)
     if len(values["length"]) != 1 or len(values["by"]) > 1:
         raise QueryError("a link has one length and at most one level, such as ?length=15&by=plan")
     text, level = values["length"][0], (values["by"] or ["task"])[0]

@@ -25,6 +25,14 @@ INTERCHANGEABLE = "looking for interchangeable entities"
 LOOP_FREE = ("conditions", "loop_free.lp")
 
 
+def logic_of(domain: Domain) -> DomainLogic:
+    """Return the logic of a domain, which all its spaces share."""
+    if "logic" not in domain.derived:
+        domain.derived["logic"] = DomainLogic(domain)
+    logic: DomainLogic = domain.derived["logic"]
+    return logic
+
+
 @dataclass(frozen=True)
 class DomainLogic:
     """The logic of a domain.

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from prag_asp.atom import Atom
-from prag_asp.logic.domain_logic import DomainLogic
+from prag_asp.logic.domain_logic import logic_of
 from prag_asp.logic.formula.explanation import Explanation
 from prag_asp.logic.formula.explanation import explain as reasons_against
 from prag_asp.space.engines.prefix import parse_plan
@@ -22,4 +22,4 @@ def explain(domain: Domain, actions: Sequence[str | Atom]) -> Explanation | None
         QueryError: an item is not an action of the domain, or is only the name of several actions.
         EngineError: the domain cannot be translated to clauses.
     """
-    return reasons_against(DomainLogic(domain).whole, parse_plan(actions, domain.facts))
+    return reasons_against(logic_of(domain).whole, parse_plan(actions, domain.facts))

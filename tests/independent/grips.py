@@ -45,8 +45,8 @@ LINED = 1e-9
 class Grip(NamedTuple):
     """What is between two pads: its ends along y of the tool in metres, and what each pad touches of it.
 
-    Of that there are the mean angle to the pad in radians, the centre along x and z in metres, and the mean square of
-    the distances from the centre.
+    Of that there are the mean angle to the pad in radians, the centre along x and z in metres, the mean square of the
+    distances from the centre, and the lowest and highest x and z, shape (2, 2).
     """
 
     low: float
@@ -54,6 +54,7 @@ class Grip(NamedTuple):
     angles: tuple[float, float]
     centres: tuple[Array, Array]
     spreads: tuple[float, float]
+    ends: tuple[Array, Array]
 
     @property
     def width(self) -> float:
@@ -82,9 +83,10 @@ def grip(parts: Sequence[tuple[Part, Frame]], tool: Frame, opening: float) -> Gr
         centre = flat.mean(axis=0) if len(flat) else np.zeros(2)
         slope = float(slopes[touched].mean()) if len(flat) else 0.0
         spread = float(((flat - centre) ** 2).sum(axis=1).mean()) if len(flat) else 0.0
-        sides.append((outward * float(values.max()), float(np.arccos(min(1.0, slope))), centre, spread))
-    (low, one, here, near), (high, two, there, far) = sides
-    return Grip(low, high, (one, two), (here, there), (near, far))
+        borders = np.array([flat.min(axis=0), flat.max(axis=0)]) if len(flat) else np.zeros((2, 2))
+        sides.append((outward * float(values.max()), float(np.arccos(min(1.0, slope))), centre, spread, borders))
+    (low, one, here, near, first), (high, two, there, far, last) = sides
+    return Grip(low, high, (one, two), (here, there), (near, far), (first, last))
 
 
 def _through(part: Part, place: Frame, begins: Array, way: Array, most: float) -> tuple[Array, Array, Array, Array]:
@@ -135,6 +137,22 @@ def in_fingers(parts: Sequence[tuple[Part, Frame]], tool: Frame, width: float) -
 def borne(found: Grip, friction: float, force: float) -> float:
     """Return the torque in newton metres that the friction of both pads bears: 2 mu F r, of the smaller contact."""
     return 2 * RUBBER * friction * force * min(found.spreads) ** 0.5
+
+
+def tilted(found: Grip, torque: Array, friction: float, force: float) -> float:
+    """Return the share of a torque in newton metres, in the frame of the tool, that turns a body out of its pads.
+
+    About x and z alone, that is, across the line between the pads. Each pad presses somewhere on what it touches: two
+    forces at opposite ends turn a body as much as pads can, and friction up one pad and down the other adds to that.
+    """
+    low, high = found.ends
+    shares = []
+    for axis, across, sign in ((0, 1, 1.0), (2, 0, -1.0)):
+        # The pad of low y presses along y, and turns the body about x by -z and about z by x for each newton.
+        first, last = (low, high) if sign * torque[axis] > 0.0 else (high, low)
+        couple = first[1, across] - last[0, across] + PAD / (LINES - 1)
+        shares.append(abs(torque[axis]) / max(force * (couple + RUBBER * friction * found.width), 1e-9))
+    return float(max(shares))
 
 
 def points_on(boxes: Sequence[tuple[Array, Frame]]) -> tuple[Array, Array]:

@@ -10,10 +10,10 @@ import numpy as np
 
 from tests.independent.collisions import Arm, arm, overlapping
 from tests.independent.frames import Frame, frame, sound
-from tests.independent.grips import RUBBER, borne, in_fingers
+from tests.independent.grips import RUBBER, borne, in_fingers, tilted
 from tests.independent.relations import Seen, grip_of, holds
 from tests.independent.statics import falling, rests
-from tests.independent.tolerances import GRIP_FORCE, HANDLE, MOVED, ROUNDING, STRAINED, TURNED
+from tests.independent.tolerances import GRIP_FORCE, HANDLE, LIGHT, MOVED, ROUNDING, STRAINED, TURNED
 from tests.independent.world import Layout, World
 
 
@@ -130,7 +130,7 @@ def state_problems(moment: Moment, before: Moment | None) -> Iterator[str]:
 
 
 def _strain(moment: Moment, robot: str, held: str) -> Iterator[str]:
-    """Yield that a finger is in what is held, or that it slips or turns between the pads where it is in the air."""
+    """Yield that a finger is in what is held, or that it slips, turns or tilts in the hand where it is in the air."""
     layout, world = moment.layout, moment.world
     found = grip_of(moment.seen(), robot, held)
     parts = [(solid.part, solid.place) for solid in layout.body(held).solids]
@@ -143,11 +143,15 @@ def _strain(moment: Moment, robot: str, held: str) -> Iterator[str]:
         yield f"{held} slips out of the gripper"
     tool = moment.tool(robot)
     x, z = np.mean(found.centres, axis=0)
-    lever = tool.turn @ np.array([x, 0.0, z]) + tool.at - layout.centre(held)
-    lever -= (lever @ tool.turn[:, 1]) * tool.turn[:, 1]
-    torque = 9.81 * world.masses[held] * float(np.hypot(lever[0], lever[1]))
-    if torque > STRAINED * borne(found, world.frictions[held], GRIP_FORCE):
+    weight = 9.81 * world.masses[held]
+    lever = layout.centre(held) - tool.at
+    down = tool.turn.T @ np.array([0.0, 0.0, -weight])
+    torque = np.cross(tool.turn.T @ lever - np.array([x, 0.0, z]), down)
+    if abs(torque[1]) > STRAINED * borne(found, world.frictions[held], GRIP_FORCE):
         yield f"{held} turns between the pads"
+    torque = np.cross(tool.turn.T @ lever, down)
+    if tilted(found, torque, world.frictions[held], min(GRIP_FORCE, LIGHT * weight)) > STRAINED:
+        yield f"{held} tilts out of the pads"
 
 
 def _unmoved(one: Layout, two: Layout) -> bool:

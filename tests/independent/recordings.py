@@ -65,7 +65,10 @@ def unwanted(shown: Any, actions: Sequence[str], known: Sequence[str]) -> Iterat
 
 
 def loosened(shown: Any, arms: Mapping[str, Mounted]) -> Iterator[str]:
-    """Yield what is elsewhere in a hand after a time in the air, where nothing else touches it, than before."""
+    """Yield what is elsewhere in a hand after a time in the air, where nothing else touches it, than before.
+
+    How far it is off is that of its point which was between the finger tips; how it turns is judged apart.
+    """
     bodies = list(shown.bodies)
     partners: dict[tuple[int, int], set[int]] = {}
     for at, one, two in shown.contacts.tolist():
@@ -85,7 +88,8 @@ def loosened(shown: Any, arms: Mapping[str, Mounted]) -> Iterator[str]:
                 tool = arms[robot].tool(tuple(shown.joints[at, i].astype(float).tolist()))
                 now = tool.inverse() @ frame_of(((x, y, z), quaternion))
                 first = now if first is None else first
-                far, turn = first.offset(now)
+                far = float(np.linalg.norm(now.turn @ first.inverse().at + now.at))
+                turn = first.offset(now)[1]
                 if far > LOOSE or turn > np.radians(LOOSE_DEGREES):
                     yield f"frame {at}: {entity} is off by {1000 * far:.1f} mm, {np.degrees(turn):.1f} degrees"
 

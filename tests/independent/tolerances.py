@@ -35,6 +35,9 @@ GRIP_FORCE, STRAINED = 12.0, 1.08
 and the spread of what lines between the pads see of a contact.
 """
 
+LIGHT = 50.0
+"""How many times its weight a finger presses at most on a body from a file, for thin walls give way to more."""
+
 HANDLE = 1e-3
 """Metres and radians by which the gripper may be off the handle that it pulls, and turn on it: the rubber gives way."""
 

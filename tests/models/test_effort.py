@@ -10,8 +10,9 @@ import pytest
 
 from prag_asp import answer_sets
 from prag_asp.logic.formula.cnf import Cnf
-from prag_asp.logic.formula.counter import count_models
+from prag_asp.logic.formula.counter import D4, GANAK, count_models
 from prag_asp.models.enumeration.bounded_enumeration import BoundedEnumeration, Effort
+from prag_asp.models.enumeration.effort import NARROW, SOON, OwnEngine, turns_of_engines
 from tests.chance import Chance
 from tests.models.programs import answer_sets_by_clingo
 from tests.models.test_known_numbers import CYCLE, LATIN, QUEENS
@@ -99,3 +100,12 @@ def test_engines_agree_on_what_clingo_did_not_finish(chance: Chance, monkeypatch
 def test_projection_is_on_everything_shown_whatever_its_name(text: str, count: int, engine: str) -> None:
     found = answer_sets(text=text, project=True, engine=engine)
     assert found.count() == count == len(set(found))
+
+
+def test_clingo_enumerates_narrow_programs_also_where_a_busy_machine_doubles_the_prediction() -> None:
+    def engines(predicted: float) -> list[object]:
+        return [turn.engine for turn in turns_of_engines(predicted, NARROW, tight=True, whole=True, swept=True)]
+
+    assert engines(SOON) == [OwnEngine.DIAGRAM, OwnEngine.CLINGO, D4, GANAK]
+    assert engines(1.5 * SOON) == [OwnEngine.DIAGRAM, D4, GANAK, OwnEngine.CLINGO]
+    assert OwnEngine.CLINGO not in engines(3 * SOON)

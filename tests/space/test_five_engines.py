@@ -30,7 +30,7 @@ DOMAINS, FRESH_DOMAINS, PARTS = 15, 1000, 5
 
 LENGTHS, LONGER, LONGER_EACH = (0, 1, 2), (0, 1, 2, 3), 20
 
-FEW = 300
+FEW = 150
 """Plans up to which every engine finds them all of a shipped domain."""
 
 Words = list[tuple[str, ...]]

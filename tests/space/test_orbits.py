@@ -21,7 +21,7 @@ LENGTHS, LONGER = (0, 1, 2), (0, 1, 2, 3)
 LONGER_EACH = 5
 """Plans of three actions are many, so one domain of so many has them."""
 
-DOMAINS, WITH_UNITS, REDUNDANT, PARTS = 160, 30, 40, 10
+DOMAINS, WITH_UNITS, REDUNDANT, PARTS = 100, 30, 40, 10
 """How many domains are drawn, how many whose entities belong to each other, and how many that say much again; with
 `pytest --fresh`, ten times as many."""
 

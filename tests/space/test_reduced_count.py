@@ -25,7 +25,7 @@ from tests.chance import Chance
 from tests.reduction.lifted import draw_lifted
 from tests.reduction.stacks import STACKS, cubes, reduction_of
 
-DOMAINS, PARTS = 60, 4
+DOMAINS, PARTS = 40, 4
 """How many domains are drawn; with `pytest --fresh`, ten times as many."""
 
 MOST = 8

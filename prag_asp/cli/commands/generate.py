@@ -31,9 +31,6 @@ if TYPE_CHECKING:
     from prag_asp.dataset.store.dataset import Dataset
     from prag_asp.dataset.store.manifest import Manifest
 
-MOST_CANDIDATES = 100_000
-"""The maximum number of candidates, as in `DatasetSpec`, which need not be imported for the help."""
-
 SHOWN = 5
 """The maximum number of missing combinations that are listed on a line."""
 
@@ -53,7 +50,7 @@ SHOWN = 5
     help="Instead of --tasks: choose K of the sampled tasks that are far apart.",
 )  # fmt: skip
 @click.option(
-    "--candidates", type=whole(1, MOST_CANDIDATES), metavar="N",
+    "--candidates", type=whole(1), metavar="N",
     help="With --diverse: number of sampled tasks to choose from.  [default: 20 times K]",
 )  # fmt: skip
 @options.seed

@@ -1,7 +1,7 @@
 // The page of a program's answer sets. Its state is the query of its link; every view comes from the server.
 
 import { choice, fill, find, grouped, make, percent, sameResults, withArrows } from "./elements.js";
-import { ask, begin, Problem } from "./requests.js";
+import { ask, begin, hideProblem, Problem, showProblem } from "./requests.js";
 import { withTheme } from "./theme.js";
 
 const TYPING = 150; // milliseconds without a key until facets are filtered
@@ -21,15 +21,9 @@ function go(query) {
   show();
 }
 
-function tell(error) {
-  if (!(error instanceof Problem)) throw error;
-  find("problem").hidden = false;
-  fill("problem", ...error.lines.map((line) => make("span", {}, line)));
-}
-
 async function show() {
   begin("page");
-  find("problem").hidden = true;
+  hideProblem();
   const patience = setTimeout(() => fill("facets-note", "Counting ..."), TYPING);
   try {
     const view = await ask("page", "models", { state });
@@ -41,7 +35,7 @@ async function show() {
     if (view.count === "0") await showConflict();
   } catch (error) {
     clearTimeout(patience);
-    tell(error);
+    showProblem(error);
   }
 }
 
@@ -53,7 +47,7 @@ function showModels(view) {
   fill("number", view.count === "" ? "The number of answer sets is not known." :
     `${grouped(view.count)} answer ${view.count === "1" ? "set" : "sets"}${of}`);
   fill("notes", view.notes.join(" "));
-  if (view.problem !== "") tell(new Problem([view.problem]));
+  if (view.problem !== "") showProblem(new Problem([view.problem]));
   undoing = view.undo;
   find("undo").disabled = find("restart").disabled = view.decisions.length === 0;
   fill("decisions", ...view.decisions.map(decisionOf));
@@ -82,8 +76,8 @@ function showFacets(view) {
   const focused = find("facets").contains(document.activeElement);
   const hidden = view.matching - view.facets.length;
   fill("facets-note", view.count === "" ? "Choosing or excluding atoms makes counting easier." : view.open === 0 ?
-    (view.count === "0" ? "Nothing is left." : "No choice is left.") : `${view.open} open` +
-    (view.matching < view.open ? `, ${view.matching} with this text` : "") +
+    (view.count === "0" ? "Nothing is left." : "No choice is left.") : `${grouped(String(view.open))} open` +
+    (view.matching < view.open ? `, ${grouped(String(view.matching))} with this text` : "") +
     (hidden > 0 ? `; the first ${view.facets.length} are listed, filter for others` : ""));
   if (document.activeElement !== find("find")) find("find").value = state.get("find") ?? "";
   find("sort").value = state.get("sort") ?? "name";

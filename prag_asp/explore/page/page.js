@@ -2,7 +2,7 @@
 
 import { choice, fill, find, grouped, make, percent, sameResults, withArrows } from "./elements.js";
 import { showPhysics, withPhysics } from "./physics.js";
-import { ask, begin, doing, Problem } from "./requests.js";
+import { ask, begin, doing, hideProblem, Problem, showProblem } from "./requests.js";
 import { withTheme } from "./theme.js";
 
 const WATCHING = 1000; // milliseconds between two looks at what the server is doing
@@ -30,15 +30,9 @@ function go(query, from = []) {
   show();
 }
 
-function tell(error) {
-  if (!(error instanceof Problem)) throw error;
-  find("problem").hidden = false;
-  fill("problem", ...error.lines.map((line) => make("span", {}, line)));
-}
-
 async function show() {
   begin("page");
-  find("problem").hidden = true;
+  hideProblem();
   showConditions();
   const query = state.toString();
   const ended = watch();
@@ -50,7 +44,8 @@ async function show() {
     showPlan(plan);
     await Promise.all([showComparison(), plan.count === "0" ? showWhy() : showFacets()]);
   } catch (error) {
-    tell(error);
+    if (find("number").textContent === "") fill("title", vocabulary.domain); // the link itself is wrong
+    showProblem(error);
   } finally {
     ended();
   }
@@ -155,7 +150,8 @@ async function showWhy() {
   }
   if (why.lines.length) {
     lines.push("These lines together exclude every task:", make("ul", {}, ...why.lines.map((each) => make("li", {}, make("code", {}, each)))));
-  } else if (why.empty) lines.push("No line excludes it: the declarations of the domain alone allow none.");
+  } else if (why.conditions.length) lines.push("They do so without any line that restricts plans.");
+  else if (why.empty) lines.push("No line excludes it: the declarations of the domain alone allow none.");
   fill("empty", ...lines, ...sameResults([why.same]));
 }
 
@@ -177,12 +173,12 @@ async function showFacets() {
     !(each.holding !== "" && each.chosen === view.count && each.excluded === view.count));
   free.sort((one, other) => Number(other.share) - Number(one.share));
   fill("facets", ...free.map(facetOf));
-  fill("facets-note", `${free.length} open` + (fixed.length ? `; in all: ${fixed.map((each) => each.facts.join(" or ")).join(", ")}` : ""));
+  fill("facets-note", `${grouped(String(free.length))} open` + (fixed.length ? `; in all: ${fixed.map((each) => each.facts.join(" or ")).join(", ")}` : ""));
 }
 
 function facetOf(facet) {
   const term = facet.facts.join(" or ");
-  const note = facet.holding === "" ? "count" : `known in ${percent(facet.share)}; leaves ${grouped(facet.chosen)}`;
+  const note = facet.holding === "" ? "not counted; choose it to count" : `known in ${percent(facet.share)}; leaves ${grouped(facet.chosen)}`;
   return make("li", {},
     choice(term, facet.holding, facet.share || "0", note, { onclick: () => add(facet.choose) }),
     make("button", { type: "button", onclick: () => add(facet.exclude), "aria-label": `not ${term}`,
@@ -208,7 +204,7 @@ async function showComparison() {
   const row = (name, number, note = "") => make("tr", {}, make("th", { scope: "row" }, name),
     make("td", {}, grouped(number)), make("td", {}, note));
   const named = (side) => side.where.join(" and ") || "no condition";
-  fill("comparison", make("h3", {}, `Compared by ${view.level}s`),
+  fill("comparison", make("h3", {}, `Compared by ${view.level}s, whatever the chosen actions`),
     view.distinguishes ? make("p", { class: "quiet" }, "A condition distinguishes interchangeable entities, so plans are counted.") : null,
     make("div", { class: "scroll" }, make("table", {}, make("tbody", {},
       row(named(view.first), view.first.count, `${percent(view.first.share_of_overlap)} of it in both`),
@@ -313,12 +309,12 @@ function undo() {
 async function jump(event, view, fields) {
   event.preventDefault();
   begin("page");
-  find("problem").hidden = true;
+  hideProblem();
   try {
     const found = await ask("page", view, { state, ...fields });
     if (found !== null) go(found.query, [found.same]);
   } catch (error) {
-    tell(error);
+    showProblem(error);
   }
 }
 
@@ -330,7 +326,7 @@ async function start() {
   try {
     vocabulary = await ask("start", "vocabulary");
   } catch (error) {
-    tell(error);
+    showProblem(error);
     return;
   }
   withPhysics(vocabulary);

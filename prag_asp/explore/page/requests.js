@@ -1,5 +1,7 @@
 // Requests to the server. Each has the number of its state: a newer one ends the work on older ones of this window.
 
+import { fill, find, make } from "./elements.js";
+
 const own = crypto.getRandomValues(new Uint32Array(2)).join("-");
 const latest = new Map();
 const running = new Map();
@@ -9,6 +11,17 @@ export class Problem extends Error {
     super(lines.join("\n"));
     this.lines = lines;
   }
+}
+
+// Show the lines of a problem on the page; any other error is a fault of ours, and goes on.
+export function showProblem(error) {
+  if (!(error instanceof Problem)) throw error;
+  find("problem").hidden = false;
+  fill("problem", ...error.lines.map((line) => make("span", {}, line)));
+}
+
+export function hideProblem() {
+  find("problem").hidden = true;
 }
 
 // Begin a new state of a kind of requests, and end those of older states.
@@ -44,14 +57,18 @@ async function answer(kind, view, fields, read) {
   const number = latest.get(kind) ?? 0;
   const query = new URLSearchParams({ ...fields, window: `${own}/${kind}`, number });
   let response, value;
+  let refused = false;
   try {
     response = await fetch(`api/${view}?${query}`, { signal: running.get(kind)?.signal });
-    value = await (response.ok ? read(response) : response.json());
+    const plain = !response.ok || response.headers.get("Content-Type") === "application/json";
+    value = await (plain ? response.json() : read(response));
+    refused = plain && "refused" in value; // a mistake of the user, not of the page
   } catch (error) {
     if (error.name === "AbortError" || number !== (latest.get(kind) ?? 0)) return null;
     throw new Problem(["the command does not answer; start prag-asp explore again, and open its new link"]);
   }
   if (number !== (latest.get(kind) ?? 0) || response.status === 409) return null;
+  if (refused) throw new Problem(value.refused);
   if (!response.ok) throw new Problem(value.lines);
   return value;
 }

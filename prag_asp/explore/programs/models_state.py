@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
-from urllib.parse import parse_qsl, urlencode
+from urllib.parse import urlencode
 
 from prag_asp.errors import QueryError
-from prag_asp.explore.page_state import MOST_FIELDS
+from prag_asp.explore.page_state import fields_of_query
 from prag_asp.wording import unknown
 
 Sorting = Literal["name", "significance", "share"]
@@ -49,15 +49,7 @@ def parse_models_query(query: str) -> ModelsState:
     Raises:
         QueryError: a field is unknown, repeated or wrong.
     """
-    try:
-        fields = parse_qsl(query, keep_blank_values=True, max_num_fields=MOST_FIELDS)
-    except ValueError:
-        raise QueryError(f"the link has more than {MOST_FIELDS} fields; open a shorter one") from None
-    values: dict[str, list[str]] = {name: [] for name in FIELDS}
-    for name, value in fields:
-        if name not in values:
-            raise QueryError(unknown(name, FIELDS, "field of a link"))
-        values[name].append(value)
+    values = fields_of_query(query, FIELDS)
     for name in FIELDS[1:]:
         if len(values[name]) > 1:
             raise QueryError(f"a link has {name} at most once; leave one out")

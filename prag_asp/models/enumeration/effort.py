@@ -30,6 +30,9 @@ QUICK = 0.2
 SOON = 0.7
 """The predicted time, in seconds, up to which an enumeration begins before a diagram is compiled."""
 
+BUSY = 2
+"""The factor by which a prediction may be too high because the machine is busy."""
+
 LATER = 4.0
 """The predicted time, in seconds, up to which an enumeration begins before counters, which seldom take that long."""
 
@@ -97,9 +100,12 @@ def turns_of_engines(predicted: float | None, width: int, *, tight: bool, whole:
     narrow = width <= NARROW
     if predicted is None and not narrow:
         return (*compilation, Turn(OwnEngine.CLINGO, FEW), *counters, Turn(OwnEngine.CLINGO, 5 * FEW))
-    if predicted is None or predicted > (SOON if narrow else LAST):
+    if predicted is None or predicted > (BUSY * SOON if narrow else LAST):
         return (*compilation, *counters)
     enumeration = (Turn(OwnEngine.CLINGO, seconds_of_enumeration(predicted)),)
+    if narrow and predicted > SOON:
+        shorter = (turn._replace(seconds=min(turn.seconds, predicted)) for turn in counters)
+        return (*compilation, *shorter, *enumeration)
     if narrow:
         short = tuple(turn._replace(seconds=predicted / 2) for turn in compilation)
         return (*short, *enumeration, *counters)

@@ -163,26 +163,32 @@ class _FunctionValues:
             self._values.setdefault(function, set()).add(value)
         made = [(action, each) for action, each in effects if each.function.function in changing]
         bounds = {name: value_bounds(name, all_actions, problem, changing) for name in changing}
-        grows = True
-        while grows:
-            grows = False
+        fresh: dict[str, set[Fraction]] | None = None  # the values that the latest round added
+        while fresh is None or any(fresh.values()):
+            added: dict[str, set[Fraction]] = {}
             for action, effect in made:
-                found = self._values.setdefault(effect.function.function, set())
-                values = (_changed(effect, row) for row in self.rows(effect, action))
-                new = {each for each in values if each is not None and bounds[effect.function.function].hold(each)}
-                new -= found
-                found |= new
-                grows |= bool(new)
-                if len(found) > MOST_VALUES:
-                    text = f"{effect.function.function} takes more than {MOST_VALUES} values, and conditions read it"
+                name = effect.function.function
+                known, found = self._values.setdefault(name, set()), added.setdefault(name, set())
+                values = (_changed(effect, row) for row in self.rows(effect, action, fresh))
+                found |= {each for each in values if each is not None and bounds[name].hold(each)} - known
+                if len(known) + len(found) > MOST_VALUES:
+                    text = f"{name} takes more than {MOST_VALUES} values, and conditions read it"
                     source.refuse(effect.line, f"{text}; bound its changes by conditions, or write predicates")
+            for name, found in added.items():
+                self._values[name] |= found
+            fresh = added
 
     def of(self, term: FunctionTerm) -> list[Fraction]:
         """Return the values of a function, in ascending order."""
         return sorted(self._values.get(term.function, ()))
 
-    def rows(self, effect: NumericEffect, action: Schema) -> list[Row]:
-        """Return the combinations of function values for which an effect may occur."""
+    def rows(
+        self, effect: NumericEffect, action: Schema, fresh: Mapping[str, set[Fraction]] | None = None
+    ) -> list[Row]:
+        """Return the combinations of function values for which an effect may occur.
+
+        With `fresh`, only those combinations that have at least one of these values.
+        """
         needed = dict.fromkeys(function_terms(effect.value))
         needed |= {} if effect.operator == "assign" else {effect.function: None}
         parts = (*conjuncts(action.precondition), *conjuncts(effect.condition))
@@ -191,21 +197,38 @@ class _FunctionValues:
         ]
         further = dict.fromkeys(term for each in guards for term in terms_of(each))
         found: dict[tuple[Fraction, ...], Row] = {}
-        for row in self.combinations({**needed, **further}, effect.line, self._source):
+        for row in self.combinations({**needed, **further}, effect.line, self._source, fresh):
             if all(holds(each, row) for each in guards):
                 key = tuple(row[term] for term in needed)
                 found.setdefault(key, dict(zip(needed, key, strict=True)))
         return [*found.values()]
 
-    def combinations(self, terms: Iterable[FunctionTerm], line: int, source: PddlSource) -> Iterator[Row]:
-        """Return all combinations of values of the given functions."""
+    def combinations(
+        self,
+        terms: Iterable[FunctionTerm],
+        line: int,
+        source: PddlSource,
+        fresh: Mapping[str, set[Fraction]] | None = None,
+    ) -> Iterator[Row]:
+        """Return all combinations of values of the given functions; with `fresh`, those that have one of its values."""
         terms = [*terms]
         values = [self.of(each) for each in terms]
-        rows = prod(map(len, values))
+        choices = [values]
+        if fresh is not None:
+            new = [
+                [each for each in found if each in fresh.get(term.function, ())]
+                for term, found in zip(terms, values, strict=True)
+            ]
+            old = [
+                [each for each in found if each not in added]
+                for found, added in zip(values, map(set, new), strict=True)
+            ]
+            choices = [[*old[:place], new[place], *values[place + 1 :]] for place in range(len(terms))]
+        rows = sum(prod(map(len, each)) for each in choices)
         self._tried += rows
         if rows > MOST_ROWS or self._tried > MOST_TRIED:
             source.refuse(line, "its functions take too many values together; bound them by conditions")
-        return (dict(zip(terms, row, strict=True)) for row in product(*values))
+        return (dict(zip(terms, row, strict=True)) for each in choices for row in product(*each))
 
 
 @dataclass

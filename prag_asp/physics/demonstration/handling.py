@@ -24,7 +24,10 @@ from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 
 MOST_SLIP, MOST_TURN = 0.005, math.radians(5.0)
-"""The maximum slip and rotation of an object in the hand, in metres and radians."""
+"""The maximum slip and rotation of an object in the hand, in metres and radians.
+
+The slip is the distance that the point of the object between the fingertips moves, so a mere turn about it is no slip.
+"""
 
 STANDSTILL = 1e-6
 """The largest difference between two commands that counts as zero: in radians for a joint, in metres for the fingers.
@@ -83,9 +86,11 @@ def _slip(episode: Demonstration, scene: Scene, arm: int, frames: tuple[int, int
     opening = np.flatnonzero(commands[start:, 7] > STANDSTILL)
     end = start + int(opening[0]) if opening.size else last - first
     grasped = _grasp(episode, scene, arm, first + start, entity)
+    between_pads = Pose(invert(grasped).position)
     for frame in range(first + start + 1, first + end + 1):
         now = _grasp(episode, scene, arm, frame, entity)
-        slip = math.dist(grasped.position, now.position)
+        # The body's own origin may be far from the fingers, where a small turn moves it a lot.
+        slip = math.hypot(*compose(now, between_pads).position)
         cosine = abs(sum(a * b for a, b in zip(grasped.quaternion, now.quaternion, strict=True)))
         turn = 2.0 * math.acos(min(1.0, cosine))
         if slip > MOST_SLIP or turn > MOST_TURN:

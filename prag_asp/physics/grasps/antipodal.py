@@ -202,15 +202,15 @@ def _judged(
 
 
 def lever_of(centre: tuple[float, float, float], tool: Pose, contact: PadContact) -> float:
-    """Return the horizontal distance in metres from a centre of mass to the line between two pads.
+    """Return the torque of the weight of an upright body about the line between two pads, per newton, in metres.
 
-    `tool` is the pose of the tool in the frame of the upright body. The distance is measured perpendicular to the line.
+    `tool` is the pose of the tool in the frame of the body. If the line is horizontal, the result is the horizontal
+    distance of the centre of mass from it. The rest of the torque tilts the body instead; see `tilting.py`.
     """
     x, z = ((a + b) / 2 for a, b in zip(contact.patches[0].centre, contact.patches[1].centre, strict=True))
     offset = np.array(compose(tool, Pose((x, 0.0, z))).position) - centre
     axis = matrix(tool)[:3, 1]
-    offset -= (offset @ axis) * axis
-    return math.hypot(offset[0], offset[1])
+    return abs(float(offset[0] * axis[1] - offset[1] * axis[0]))
 
 
 def _holds(contact: PadContact, friction: float) -> bool:

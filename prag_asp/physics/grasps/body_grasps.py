@@ -26,7 +26,7 @@ from prag_asp.scene.geometry import Pose, matrix
 from prag_asp.scene.scene import Shape
 from prag_asp.scene.surfaces import in_frame, mesh_states, part_surfaces, surface
 
-FORM = 4
+FORM = 5
 """The version of the search and of its files; cached grasps of other versions are not read."""
 
 LARGEST_FILE = 1_000_000
@@ -143,7 +143,7 @@ def _problem(shape: Shape, friction: float) -> GraspProblem:
 
 
 def lever(shape: Shape, tool: Pose, contact: PadContact) -> float:
-    """Return the horizontal distance in metres from the centre of mass of a body to the line between the pads.
+    """Return the torque of the weight of a body about the line between the pads, per newton, in metres.
 
     `tool` is the pose of the tool in the frame of the body, which is upright.
     """

@@ -8,6 +8,7 @@ from itertools import chain, islice
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from prag_asp.physics.grasps.body_grasps import grasp_table
 from prag_asp.physics.grasps.pads import ParallelGripper
@@ -51,6 +52,10 @@ HAIR = 1e-5
 LONG, FROM_END = 0.08, 0.03
 """If there are several robots, a box whose length is at least twice `LONG` is grasped `FROM_END` from its end, in
 metres."""
+
+MIDDLE = 0.03
+"""In a scene with several robots, the distance in metres of a grasp of a long body with a model from its middle, below
+which two hands, each 63 mm wide, have no room on the body."""
 
 LARGEST_STEP = 1.2
 """The largest turn of a joint, in radians, between a grasp and `LIFT` above it, if both are on one branch of the
@@ -124,11 +129,12 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     twisting = grip_load(search.scene, entity, acting, 0.0, 1.0) * table.loads
     bearing = (np.maximum(twisting, loads[:, 1]) <= SLIPS).tolist()
     # The best grasps of each kind come first, then the second best, because where one kind fails, another may succeed.
-    # Grasps out of which the body tilts come last.
-    counts, ranked = Counter[tuple[float, bool]](), list[tuple[bool, int, int]]()
+    # Grasps out of which the body tilts come last, before them those that leave no room for another robot.
+    central = _leaves_no_room(search, situation, entity, table.frames)
+    counts, ranked = Counter[tuple[float, bool]](), list[tuple[bool, bool, int, int]]()
     for i in order.tolist():
         if bearing[i]:
-            ranked.append((bool(tilting[i] > 1.0), counts[kinds[i]], i))
+            ranked.append((bool(tilting[i] > 1.0), bool(central[i]), counts[kinds[i]], i))
             counts[kinds[i]] += 1
     if not ranked:
         raise Failure(TWISTS, entity)
@@ -139,10 +145,20 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     places, quaternions = frames[:, :3, 3].tolist(), turned.T.tolist()
     options = [
         GraspOption(Pose(tuple(places[i]), tuple(quaternions[i])), found[i].approach)
-        for *_, i in sorted(ranked, key=lambda row: row[:2])
+        for *_, i in sorted(ranked, key=lambda row: row[:3])
     ]
     first = search.passed_over % len(options)
     return options[first:] + options[:first]
+
+
+def _leaves_no_room(
+    search: Search, situation: Situation, entity: str, frames: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Return which of the grasps with given frames, shape (n, 4, 4), in a long body leave no room for another robot."""
+    half = np.array(situation.shape(entity).half[:2])
+    if not search.scene.shared or half.max() < LONG:
+        return np.zeros(len(frames), dtype=bool)
+    return np.abs(frames[:, half.argmax(), 3]) < MIDDLE
 
 
 def _along(pose: Pose, axis: Vector, direction: Vector) -> float:

@@ -13,7 +13,7 @@ from prag_asp.errors import SceneError
 from prag_asp.scene.forms import FORMS
 from prag_asp.scene.geometry import Pose, matrix
 from prag_asp.scene.mass import MassProperties, combined, polyhedron_mass, primitive_mass, principal
-from prag_asp.scene.read.cavities import find_cavity
+from prag_asp.scene.read.cavities import cached_cavity
 from prag_asp.scene.read.convex import convex_hull, is_closed, is_convex
 from prag_asp.scene.read.decomposition import can_decompose
 from prag_asp.scene.read.mesh import file_parts, mesh_points, state_of, thickness
@@ -71,7 +71,7 @@ def _cavity_of(solids: tuple[Solid, ...], decomposes: bool, states: tuple[tuple[
     A command reads a scene several times, but measures each cavity only once. A single convex part has no cavity.
     """
     parts = [part for solid in solids for part in _triangles(solid)]
-    return None if len(parts) == 1 and is_convex(parts[0]) else find_cavity(np.concatenate(parts))
+    return None if len(parts) == 1 and is_convex(parts[0]) else cached_cavity(np.concatenate(parts))
 
 
 def resting(shape: Shape) -> Shape | None:

@@ -11,14 +11,18 @@ the parts above each of them.
 
 from __future__ import annotations
 
+import hashlib
 import heapq
+import json
 import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.output.cache_files import cache_folder, read_cached, write_cached
 from prag_asp.scene.read.scene_values import MAX_LENGTH
 from prag_asp.scene.scene import Cavity
 
@@ -50,6 +54,26 @@ UPRIGHT = 1e-12
 STEEP = 0.2
 """The largest share of a triangle's area in its projection from above for which the triangle belongs to a wall (78
 degrees)."""
+
+FORM = 1
+"""The version of the search; cached cavities of other versions are not read."""
+
+LARGEST_FILE = 1_000
+"""The largest size in bytes of a file with a cavity."""
+
+
+def cached_cavity(triangles: Floats) -> Cavity | None:
+    """Return the cavity that `find_cavity` finds, from the user's cache if it was found before."""
+    folder = cache_folder()
+    if folder is None:
+        return find_cavity(triangles)
+    path = folder / f"{hashlib.sha256(f'{FORM} '.encode() + triangles.tobytes()).hexdigest()}.cavity"
+    content = read_cached(path, LARGEST_FILE)
+    if content is not None:
+        return msgspec.json.decode(content, type=Cavity | None)
+    cavity = find_cavity(triangles)
+    write_cached(path, json.dumps(cavity).encode())
+    return cavity
 
 
 def find_cavity(triangles: Floats) -> Cavity | None:

@@ -23,6 +23,7 @@ Json = dict[str, Any]
 Spoil = Callable[[Json, World], World | None]
 
 GRIPS, IN_AIR, SLIPS = "does not grip thing_1", "turns between the pads", "slips out of the gripper"
+TILTS = "tilts out of the pads"
 MEETS, SINKS, FALLS = "are in each other", "thing_1 is in the table", "thing_1 falls"
 
 
@@ -179,6 +180,7 @@ FAULTS: tuple[tuple[str, str, Spoil, str], ...] = (
     ("a body in the palm", KNOB, in_the_hand, "the arm is in thing_1"),
     ("a rod that is gripped at its end", BAR, heavy_at((0.0, -0.16, 0.0), 1.0), IN_AIR),
     ("a basin of lead on its far side", BASIN, heavy_at((0.07, 0.07, 0.0), 1.2), IN_AIR),
+    ("a basin so heavy that it tilts out of the pads", BASIN, weighing(4.0), TILTS),
     ("too heavy", BOX, weighing(40.0), SLIPS),
     ("a heavy knob", KNOB, weighing(10.0), SLIPS),
     ("another body, a box for a basin", BASIN, swapped(BOX), GRIPS),

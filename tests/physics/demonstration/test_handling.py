@@ -12,6 +12,8 @@ import pytest
 from prag_asp.physics import Budget, Demonstration, Witness, check_demonstration, open_validator, validate_task
 from prag_asp.physics.demonstration import planning
 from prag_asp.physics.demonstration.contacts import DEEPEST, FACTOR, FIRM, IntendedContacts, Touch, excessive_contacts
+from prag_asp.physics.demonstration.demonstration import pose_of
+from prag_asp.physics.demonstration.handling import handling_faults
 from prag_asp.physics.demonstration.performance import Performer, open_performer
 from prag_asp.physics.motion.carried_motion import MOST, bearable_acceleration, peak_acceleration, time_carried
 from prag_asp.physics.motion.trajectory import joint_limits, time_path
@@ -22,7 +24,7 @@ from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import physical_task
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.simulator import open_simulator
-from prag_asp.scene.geometry import Pose
+from prag_asp.scene.geometry import Pose, compose, invert
 from prag_asp.scene.robots import PANDA
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.scene_loader import parse_scene
@@ -133,6 +135,32 @@ def test_an_object_that_moves_in_the_hand_is_found(
     poses[held, cube, 3:] = turned
     faults = check_demonstration(stacking(), replace(stacked, poses=poses), tabletop)
     assert len(faults) == bool(words) and all(words in fault for fault in faults)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "shift", "words", "found"),
+    [(3.0, 0.0, "", 0), (6.0, 0.0, "turns by 6.0 degrees", 1), (0.0, 0.006, "slips by 6.0 mm", 1)],
+)
+def test_an_object_with_a_distant_origin_slips_only_if_it_moves_between_the_fingertips(
+    degrees: float, shift: float, words: str, found: int, stacked: Demonstration, tabletop: Scene
+) -> None:
+    cube, held = stacked.objects.index("cube_1"), stacked.ends[1] - 2
+    poses, arm = stacked.poses.copy(), {"panda": Mounted(ROBOTS["panda"], standing(0.0, 0.0, 0.0, 0.0))}
+    tool = tool_pose(PANDA, tuple(stacked.joints[held, 0].tolist()))
+    half = math.radians(degrees) / 2
+    # The origin is 20 cm from the fingers along x of the tool, and moves by 10 mm if the cube turns by 3 degrees.
+    origin = compose(invert(pose_of(poses[held, cube].tolist())), compose(tool, Pose((0.2, 0.0, 0.0))))
+    for k in range(len(poses)):
+        pose = compose(pose_of(poses[k, cube].tolist()), origin)
+        if k == held:
+            about = compose(tool, Pose((0.0, 0.0, shift), (0.0, math.sin(half), 0.0, math.cos(half))))
+            pose = compose(about, compose(invert(tool), pose))
+        poses[k, cube] = (*pose.position, *pose.quaternion)
+    spoilt = replace(stacked, poses=poses)
+    faults = [fault.text for fault in handling_faults(spoilt, tabletop)]
+    assert len(faults) == found and all(words in fault for fault in faults)
+    frames = [text for text in loosened(spoilt, arm) if text.startswith(f"frame {held}:")]
+    assert len(frames) == found
 
 
 def test_a_joint_that_accelerates_too_fast_is_found(stacked: Demonstration, tabletop: Scene) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,7 +13,8 @@ from prag_asp.physics import check_witness, validate_task
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.support import riders, unsupported
 from prag_asp.scene.geometry import Pose
-from prag_asp.scene.read.cavities import find_cavity
+from prag_asp.scene.read import cavities
+from prag_asp.scene.read.cavities import cached_cavity, find_cavity
 from prag_asp.scene.read.urdf import read_urdf
 from prag_asp.scene.scene import BodyModel, Scene, Shape, Solid
 from prag_asp.scene.surfaces import surface
@@ -205,3 +207,22 @@ def test_a_torus_a_stool_a_tube_and_a_plate_3_mm_deep_have_no_cavity_even_if_bro
     stool = BodyModel((Solid("box", (0.2, 0.2, 0.01), (0, 0, 0.205)), *legs), 1.0)
     for triangles in (lathe(ring), lathe(tube), lathe(plate), surface(Shape("mesh", model=stool))):
         assert find_cavity(broken(triangles)) is None
+
+
+def test_a_cavity_is_found_once_and_then_read_from_the_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PRAG_ASP_CACHE", str(tmp_path))
+    searches = []
+
+    def search(triangles):
+        searches.append(len(triangles))
+        return find_cavity(triangles)
+
+    monkeypatch.setattr(cavities, "find_cavity", search)
+    expected = find_cavity(bowl(0.08))
+    assert expected is not None
+    assert [cached_cavity(bowl(0.08)) for _ in range(3)] == [expected] * 3
+    assert [cached_cavity(bowl(0.08)[:2]) for _ in range(3)] == [None] * 3
+    assert len(searches) == 2
+    for file in tmp_path.glob("*.cavity"):
+        file.write_bytes(b"[[0, 0, 0], [9, 9, 9]]")
+    assert cached_cavity(bowl(0.08)) == expected and len(searches) == 3

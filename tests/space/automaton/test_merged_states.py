@@ -68,7 +68,7 @@ def check_that_merging_changes_nothing(
         ("prag", 4, {"apple": 2, "grasp>move": "1/3", "can_1": 5}),
         ("blocks", 6, {"block": 3, "stack": "1/2", "stack>unstack": 7}),
         ("hanoi", 4, {}),
-        ("tabletop", 3, {"cube": 2, "brick": "0.5", "pick>place": 3}),
+        ("tabletop", 2, {"cube": 2, "brick": "0.5", "pick>place": 3}),
         ("two_arms", 2, {"arm": 3}),
     ],
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from itertools import pairwise
 from pathlib import Path, PureWindowsPath
 from typing import NamedTuple
@@ -41,7 +41,7 @@ def read_obj(content: bytes, path: Path, folder: Path) -> tuple[Surface, ...]:
     """
     values: dict[str, list[list[float]]] = {"v": [], "vt": [], "vn": []}
     faces: dict[str, list[tuple[Corner, Corner, Corner]]] = {}
-    materials: dict[str, ObjMaterial] = {}
+    libraries: list[str] = []
     used = ""
     text = content.decode("utf-8", "replace").replace("\\\r\n", " ").replace("\\\n", " ")
     for line in text.splitlines():
@@ -54,7 +54,10 @@ def read_obj(content: bytes, path: Path, folder: Path) -> tuple[Surface, ...]:
         elif word == "usemtl":
             used = rest.strip()
         elif word == "mtllib":
-            materials |= read_materials(rest.strip(), path, folder)
+            libraries.append(rest.strip())
+    materials: dict[str, ObjMaterial] = {}
+    for name in libraries:
+        materials |= read_materials(name, path, folder, faces)
     tables = [np.array(values[word], dtype=float).reshape(-1, 2 if word == "vt" else 3) for word in values]
     return tuple(
         _surface(np.array(triangles), tables, materials.get(name, ObjMaterial()), folder)
@@ -63,8 +66,11 @@ def read_obj(content: bytes, path: Path, folder: Path) -> tuple[Surface, ...]:
     )
 
 
-def read_materials(name: str, model: Path, folder: Path) -> Mapping[str, ObjMaterial]:
-    """Return the materials in a library that a model names, or none if the library is missing or outside a folder."""
+def read_materials(name: str, model: Path, folder: Path, needed: Container[str]) -> Mapping[str, ObjMaterial]:
+    """Return the needed materials in a library that a model names.
+
+    There are none if the library is missing or outside a folder.
+    """
     path = _beside(name, model, folder)
     if path is None:
         return {}
@@ -78,7 +84,8 @@ def read_materials(name: str, model: Path, folder: Path) -> Mapping[str, ObjMate
         word, _, rest = line.strip().partition(" ")
         if word == "newmtl":
             used = rest.strip()
-            materials[used] = ObjMaterial()
+            if used in needed:
+                materials[used] = ObjMaterial()
         elif word == "Kd" and used in materials:
             parts = _floats(rest.split())
             color = hex_color(*parts) if len(parts) == 3 else ""
