@@ -92,7 +92,7 @@ class Shard(msgspec.Struct):
     versions: str
 
     def rows(self, table: str) -> int:
-        """Return how many rows it has in a table."""
+        """Return the number of rows of the shard in a table."""
         return self.files[table].rows if table in self.files else 0
 
 

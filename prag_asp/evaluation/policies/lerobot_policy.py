@@ -165,7 +165,7 @@ def _loaded(checkpoint: LeRobotCheckpoint) -> tuple[Any, Any, Any, Any]:
 
 
 def _states_of(path: Path, feature: ExportedFeature, env: TaskEnv) -> tuple[StateName, ...]:
-    """Return the conventions of a policy's state.
+    """Return the names of the state vectors that a policy reads.
 
     Raises:
         QueryError: the states of the environment have different names or a different size.

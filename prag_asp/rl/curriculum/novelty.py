@@ -166,7 +166,7 @@ class PassSampler:
         return Proposal(draw.word, draw.probability)
 
     def _coming(self, seed: int, drawn: int) -> Iterator[Draw]:
-        """Yield the samples that follow the first `drawn` ones."""
+        """Yield the samples after the first `drawn` samples."""
         for number in count(drawn):
             times, place = divmod(number, self._things.size)
             own = derive_seed(seed, "pass", times)
