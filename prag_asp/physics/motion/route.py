@@ -51,7 +51,7 @@ def carry_object(arm: Arm, width: float, held: str | None, grasp: Pose | None) -
 
 
 def is_vertical(robot: Robot, one: Joints, two: Joints) -> bool:
-    """Return whether the tool poses of two configurations are straight above each other with the same orientation."""
+    """Return whether the tool poses of two configurations are directly above each other with the same orientation."""
     (x, y, _), turn = tool_pose(robot, one)
     (other_x, other_y, _), other_turn = tool_pose(robot, two)
     return max(abs(x - other_x), abs(y - other_y)) < STRAIGHT and turn_between(turn, other_turn) < STRAIGHT

@@ -301,7 +301,7 @@ def _touched(query: CollisionQuery) -> tuple[str, ...]:
 
 
 def collide(search: Search, joints: Joints, query: CollisionQuery) -> ArmCollision | None:
-    """Return the collision in which the acting arm is, or None if there is none."""
+    """Return the collision that the acting arm is in, or None if there is none."""
     return arm_collision(search.simulator, query.situation, joints, query.width, query.touched)
 
 
