@@ -132,6 +132,17 @@ def test_a_mistake_is_found(kind: str, text: str, message: str, tmp_path: Path) 
     assert any(re.search(message, str(each)) for each in found)
 
 
+def test_a_problem_of_very_many_objects_does_not_stop_an_audit(tmp_path: Path) -> None:
+    mugs = " ".join(f"mug_{number}" for number in range(3, 300))
+    many = problem("(on mug_1 plate_1)").replace("mug_1 mug_2 -", f"mug_1 mug_2 {mugs} -")
+    write(tmp_path / "suite", many=many, few=problem("(on mug_1 plate_1)"))
+    found = audit(tmp_path / "suite")
+    (finding,) = [each for each in found.findings if each.kind == "unchecked-goal"]
+    assert finding.place.endswith("many.bddl:1") and "301 objects that can be moved" in finding.text
+    assert any("of these, known to be reachable by actions" in line for line in audit_text(found))
+    assert found.combinations.reachable
+
+
 def test_the_command_prints_a_table_json_and_a_page(suites: Path) -> None:
     done = run("audit", "train", "test", "--train", "train", "--full", "-o", "report.html", cwd=suites)
     assert done.returncode == 0
