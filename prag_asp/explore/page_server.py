@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import errno
 import json
+import select
+import socket
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from http import HTTPStatus
@@ -174,20 +176,20 @@ class _Handler(BaseHTTPRequestHandler):
             return
         try:
             request = fields.get("window", "")[:64], _number(fields.get("number", "0"))
-            with self.server.turns.turn(*request):
+            with self.server.turns.turn(*request, gone=self._gone):
                 found = view(fields)
             if isinstance(found, Elsewhere):
-                with self.server.turns.turn(*request, elsewhere=True):
+                with self.server.turns.turn(*request, elsewhere=True, gone=self._gone):
                     found = found.work()
         except LimitReached as error:
             if error.reason.kind is StopKind.CANCEL:
                 self._send_problem(HTTPStatus.CONFLICT, str(error))
             else:
-                self._send_problem(HTTPStatus.UNPROCESSABLE_ENTITY, *error.lines)
+                self._send_refusal(*error.lines)
         except PragError as error:
-            self._send_problem(HTTPStatus.UNPROCESSABLE_ENTITY, *error.lines)
+            self._send_refusal(*error.lines)
         except RecursionError:
-            self._send_problem(HTTPStatus.UNPROCESSABLE_ENTITY, "the condition is nested too deeply; make it flatter")
+            self._send_refusal("the condition is nested too deeply; make it flatter")
         except Exception as error:  # a mistake in this package ends one request, not the server
             self.server.report(f"{urlsplit(self.path).path.rpartition('/')[2]}: {type(error).__name__}: {error}")
             self._send_problem(HTTPStatus.INTERNAL_SERVER_ERROR, "prag_asp made a mistake; see the terminal")
@@ -197,8 +199,21 @@ class _Handler(BaseHTTPRequestHandler):
             else:
                 self._send_json(HTTPStatus.OK, asdict(found))
 
+    def _gone(self) -> bool:
+        """Return whether the client has closed the connection."""
+        try:
+            readable = select.poll()
+            readable.register(self.connection, select.POLLIN)
+            return bool(readable.poll(0)) and not self.connection.recv(1, socket.MSG_PEEK)
+        except OSError:  # the client has reset the connection
+            return True
+
     def _send_problem(self, status: HTTPStatus, *lines: str) -> None:
         self._send_json(status, {"lines": lines})
+
+    def _send_refusal(self, *lines: str) -> None:
+        """Answer a mistake of the user; browsers would report another status than 200 as an error of the page."""
+        self._send_json(HTTPStatus.OK, {"refused": lines})
 
     def _send_json(self, status: HTTPStatus, value: Any) -> None:
         self._send(status, "application/json", json.dumps(value).encode())

@@ -34,8 +34,8 @@ class TaskVerdict:
     """A verdict in plain values: its status (``feasible``, ``not_found`` or ``infeasible``), and what that means.
 
     `cause` is the proof or the most common cause of failed attempts, and `nearest` says how close the best attempts
-    came; both are empty for a feasible task. `causes` counts the failed attempts. `effort` states the budget, the seed
-    and the index.
+    came; both are empty for a feasible task. `causes` counts the failed attempts. `effort` states the budget and
+    the seed.
     """
 
     status: str
@@ -156,7 +156,7 @@ def task_verdict(explored: ExploredDomain, trial: Trial, verdict: Verdict) -> Ta
         verdict.reason + detail if verdict.reason else "",
         verdict.nearest,
         tuple(sorted(verdict.causes.items(), key=lambda pair: -pair[1])),
-        f"budget {trial.budget}; seed {trial.seed}, index {trial.index}",
+        f"budget {trial.budget}; seed {trial.seed}",
         same_by_physics(explored, trial, feasible=verdict.feasible),
     )
 

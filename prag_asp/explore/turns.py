@@ -1,15 +1,17 @@
 """The requests of pages: one computes at a time, and a newer request from a window ends the work on its older ones.
 
-Work in another process takes a separate turn, so that the views of a page are answered in the meantime.
+The work on a request also ends when its client closes the connection, as a browser does when a window is closed. Work
+in another process takes a separate turn, so that the views of a page are answered in the meantime.
 """
 
 from __future__ import annotations
 
 from collections import OrderedDict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from threading import Lock, local
+from time import monotonic
 
 from prag_asp.errors import LimitReached
 from prag_asp.processes.progress_events import Note
@@ -32,6 +34,24 @@ class Doing:
     note: str = ""
 
 
+@dataclass
+class Request:
+    """A request of a window; `gone` says whether its client has closed the connection, and is called every `POLL`."""
+
+    window: str = ""
+    number: int = 0
+    gone: Callable[[], bool] = lambda: False
+    _next_look: float = 0.0
+    _was_gone: bool = False
+
+    def has_gone(self) -> bool:
+        """Return whether the client had closed the connection at the latest look."""
+        now = monotonic()
+        if not self._was_gone and now >= self._next_look:
+            self._was_gone, self._next_look = self.gone(), now + POLL
+        return self._was_gone
+
+
 class Turns:
     """Lets requests take turns. Each window numbers its requests; requests with equal numbers do not end each other."""
 
@@ -48,8 +68,13 @@ class Turns:
 
     def stop(self) -> StopReason | None:
         """Return why the request of this thread should end, or None; this serves as a check for `Limits`."""
-        window, number = getattr(self._current, "request", ("", 0))
-        return CANCEL if self._closed or self._latest.get(window, number) > number else None
+        request: Request | None = getattr(self._current, "request", None)
+        if self._closed:
+            return CANCEL
+        if request is None:
+            return None
+        outdated = self._latest.get(request.window, request.number) > request.number
+        return CANCEL if outdated or request.has_gone() else None
 
     def tell(self, words: str) -> None:
         """Record the progress of the request that computes."""
@@ -57,21 +82,29 @@ class Turns:
         self.doing = Doing(self.doing.words if isinstance(words, Note) else str(words), note)
 
     @contextmanager
-    def turn(self, window: str, number: int, *, elsewhere: bool = False) -> Iterator[None]:
+    def turn(
+        self, window: str, number: int, *, elsewhere: bool = False, gone: Callable[[], bool] = lambda: False
+    ) -> Iterator[None]:
         """Wait until no other request computes or, with `elsewhere`, until none has work in another process.
 
+        `gone` says whether the client has closed the connection.
+
         Raises:
-            LimitReached: the window has sent a newer request in the meantime.
+            LimitReached: the window has sent a newer request in the meantime, or its connection is closed.
         """
-        self._current.request = (window, number)
+        self._current.request = Request(window, number, gone)
         with self._registering:
             self._latest[window] = max(number, self._latest.get(window, number))
             self._latest.move_to_end(window)
             while len(self._latest) > WINDOWS:
                 self._latest.popitem(last=False)
         lock = self._elsewhere if elsewhere else self._computing
-        while not lock.acquire(timeout=POLL):
-            self._check()
+        try:
+            while not lock.acquire(timeout=POLL):
+                self._check()
+        except LimitReached:
+            self._current.request = None
+            raise
         try:
             self._check()
             if not elsewhere:
@@ -79,8 +112,8 @@ class Turns:
             yield
         finally:
             lock.release()
-            self._current.request = ("", 0)
+            self._current.request = None
 
     def _check(self) -> None:
         if self.stop():
-            raise LimitReached("a newer request of the page ended this one", 0, CANCEL)
+            raise LimitReached("a newer request of the page, or the end of its window, ended this one", 0, CANCEL)

@@ -40,8 +40,8 @@ MOST_STATES = 50_000
 class Reasons:
     """A minimal set of conditions of a space and lines of its domain that together leave no task.
 
-    If any one of them is removed, and only the others apply, there is a task. If there are no lines, the declarations
-    of the domain by themselves allow no task.
+    If any one of them is removed, and only the others apply, there is a task. If there are no lines, the conditions
+    exclude every task by themselves or, if there are no conditions either, the declarations of the domain do.
     """
 
     conditions: tuple[Clause, ...]

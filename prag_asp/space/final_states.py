@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.atom import parse_atom
 from prag_asp.errors import EngineError
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.logic.step.hindsight import FALSE, TRUE, FluentValues, Hindsight, numbered_goals
@@ -24,6 +25,7 @@ from prag_asp.space.engines.reachability import HALT, Explorer
 from prag_asp.space.limits import LimitClock, limit_error
 from prag_asp.space.shortest_tasks import ShortestEngine
 from prag_asp.space.weights.weights import Weights
+from prag_asp.task import Task
 
 Numbers = NDArray[Any]
 """Exact numbers: 64-bit integers while overflow is impossible, Python integers otherwise."""
@@ -32,6 +34,10 @@ Numbers = NDArray[Any]
 FEW_EDGES, MANY_EDGES = 200_000, 2_000_000
 """Maximum number of edges of an automaton that remembers all fluents, and of one that remembers only the fluents that
 plans need."""
+
+
+FEW_TASKS = 200
+"""Number of tasks up to which their final states are listed, which takes a fraction of a second."""
 
 
 @dataclass(frozen=True)
@@ -129,14 +135,27 @@ class FinalStates:
         return Completions(reversed_edges)
 
 
-def final_states(model: DomainLogic, engine: Engine, level: Level, length: int, clock: LimitClock) -> FinalStates:
-    """Return the final states of the plans or tasks of a given length.
+def endings_of(tasks: Sequence[Task], facts: Sequence[Collection[str]]) -> list[Ending | None]:
+    """Return, for each set of `facts`, how many of the given tasks end with a fact from the set."""
+    finals = [task.states[-1] for task in tasks]
+    endings: list[Ending | None] = []
+    for each in facts:
+        atoms = [parse_atom(fact) for fact in each]
+        true = sum(any(final.get(atom) for atom in atoms) for final in finals)
+        endings.append(Ending(true, sum(any(final.get(atom, True) for atom in atoms) for final in finals)))
+    return endings
+
+
+def final_states(
+    model: DomainLogic, engine: Engine, level: Level, length: int, clock: LimitClock
+) -> FinalStates | None:
+    """Return the final states of the plans or tasks of a given length, or None if they take too many states.
 
     If remembering all fluents would take too many states, only the fluents that every plan needs are counted.
 
     Raises:
         LimitReached: a limit ended the exploration of the states.
-        EngineError: the states or the words are too many to list.
+        EngineError: the words are too many to list.
     """
     fluents = model.domain.facts.fluents
     if isinstance(engine, ShortestEngine):
@@ -157,7 +176,7 @@ def final_states(model: DomainLogic, engine: Engine, level: Level, length: int, 
             return FinalStates(length, reach.letters, reach.completions.automaton, goals, values, tuple(chosen))
         if reach.stop != HALT:
             raise limit_error(reach.stop, 0, level, length, reach.states)
-    raise EngineError(f"more than {MANY_EDGES:,} steps between states are too many to count final states at once")
+    return None
 
 
 def _listed(engine: Engine, length: int, fluents: int) -> FinalStates:

@@ -234,14 +234,15 @@ class TaskSpace:
         """Return, for each set of `facts`, how many plans or tasks begin with `prefix` and end with one of its facts.
 
         Facts of tasks have canonical names of entities. The result is None for a set with a fact that takes too many
-        states to be counted together with the others; the condition ``ends`` can count it separately.
+        states to be counted together with the others; the condition ``ends`` can count it separately. If few tasks
+        begin with `prefix`, all facts are counted.
 
         Raises:
             QueryError: there is no such level or fact, or the space has several lengths.
             LimitReached: a limit ended the exploration of the states.
-            EngineError: there are too many states or words to list.
+            EngineError: there are too many words to list.
         """
-        from prag_asp.space.final_states import Ending, final_states
+        from prag_asp.space.final_states import FEW_TASKS, Ending, endings_of, final_states
 
         if by == "skeleton":
             raise QueryError("skeletons have no final states; choose task or plan")
@@ -254,11 +255,15 @@ class TaskSpace:
             return [None for _ in facts]
         if length < self.engines.fewest_actions:
             return [Ending(0, 0) for _ in facts]
+        if self.engines.engine(by, length).count(length, first) <= FEW_TASKS:
+            return endings_of(list(self.tasks_of_plans(self.enumerate(by, prefix))), facts)
         found = self.engines.latest(
             "final states",
             (by, length),
             lambda: final_states(model, self.engines.engine(by, length), by, length, self.engines.limits.begin()),
         )
+        if found is None:
+            return [None for _ in facts]
         return found.count(first, [[places[fact] for fact in each] for each in facts])
 
     def _prefixes(self, by: Level, prefix: Prefix) -> list[tuple[int, Letters]]:

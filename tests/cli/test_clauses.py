@@ -80,6 +80,15 @@ def test_explain_names_a_smallest_set_of_changes_or_says_that_there_is_none(tmp_
         assert (done.returncode, done.stdout.splitlines()[1:]) == (1, told)
 
 
+def test_explain_does_not_blame_the_domain_for_contradictory_conditions() -> None:
+    having, lacking = "has at least 2 stack", "has exactly 1 stack"
+    done = run("explain", "blocks", "--length", "4", "--where", having, "--where", lacking)
+    told = [f"  {having}", f"  {lacking}", "they do so without any line that restricts plans"]
+    assert (done.returncode, done.stdout.splitlines()[2:5]) == (1, told)
+    done = run("explain", "blocks", "--length", "4", "--where", having)
+    assert (done.returncode, done.stdout) == (0, f"blocks has tasks of length 4 that satisfy '{having}'\n")
+
+
 def test_explain_refuses_what_does_not_go_together() -> None:
     for words, told in (
         (["prag", "--where", "uses can_1"], "--where is about all tasks of a length; add --length"),

@@ -7,17 +7,18 @@ import socket
 from collections.abc import Iterator
 from http.client import HTTPConnection
 from threading import Event, Thread
+from time import sleep
 from typing import Any
 from urllib.parse import urlencode, urlsplit
 
 import pytest
 
-from prag_asp import QueryError, load_domain
+from prag_asp import LimitReached, QueryError, load_domain
 from prag_asp.explore.explored_domain import ExploredDomain
 from prag_asp.explore.page_server import PageServer
 from prag_asp.explore.physics_view import call_here
 from prag_asp.explore.space_pages import PAGE, space_views
-from prag_asp.explore.turns import Turns
+from prag_asp.explore.turns import Doing, Turns
 from prag_asp.space.limits import Limits
 from tests.commands import run
 
@@ -107,7 +108,7 @@ def test_views_are_json_and_mistakes_are_one_line(server: PageServer) -> None:
     status, plan = view(server, "plan", state="length=6")
     assert (status, plan["count"]) == (200, "84")
     assert view(server, "count", state="length=4&where=usess")[1] == {
-        "lines": ["condition 'usess': no condition 'usess'; did you mean uses?"]
+        "refused": ["condition 'usess': no condition 'usess'; did you mean uses?"]
     }
     for name, fields in (
         ("plan", {"state": "length=6&where=matches+(("}),
@@ -119,7 +120,7 @@ def test_views_are_json_and_mistakes_are_one_line(server: PageServer) -> None:
         ("plan", {"state": "length=3", "number": "x"}),
     ):
         status, problem = view(server, name, **fields)
-        assert (status, len(problem["lines"])) == (422, 1), (name, problem)
+        assert (status, len(problem["refused"])) == (200, 1), (name, problem)
     assert ask(server, f"/{server.token}/api/plan?{'&'.join('a=1' for _ in range(40))}")[0] == 400
 
 
@@ -165,6 +166,30 @@ def test_an_older_request_of_a_window_is_dropped(server: PageServer) -> None:
     assert view(server, "count", state="length=2", window="w", number="2")[0] == 200
     assert view(server, "count", state="length=2", window="w", number="1")[0] == 409
     assert view(server, "count", state="length=2", window="v", number="1")[0] == 200
+
+
+def test_a_closed_connection_ends_the_work_on_its_request() -> None:
+    turns, begun = Turns(), Event()
+
+    def endless(fields: Any) -> Any:
+        begun.set()
+        while turns.stop() is None:
+            sleep(0.01)
+        raise LimitReached("ended", 0, turns.stop())
+
+    def short(fields: Any) -> Doing:
+        return Doing("done")
+
+    with PageServer(PAGE, {"endless": endless, "short": short}, turns) as server:
+        serving = Thread(target=server.serve_forever, args=(0.01,))
+        serving.start()
+        with socket.create_connection(("127.0.0.1", server.port)) as connection:
+            host = f"Host: 127.0.0.1:{server.port}"
+            connection.sendall(f"GET /{server.token}/api/endless?window=w HTTP/1.1\r\n{host}\r\n\r\n".encode())
+            assert begun.wait(60)
+        assert view(server, "short", window="v") == (200, {"words": "done", "note": ""})
+        server.shutdown()
+        serving.join()
 
 
 def test_a_used_port_is_one_line(server: PageServer) -> None:

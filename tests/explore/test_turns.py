@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from threading import Event, Thread
+from time import sleep
 
 import pytest
 
 from prag_asp import LimitReached, Limits, TaskSpace, load_domain
-from prag_asp.explore.turns import CANCEL, Turns
+from prag_asp.explore.turns import CANCEL, POLL, Turns
 
 
 def test_a_newer_request_ends_the_count_of_an_older_one() -> None:
@@ -27,6 +28,20 @@ def test_requests_of_other_windows_and_of_the_same_state_wait() -> None:
     for window, number in (("b", 9), ("a", 1)):
         with turns.turn("a", 1), turns_of_another_thread(turns, window, number):
             assert turns.stop() is None
+
+
+def test_a_request_ends_once_its_client_has_gone() -> None:
+    turns, gone = Turns(), Event()
+    with turns.turn("a", 1, gone=gone.is_set):
+        assert turns.stop() is None
+        gone.set()
+        sleep(2 * POLL)
+        assert turns.stop() == CANCEL
+    assert turns.stop() is None
+    with pytest.raises(LimitReached), turns.turn("b", 1, gone=lambda: True):
+        pass
+    with turns.turn("b", 1):
+        assert turns.stop() is None
 
 
 def test_an_old_request_does_not_begin() -> None:

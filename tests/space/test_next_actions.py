@@ -31,8 +31,12 @@ def test_the_numbers_of_next_actions_are_those_of_listed_words(engine: str, by: 
         assert list(found) == [letter for letter in space.action_texts(by) if letter in after]
 
 
+@pytest.mark.parametrize("few", [0, 10**6])
 @pytest.mark.parametrize(("domain", "length"), CASES)
-def test_the_numbers_of_next_actions_and_of_ends_are_counts(domain: str, length: int, chance: Chance) -> None:
+def test_the_numbers_of_next_actions_and_of_ends_are_counts(
+    domain: str, length: int, few: int, chance: Chance, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("prag_asp.space.final_states.FEW_TASKS", few)
     space, random = TaskSpace(load_domain(domain), length), chance.generator(1)
     facts = list(map(str, space.domain.facts.fluents))
     groups = [[fact] for fact in random.sample(facts, 2)] + [random.sample(facts, 2)]
@@ -78,6 +82,21 @@ def test_large_numbers_of_ends_are_exact() -> None:
     (ending,) = space.ending([[fact]], by="plan")
     assert ending is not None
     assert ending.possible == space.where(f"ends {fact}").count("plan") > 2**64
+
+
+def test_all_ends_of_few_tasks_are_counted_where_those_of_the_space_take_too_many_states(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for limit in ("FEW_EDGES", "MANY_EDGES"):
+        monkeypatch.setattr(f"prag_asp.space.final_states.{limit}", 5)
+    space = TaskSpace(load_domain("tabletop"), 3)
+    facts = [[str(fluent)] for fluent in space.domain.facts.fluents]
+    assert set(space.ending(facts)) == {None}
+    task = space[1234]
+    for (fact,), ending in zip(facts, space.ending(facts, list(map(str, task.actions))), strict=True):
+        value = task.states[-1].get(parse_atom(fact))
+        assert ending is not None
+        assert (ending.holding, ending.possible) == (int(value is True), int(value is not False))
 
 
 def test_wrong_questions_about_ends_are_refused() -> None:

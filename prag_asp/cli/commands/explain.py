@@ -77,7 +77,7 @@ def explain(
     if lines and action is None:
         lines.extend(_other_lengths(space))
     if not lines:
-        say(f"{space.domain.label} has tasks of {_describe_request(space, action, step)}")
+        say(f"{space.domain.label} has tasks of {_describe_request(space, action, step, satisfy='satisfy')}")
         return
     for line in lines:
         say(line)
@@ -136,6 +136,8 @@ def _reasons(space: TaskSpace, action: str | None, step: int | None, *, smallest
     if found.lines:
         yield "these lines together exclude every task:"
         yield from (f"  {line}" for line in found.lines)
+    elif found.conditions:
+        yield "they do so without any line that restricts plans"
     else:
         yield "no line excludes it: the declarations of the domain alone allow none"
 
@@ -171,10 +173,10 @@ def _changes(space: TaskSpace, action: str | None, step: int | None) -> Iterator
         yield from (f"  {line}" for line in found[0])
 
 
-def _describe_request(space: TaskSpace, action: str | None, step: int | None) -> str:
-    """Return the length, the action and the conditions in words."""
+def _describe_request(space: TaskSpace, action: str | None, step: int | None, satisfy: str = "satisfies") -> str:
+    """Return the length, the action and the conditions in words; `satisfy` is the verb for the tasks."""
     from prag_asp.space.lengths import spelled_lengths
 
     having = "" if action is None else f" with {action}{'' if step is None else f' as step {step}'}"
     clauses = " and ".join(f"'{clause}'" for clause in space.condition.clauses)
-    return f"length {spelled_lengths(space.lengths)}{having}{f' that satisfies {clauses}' if clauses else ''}"
+    return f"length {spelled_lengths(space.lengths)}{having}{f' that {satisfy} {clauses}' if clauses else ''}"

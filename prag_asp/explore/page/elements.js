@@ -20,6 +20,11 @@ export function fill(id, ...children) {
 // Digits in groups of three; the numbers are texts because they may exceed 2^53.
 export const grouped = (digits) => digits.replace(/\B(?=(\d{3})+$)/g, ",");
 
+// A number in few characters: exact up to `EXACT` digits, and rounded down beyond them.
+const EXACT = 40;
+const brief = (digits) => digits.length <= EXACT ? grouped(digits) :
+  `about ${digits[0]}.${digits.slice(1, 4)} x 10^${digits.length - 1}`;
+
 export function percent(share) {
   const value = Number(share) * 100;
   if (value === 0) return share === "0.000000" ? "< 0.0001 %" : "0 %";
@@ -31,7 +36,7 @@ export function choice(term, count, share, note, properties) {
   return make("button", { type: "button", class: "choice", ...properties },
     make("span", { class: "fill", width: `${Math.min(100, Number(share) * 100)}%`, "aria-hidden": "true" }),
     make("span", { class: "term" }, term),
-    make("span", { class: "count" }, count === "" ? note : `${grouped(count)} · ${note}`));
+    make("span", { class: "count" }, count === "" ? note : `${brief(count)} · ${note}`));
 }
 
 // Arrow keys move between the buttons of a list.
@@ -39,7 +44,7 @@ export function withArrows(list) {
   list.addEventListener("keydown", (event) => {
     const move = { ArrowDown: 1, ArrowUp: -1 }[event.key];
     if (move === undefined || event.target.tagName !== "BUTTON") return;
-    const buttons = [...list.querySelectorAll("button")];
+    const buttons = [...list.querySelectorAll("li:not([hidden]) button")];
     const next = buttons[buttons.indexOf(event.target) + move];
     if (next) { next.focus(); event.preventDefault(); }
   });

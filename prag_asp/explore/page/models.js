@@ -76,8 +76,8 @@ function showFacets(view) {
   const focused = find("facets").contains(document.activeElement);
   const hidden = view.matching - view.facets.length;
   fill("facets-note", view.count === "" ? "Choosing or excluding atoms makes counting easier." : view.open === 0 ?
-    (view.count === "0" ? "Nothing is left." : "No choice is left.") : `${view.open} open` +
-    (view.matching < view.open ? `, ${view.matching} with this text` : "") +
+    (view.count === "0" ? "Nothing is left." : "No choice is left.") : `${grouped(String(view.open))} open` +
+    (view.matching < view.open ? `, ${grouped(String(view.matching))} with this text` : "") +
     (hidden > 0 ? `; the first ${view.facets.length} are listed, filter for others` : ""));
   if (document.activeElement !== find("find")) find("find").value = state.get("find") ?? "";
   find("sort").value = state.get("sort") ?? "name";

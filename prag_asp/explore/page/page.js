@@ -44,6 +44,7 @@ async function show() {
     showPlan(plan);
     await Promise.all([showComparison(), plan.count === "0" ? showWhy() : showFacets()]);
   } catch (error) {
+    if (find("number").textContent === "") fill("title", vocabulary.domain); // the link itself is wrong
     showProblem(error);
   } finally {
     ended();
@@ -149,7 +150,8 @@ async function showWhy() {
   }
   if (why.lines.length) {
     lines.push("These lines together exclude every task:", make("ul", {}, ...why.lines.map((each) => make("li", {}, make("code", {}, each)))));
-  } else if (why.empty) lines.push("No line excludes it: the declarations of the domain alone allow none.");
+  } else if (why.conditions.length) lines.push("They do so without any line that restricts plans.");
+  else if (why.empty) lines.push("No line excludes it: the declarations of the domain alone allow none.");
   fill("empty", ...lines, ...sameResults([why.same]));
 }
 
@@ -171,12 +173,12 @@ async function showFacets() {
     !(each.holding !== "" && each.chosen === view.count && each.excluded === view.count));
   free.sort((one, other) => Number(other.share) - Number(one.share));
   fill("facets", ...free.map(facetOf));
-  fill("facets-note", `${free.length} open` + (fixed.length ? `; in all: ${fixed.map((each) => each.facts.join(" or ")).join(", ")}` : ""));
+  fill("facets-note", `${grouped(String(free.length))} open` + (fixed.length ? `; in all: ${fixed.map((each) => each.facts.join(" or ")).join(", ")}` : ""));
 }
 
 function facetOf(facet) {
   const term = facet.facts.join(" or ");
-  const note = facet.holding === "" ? "count" : `known in ${percent(facet.share)}; leaves ${grouped(facet.chosen)}`;
+  const note = facet.holding === "" ? "not counted; choose it to count" : `known in ${percent(facet.share)}; leaves ${grouped(facet.chosen)}`;
   return make("li", {},
     choice(term, facet.holding, facet.share || "0", note, { onclick: () => add(facet.choose) }),
     make("button", { type: "button", onclick: () => add(facet.exclude), "aria-label": `not ${term}`,
@@ -202,7 +204,7 @@ async function showComparison() {
   const row = (name, number, note = "") => make("tr", {}, make("th", { scope: "row" }, name),
     make("td", {}, grouped(number)), make("td", {}, note));
   const named = (side) => side.where.join(" and ") || "no condition";
-  fill("comparison", make("h3", {}, `Compared by ${view.level}s`),
+  fill("comparison", make("h3", {}, `Compared by ${view.level}s, whatever the chosen actions`),
     view.distinguishes ? make("p", { class: "quiet" }, "A condition distinguishes interchangeable entities, so plans are counted.") : null,
     make("div", { class: "scroll" }, make("table", {}, make("tbody", {},
       row(named(view.first), view.first.count, `${percent(view.first.share_of_overlap)} of it in both`),

@@ -57,14 +57,18 @@ async function answer(kind, view, fields, read) {
   const number = latest.get(kind) ?? 0;
   const query = new URLSearchParams({ ...fields, window: `${own}/${kind}`, number });
   let response, value;
+  let refused = false;
   try {
     response = await fetch(`api/${view}?${query}`, { signal: running.get(kind)?.signal });
-    value = await (response.ok ? read(response) : response.json());
+    const plain = !response.ok || response.headers.get("Content-Type") === "application/json";
+    value = await (plain ? response.json() : read(response));
+    refused = plain && "refused" in value; // a mistake of the user, not of the page
   } catch (error) {
     if (error.name === "AbortError" || number !== (latest.get(kind) ?? 0)) return null;
     throw new Problem(["the command does not answer; start prag-asp explore again, and open its new link"]);
   }
   if (number !== (latest.get(kind) ?? 0) || response.status === 409) return null;
+  if (refused) throw new Problem(value.refused);
   if (!response.ok) throw new Problem(value.lines);
   return value;
 }
