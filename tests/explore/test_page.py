@@ -211,3 +211,22 @@ def test_a_number_of_many_digits_is_short_in_a_facet_and_whole_in_the_heading(
         short = f"about {digits[0]}.{digits[1:4]} x 10^{len(digits) - 1} ·"
         playwright.expect(page.locator("#facets li >> nth=0")).to_contain_text(short)
     assert messages == []
+
+
+def test_the_filter_of_actions_hides_the_others_also_from_the_arrow_keys(browser: Any, messages: list[str]) -> None:
+    turns = Turns()
+    explored = ExploredDomain(load_domain("tabletop"), ("tabletop",), "", limits=Limits(stop=turns.stop))
+    with serving(space_views(explored), turns) as server:
+        page = opened(browser, f"{server.link}?length=1", messages)
+        shown = page.locator("#actions li:visible code, #actions li:visible .term")
+        assert shown.count() > 2
+        page.fill("#filter", "can_1")
+        texts = shown.all_inner_texts()
+        assert len(texts) >= 2 and all("can_1" in text for text in texts)
+        page.focus("#actions li:visible button >> nth=0")
+        for text in texts[1:]:
+            page.keyboard.press("ArrowDown")
+            assert page.evaluate("document.activeElement.textContent").startswith(text)
+        page.fill("#filter", "no such action")
+        assert shown.count() == 0
+    assert messages == []

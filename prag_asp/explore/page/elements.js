@@ -44,7 +44,7 @@ export function withArrows(list) {
   list.addEventListener("keydown", (event) => {
     const move = { ArrowDown: 1, ArrowUp: -1 }[event.key];
     if (move === undefined || event.target.tagName !== "BUTTON") return;
-    const buttons = [...list.querySelectorAll("button")];
+    const buttons = [...list.querySelectorAll("li:not([hidden]) button")];
     const next = buttons[buttons.indexOf(event.target) + move];
     if (next) { next.focus(); event.preventDefault(); }
   });
