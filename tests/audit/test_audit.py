@@ -118,8 +118,10 @@ def test_the_same_start_is_recognized_under_other_numbers(tmp_path: Path) -> Non
         ("contradictory-start", problem("(on mug_1 plate_1)", more="(not (on mug_2 plate_1))"), "and its negation"),
         ("contradictory-start", problem("(on mug_1 plate_1)", second="mug_2"), "mug_2 is on mug_2"),
         ("true-at-start", problem("(on mug_2 plate_1)"), "the goal is true in the initial state"),
-        ("unreachable-goal", problem("(and (on mug_1 plate_1) (on mug_1 bowl_1))"), ""),
+        ("unreachable-goal", problem("(and (on mug_1 plate_1) (on mug_1 bowl_1))"), "mug_1 is at 2 places in the goal"),
         ("unreachable-goal", problem("(and (on stove_1 plate_1) (on mug_1 plate_1))"), ""),
+        ("unreachable-goal", problem("(and (on mug_1 bowl_1) (not (on mug_1 bowl_1)))"), "the goal has both "),
+        ("unchecked-goal", problem("(on mug_1 bowl_1)", more="(on mug_1 plate_1)"), "the invariants forbid it"),
         ("silent-language", problem("(on mug_1 plate_1)", language="wipe the window"), "names none of .*: mug, plate"),
         ("unused-object", problem("(on mug_1 plate_1)").replace("bowl_1 -", "bowl_1 bowl_2 -"), "bowl_2 is in no fact"),
     ],
@@ -156,6 +158,9 @@ def test_a_folder_without_problems_and_an_unknown_suite_are_refused(tmp_path: Pa
         audit(tmp_path / "empty")
     with pytest.raises(QueryError, match="no such folder"):
         audit(tmp_path / "missing")
+    (tmp_path / "one.bddl").write_text(TIDY)
+    with pytest.raises(QueryError, match=r"one\.bddl: a file, but audits are of folders; give "):
+        audit(tmp_path / "one.bddl")
     with pytest.raises(QueryError, match="no suite 'tarin'"):
         audit(write(tmp_path / "train", a=TIDY), train=["tarin"])
 
