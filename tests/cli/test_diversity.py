@@ -53,6 +53,11 @@ def test_neighbours_are_printed_with_a_nearest_task(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "near.json").read_text())["nearest"] == {"distance": 0, "plan": PLAN.split()}
 
 
+def test_the_empty_task_has_neighbours_too() -> None:
+    text = ok("diversity", "prag", "-n", "1", "--near", "", "--radius", "1")
+    assert text.splitlines()[1:3] == ["0          0", f"1      {TaskSpace(load_domain('prag'), 1).count():5}"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "refused"),
     [

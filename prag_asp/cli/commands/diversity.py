@@ -96,7 +96,9 @@ def diversity(
                 if tasks is not None and strength is not None
                 else _measured(space, tasks, features, distances)
             )
-    text = _near_text if plan else complexity_text if with_complexity else _covered_text if strength else _text
+    text = complexity_text if with_complexity else _covered_text if strength else _text
+    if plan is not None:
+        text = _near_text
     with writer(output) as out:
         if form == "json":
             import json
