@@ -230,3 +230,17 @@ def test_the_filter_of_actions_hides_the_others_also_from_the_arrow_keys(browser
         page.fill("#filter", "no such action")
         assert shown.count() == 0
     assert messages == []
+
+
+def test_a_phones_page_is_not_wider_than_the_screen_and_nothing_is_not_little(
+    browser: Any, server: PageServer, messages: list[str]
+) -> None:
+    page = opened(browser, f"{server.link}?length=7&where=uses+cup_1&beside=has+at+least+2+grasp", messages)
+    playwright.expect.set_options(timeout=PATIENCE)
+    playwright.expect(page.locator("#comparison tr >> nth=0 >> td >> nth=1")).to_have_text("0 % of it in both")
+    page.set_viewport_size({"width": 360, "height": 740})
+    page.fill("#rank", "5")
+    page.click("text=Go to rank")
+    playwright.expect(page.locator("#tree")).to_contain_text("pick_and_place")
+    assert page.evaluate("document.documentElement.scrollWidth") == 360
+    assert messages == []

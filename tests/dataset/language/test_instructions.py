@@ -237,6 +237,13 @@ def test_a_relation_among_the_arguments_is_said_once_in_default_sentences() -> N
     assert not any("<2>" in each for each in said)
 
 
+def test_a_pronoun_does_not_say_where_an_object_is() -> None:
+    plan = "open(panda,drawer_1) approach(panda,apple_1,drawer_1) grasp(panda,apple_1) move(panda,apple_1,table_1)"
+    task = task_of("kitchen", *plan.split(), "drop(panda,apple_1)", "withdraw(panda,apple_1)", "close(panda,drawer_1)")
+    words = [writer("kitchen").instructions(task, seed=seed) for seed in range(6)]
+    assert all("go to it and" in each.default and "at it" not in each.default for each in words)
+
+
 def test_where_there_is_one_robot_nobody_says_which() -> None:
     space = space_of("kitchen", 7)
     fetch = "open(panda,drawer_1) approach(panda,apple_1,drawer_1) grasp(panda,apple_1) move(panda,apple_1,table_1)"
