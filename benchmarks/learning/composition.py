@@ -13,6 +13,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
+from statistics import mean, stdev
 from typing import Any
 
 import click
@@ -22,6 +23,7 @@ import torch
 from imitation import KINDS, Frames, Imitator, Kind, Network, imitated
 from rich.console import Console
 from rich.table import Table
+from scipy import stats
 
 from prag_asp import Dataset, load_domain
 from prag_asp.dataset import export, generate_suite, load_suite
@@ -114,17 +116,38 @@ def episodes(results: Results) -> Iterator[dict[str, Any]]:
 
 
 def table(rows: Sequence[dict[str, Any]]) -> Table:
-    """Return the success of whole tasks and of the actions that were begun, by kind and part."""
-    result = Table("network", "part", "seeds", "whole tasks", "actions begun", *ACTIONS)
+    """Return the success of whole tasks and of the actions that were begun, by kind and part.
+
+    The intervals in the columns of success pool the episodes of all seeds (Wilson); that of the mean over seeds is
+    Student's.
+    """
+    result = Table("network", "part", "seeds", "mean over seeds", "whole tasks", "actions begun", *ACTIONS)
     for kind, part in dict.fromkeys((row["kind"], row["part"]) for row in rows):
         own = [row for row in rows if (row["kind"], row["part"]) == (kind, part)]
         begun = [each for row in own for each in actions_begun(row)]
         rates = Rate(sum(row["success"] for row in own), len(own)), Rate(sum(done for _, done in begun), len(begun))
         ends = [[done for name, done in begun if name == action] for action in ACTIONS]
         counts = (f"{sum(each)} of {len(each)}" for each in ends)
-        seeds = len({row["seed"] for row in own})
-        result.add_row(kind, part, str(seeds), *(str(rate).partition(";")[0] + ")" for rate in rates), *counts)
+        seeds = sorted({row["seed"] for row in own})
+        each = [mean(row["success"] for row in own if row["seed"] == seed) for seed in seeds]
+        result.add_row(
+            kind,
+            part,
+            str(len(seeds)),
+            with_interval(each),
+            *(str(rate).partition(";")[0] + ")" for rate in rates),
+            *counts,
+        )
     return result
+
+
+def with_interval(rates: Sequence[float]) -> str:
+    """Return the mean of the success rates of seeds in percent, with Student's 95 % interval if there are several."""
+    middle = 100 * mean(rates)
+    if len(rates) < 2:
+        return f"{middle:.0f} %"
+    half = 100 * stats.t.ppf(0.975, len(rates) - 1) * stdev(rates) / len(rates) ** 0.5
+    return f"{middle:.0f} % ({max(0.0, middle - half):.0f} to {min(100.0, middle + half):.0f})"
 
 
 def actions_begun(row: Mapping[str, Any]) -> list[tuple[str, bool]]:

@@ -40,6 +40,7 @@ def audit_tables(audit: BenchmarkAudit, *, full: bool = False) -> Iterator[Audit
     yield from _nearest_tables(audit, full=full)
     combinations = audit.combinations
     if combinations.occurring:
+        known = "known to be " if any(each.kind == "unchecked-goal" for each in audit.findings) else ""
         share = 100 * len(combinations.occurring) / combinations.possible
         rows = [
             ("possible", str(combinations.possible)),
@@ -47,7 +48,7 @@ def audit_tables(audit: BenchmarkAudit, *, full: bool = False) -> Iterator[Audit
             *(
                 []
                 if combinations.reachable is None
-                else [("of these, reachable by actions", str(len(combinations.reachable)))]
+                else [(f"of these, {known}reachable by actions", str(len(combinations.reachable)))]
             ),
             ("in some goal", str(len(combinations.occurring))),
         ]

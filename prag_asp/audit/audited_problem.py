@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 class AuditedProblem:
     """A problem with its suite and its place, which is a file or a row.
 
-    `load` returns its domain with its goal, or is None if it has no actions; `own_fact` maps a fluent of the domain to
-    a fact of the problem. `remarks` are the mistakes that its reader found, each with its place.
+    `load` returns its domain with its goal, or is None if it has no actions; problems of one domain may share it.
+    `own_fact` maps a fluent of the domain to a fact of the problem. `remarks` are the mistakes that its reader found,
+    each with its place.
     """
 
     suite: str

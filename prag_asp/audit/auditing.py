@@ -4,15 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from prag_asp.audit.audited_problem import AuditedProblem, moved_pairs, pair_of, target_kind
 from prag_asp.audit.canonical_facts import Form
 from prag_asp.audit.goal_distance import goal_distance
-from prag_asp.audit.problem_checks import AuditFinding, problem_findings, reach_findings
-from prag_asp.errors import PragError
+from prag_asp.audit.problem_checks import AuditFinding, goal_contradictions, problem_findings, reach_findings
+from prag_asp.errors import PragError, QueryError
 from prag_asp.processes.progress_events import report_progress, stage
 
+if TYPE_CHECKING:
+    from prag_asp.domain.load import Domain
+
 Progress = Callable[[str, int, int], None]
+
+LARGEST_DOMAIN = 1_000_000
+"""The largest number of movable objects times the square of the number of objects for which a domain is loaded.
+
+The facts of manipulation domains grow with this number; 500,000 take about a minute.
+"""
 
 
 @dataclass(frozen=True)
@@ -93,7 +103,8 @@ def audit_problems(
     """Audit the problems of suites; `unreadable` holds a suite and a finding for each file that could not be read.
 
     For each problem, the nearest problem is searched for in the suites `train` or, by default, in all other suites.
-    With `reach`, the domain of each distinct task is loaded to find goals that no plan reaches.
+    With `reach`, the domain of each problem is loaded to find goals that no plan reaches; problems with the same `load`
+    share a domain.
     """
     names = list(dict.fromkeys([*(each.suite for each in problems), *(suite for suite, _ in unreadable)]))
     by_suite = {name: [each for each in problems if each.suite == name] for name in names}
@@ -164,7 +175,10 @@ def _nearest(
             if key not in distances:
                 kinds = (one.problem.kinds, other.problem.kinds)
                 same = key[0] == key[1]
-                distances[key] = 0 if same else goal_distance(one.goal_facts, other.goal_facts, kinds)
+                try:
+                    distances[key] = 0 if same else goal_distance(one.goal_facts, other.goal_facts, kinds)
+                except QueryError as error:
+                    raise QueryError(f"{one.label} and {other.label}: {error}") from None
             return distances[key], one.task_form != other.task_form, other.label
 
         best = min(others, key=distance)
@@ -181,17 +195,16 @@ def _combinations(
     present: set[tuple[str, str]] = set()
     reachable: set[tuple[str, str]] = set()
     findings: list[AuditFinding] = []
-    loaded: dict[Form, tuple[list[str], set[tuple[str, str]]]] = {}
+    loaded: dict[Callable[[], Domain], set[tuple[str, str]]] = {}
     for number, each in enumerate(problems):
         found = _pairs_of(each, targets) & wanted
         present |= found
         if reach and each.load is not None:
             progress(f"checking {each.label}", number, len(problems))
-            if each.task_form not in loaded:
-                loaded[each.task_form] = _reach(each)
-            reasons, fluents = loaded[each.task_form]
-            reachable |= found & fluents
-            findings += reach_findings(each, reasons)
+            if each.load not in loaded:
+                reasons, loaded[each.load] = _reach(each, each.load)
+                findings += reasons
+            reachable |= found & loaded[each.load]
     return Combinations(
         tuple(classes), tuple(targets), occurring, frozenset(present), frozenset(reachable) if reach else None
     ), findings
@@ -214,20 +227,29 @@ def _pairs_of(each: AuditedProblem, targets: Sequence[str]) -> set[tuple[str, st
     }
 
 
-def _reach(each: AuditedProblem) -> tuple[list[str], set[tuple[str, str]]]:
-    """Return the reasons why a problem has no plan, and the pairs that actions can make true."""
-    assert each.load is not None
+def _reach(each: AuditedProblem, load: Callable[[], Domain]) -> tuple[list[AuditFinding], set[tuple[str, str]]]:
+    """Return the findings about the goal of a problem, and the pairs that actions can make true."""
+    problem = each.problem
+    if len(problem.movable) * len(problem.kinds) ** 2 > LARGEST_DOMAIN:
+        text = (
+            f"whether a plan reaches the goal is not known: {len(problem.movable)} objects that can be moved and "
+            f"{len(problem.kinds)} objects and regions give too many actions; use fewer objects"
+        )
+        return [AuditFinding("unchecked-goal", each.place, text)], set()
     stage(f"loading {each.label}")
     try:
-        domain = each.load()
+        domain = load()
     except PragError as error:
-        return [error.lines[0].partition(": ")[2] or error.lines[0]], set()
+        if conflict := next(goal_contradictions(each.problem), None):
+            return [*reach_findings(each, [conflict])], set()
+        text = f"whether a plan reaches the goal is not known: {error.lines[0]}"
+        return [AuditFinding("unchecked-goal", each.place, text)], set()
     reasons = [warning.text for warning in domain.warnings if warning.name == "no-plan"]
     effects = domain.facts.postconditions
     made = {fluent for action in domain.facts.tried for fluent, value in effects.get(action, ()) if value != "false"}
     made |= {fluent for fluent, value in domain.facts.initially if value == "true"}
     facts = [each.own_fact(fluent) for fluent in made]
     kinds = each.problem.kinds
-    return reasons, {
+    return [*reach_findings(each, reasons)], {
         pair_of(each.problem, fact) for fact in facts if len(fact.arguments) == 2 and kinds.keys() >= {*fact.arguments}
     }

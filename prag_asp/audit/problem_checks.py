@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from dataclasses import dataclass
 from itertools import islice
 
 from prag_asp.atom import Atom
 from prag_asp.audit.audited_problem import AuditedProblem
-from prag_asp.bddl.ground_goals import fact_values, is_true
+from prag_asp.bddl.ground_goals import FactValue, conjuncts, fact_values, is_true
 from prag_asp.bddl.ground_problems import LOCATIONS, GroundProblem
 
 MISTAKES = {
@@ -18,6 +18,7 @@ MISTAKES = {
     "remark": "a part of a file that is ignored",
     "contradictory-start": "an initial state that is impossible",
     "unreachable-goal": "a goal that no sequence of actions reaches",
+    "unchecked-goal": "a goal for which it is not known whether a plan reaches it",
     "true-at-start": "a goal that is true in the initial state",
     "silent-language": "a sentence that names none of the goal's objects",
     "unused-object": "an object in no fact of the initial state or the goal",
@@ -71,15 +72,26 @@ def problem_findings(each: AuditedProblem) -> Iterator[AuditFinding]:
 def contradictions(problem: GroundProblem) -> Iterator[str]:
     """Yield the reasons why the initial state of a problem is impossible."""
     false = {each.fact for each in problem.initial if not each.value}
-    for fact in sorted(problem.true_facts & false):
-        yield f"the initial state has both {fact} and its negation"
+    return _conflicts(problem.true_facts, false, problem, "the initial state")
+
+
+def goal_contradictions(problem: GroundProblem) -> Iterator[str]:
+    """Yield the reasons why no state can have all facts of a goal; disjunctions are not considered."""
+    facts = [each for each in conjuncts(problem.goal) if isinstance(each, FactValue)]
+    true, false = ({each.fact for each in facts if each.value is value} for value in (True, False))
+    return _conflicts(true, false, problem, "the goal")
+
+
+def _conflicts(true: Set[Atom], false: Set[Atom], problem: GroundProblem, where: str) -> Iterator[str]:
+    for fact in sorted(true & false):
+        yield f"{where} has both {fact} and its negation"
     places: dict[str, list[Atom]] = {}
-    for fact in sorted(problem.true_facts):
+    for fact in sorted(true):
         if fact.name in LOCATIONS and len(fact.arguments) == 2 and fact.arguments[0] in problem.movable:
             places.setdefault(fact.arguments[0], []).append(fact)
     for name, facts in places.items():
         if len(facts) > 1:
-            yield f"{name} is at {len(facts)} places in the initial state: {', '.join(map(str, facts))}"
+            yield f"{name} is at {len(facts)} places in {where}: {', '.join(map(str, facts))}"
     below = {name: facts[0].arguments[1] for name, facts in places.items()}
     for name in below:
         passed = [name]
@@ -87,7 +99,7 @@ def contradictions(problem: GroundProblem) -> Iterator[str]:
             passed.append(below[passed[-1]])
             if passed[-1] == name:
                 if name == min(passed):
-                    yield f"in the initial state, {passed[0]} is on {', which is on '.join(passed[1:])}"
+                    yield f"in {where}, {passed[0]} is on {', which is on '.join(passed[1:])}"
                 break
 
 

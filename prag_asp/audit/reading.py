@@ -34,6 +34,8 @@ def read_suites(folders: Sequence[str | Path]) -> tuple[list[AuditedProblem], li
     by_format: dict[str, dict[str, Path]] = {}
     names: dict[str, Path] = {}
     for path in map(Path, folders):
+        if path.is_file():
+            raise QueryError(f"{path}: a file, but audits are of folders; give {path.parent}")
         if not path.is_dir():
             raise QueryError(f"{path}: no such folder; give folders of problems")
         name = _suite_name(path, names)

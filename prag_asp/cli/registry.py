@@ -66,6 +66,19 @@ GROUPS = {
 """The commands, grouped, in the order in which help lists them."""
 
 
+SHORT_HELP = 88
+"""The maximum number of characters of a command's help in the list of commands."""
+
+
+class WholeSentences(click.Group):
+    """A group whose help lists its commands with whole sentences, each of which may take several lines."""
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the commands, each with the first sentence of its help text."""
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, each.get_short_help_str(SHORT_HELP)) for name, each in self.commands.items()])
+
+
 class Commands(click.Group):
     """A group that imports a command when it is needed, and turns errors into one line and an exit code."""
 
@@ -120,10 +133,6 @@ class Commands(click.Group):
                 return Exit.USAGE if isinstance(error, click.UsageError) else Exit.BAD_INPUT
             except exit_control.ERRORS as error:
                 return exit_control.report_end(error)
-
-
-SHORT_HELP = 88
-"""The maximum number of characters of a command's help in the list of commands."""
 
 
 def _print_versions(context: click.Context, parameter: click.Parameter, requested: bool) -> None:

@@ -78,8 +78,8 @@ put = 1
 cube_1 = 1
 
 [language]              # sentences of actions; {{0}}, {{1}}, ... are the arguments
-pick = "pick {{1}} from {{2}}"
-put = "put {{1}} to {{2}}"
+pick = "take {{1}} from {{2}}"
+put = "put {{1}}[ back] on {{2}}"
 
 [scene]                 # for physics; without this table, tasks are not simulated
 robot = "panda"

@@ -117,7 +117,7 @@ def _tail_within(bound: int, term: int, number: int, before: Callable[[int, int]
 def _largest_rejected(
     rows: Integers, numbers: Integers, tails: Floats, alpha: Fraction, exact: Callable[[int, int], bool]
 ) -> Integers:
-    """Return the last number in each row whose doubled tail is at most alpha; `exact` decides if floats are close."""
+    """Return the last number in each row for which twice the tail is at most alpha; `exact` decides near-ties."""
     ratio = 2 * tails / float(alpha)
     rejected = ratio <= 1
     for row, column in np.argwhere(np.abs(ratio - 1) < CLOSE):

@@ -63,7 +63,7 @@ class Pairs(NamedTuple):
         return max(-1.0, difference - below), min(1.0, difference + above)
 
     def _correlation(self) -> float:
-        """Return the correlation between the successes in a pair, moved towards 0 by the correction of method 10."""
+        """Return the correlation between the outcomes of a pair, with the continuity correction of method 10."""
         a, b, c, d = self
         product = (a + b) * (c + d) * (a + c) * (b + d)
         if product == 0:

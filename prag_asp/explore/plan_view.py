@@ -155,7 +155,12 @@ def count_view(explored: ExploredDomain, state: PageState) -> CountView:
 
 
 def share(part: int, whole: int) -> str:
-    """Return a share of a whole as a decimal text, rounded half to even; the share of 0 in 0 is 0."""
+    """Return a share of a whole as a decimal text, rounded half to even unless it is exactly ``0`` or ``1``.
+
+    The share of 0 in 0 is 0.
+    """
+    if part in (0, whole):
+        return "1" if part else "0"
     places = 10**SHARE_DIGITS
     rounded = round(Fraction(part * places, whole or 1))
     return f"{rounded // places}.{rounded % places:0{SHARE_DIGITS}d}"

@@ -8,6 +8,7 @@ from functools import cached_property
 from itertools import islice
 from typing import Any, NamedTuple
 
+from prag_asp.atom import parse_atom
 from prag_asp.errors import QueryError
 from prag_asp.grammar.template import Template, agrees, parse_template, restoring_forms
 from prag_asp.grammar.ways import Signature, Way, common_ways, ways_of_actions
@@ -138,7 +139,8 @@ class GrammarReader:
         The object that an action moves is named even if it is constant: "take the cup from the table", not "take the
         table". If all arguments are constant, the first that is not a robot is named. The preposition before a place
         depends on the predicate that relates the object to it, so actions with the same name may have different
-        sentences. The `verbs` of the language replace some names.
+        sentences. The one robot among several arguments is the agent: "with the left arm". The `verbs` of the language
+        replace some names.
         """
         defaults = self.words.table.get("defaults", {})
         if "action" not in defaults:
@@ -155,7 +157,14 @@ class GrammarReader:
             things = (i for i, arguments in enumerate(places) if self._robots.isdisjoint(map(str, arguments)))
             named = sorted(varying | moved or {*islice(things, 1)})
             led = sorted(index for index in common if index in varying)
-            every = _joined([f"{{{index}}}" for index in named if index not in led], defaults["all"])
+            relations = relations_in(ways_of, led, defaults)
+            other = [index for index in named if index not in led and index not in relations]
+            robots = [index for index in other if self._robots.issuperset(map(str, places[index]))]
+            agent = ""
+            if len(robots) == 1 and len(other) > 1 and "agent" in defaults:
+                other.remove(robots[0])
+                agent = str(defaults["agent"]).replace("{0}", f"{{{robots[0]}}}")
+            every = _joined([f"{{{index}}}" for index in other], defaults["all"])
             text = str(defaults["action"]).format(name=verbs.get(name, plain(name)), all=every).strip()
             actions_of: dict[str, set[str]] = {text: set()} if not led else {}
             for action, ways in ways_of.items() if led else ():
@@ -165,6 +174,7 @@ class GrammarReader:
                     phrase = by_predicate.get(ways[index].predicate, by_predicate["any"])
                     whole += str(phrase).replace("{0}", f"{{{index}}}")
                 actions_of.setdefault(whole, set()).add(action)
+            actions_of = {whole + agent: actions for whole, actions in actions_of.items()}
             sentences[name, arity] = tuple(
                 PlainSentence(template, frozenset(actions))
                 for whole, actions in actions_of.items()
@@ -294,6 +304,24 @@ class GrammarReader:
 
     def _table(self, part: str) -> Mapping[str, Any]:
         return _below(self.own, part)
+
+
+def relations_in(ways_of: Mapping[str, Mapping[int, Way]], led: Sequence[int], defaults: Mapping[str, Any]) -> set[int]:
+    """Return the positions of arguments that name the relation of the moved object to a place in all actions.
+
+    The phrase for the place already states such a relation: `behind` in ``place(panda,can_1,behind,bin_1)``.
+    """
+    found: set[int] | None = None
+    for action, ways in ways_of.items():
+        stated = {
+            name
+            for way in (ways[index] for index in led)
+            if way.predicate in defaults[way.word]
+            for name in (way.fluent.name, way.predicate)
+        }
+        here = {index for index, argument in enumerate(parse_atom(action).arguments) if argument in stated}
+        found = here if found is None else found & here
+    return found or set()
 
 
 def languages(settings: Settings) -> tuple[str, ...]:

@@ -86,7 +86,7 @@ function linesSvg(plot, width) {
   const x = (value) => left + ((value - x0) / (x1 - x0)) * (width - left - right);
   const y = (value) => height - bottom - ((value - y0) / (y1 - y0)) * (height - top - bottom);
   const whole = plot.name !== "distances";
-  const parts = ticks(y0, y1, height / 50, plot.logarithmic || !plot.share && y1 > 5).map((value) => {
+  const parts = ticks(y0, y1, height / 50, plot.logarithmic || plot.kind === "columns" || !plot.share && y1 > 5).map((value) => {
     const text = plot.logarithmic
       ? `10<tspan dy="-5" font-size="10">${value}</tspan>`
       : plot.share ? `${Math.round(100 * value)} %` : grouped(value);
@@ -174,5 +174,6 @@ function mapSvg(plot, width) {
       return dot(series, number, x.toFixed(1), y.toFixed(1), `fill-opacity="0.75" ${task} ${ring}`);
     }).join(""),
   );
-  return svg(plot, size, height, parts.join(""));
+  const frame = `<rect class="grid" x="0.5" y="0.5" width="${size - 1}" height="${height - 1}" fill="none"/>`;
+  return svg(plot, size, height, frame + parts.join(""));
 }

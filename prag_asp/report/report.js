@@ -217,10 +217,20 @@ function showTip(event) {
   bubble.style.top = `${below ? y + 18 : Math.max(8, y - bubble.offsetHeight - 10)}px`;
 }
 
-for (const [name, value] of new URLSearchParams(location.hash.slice(1))) {
-  const field = form.elements.namedItem(name);
-  if (field) field.value = value;
+function readLink() {
+  const wanted = new URLSearchParams(location.hash.slice(1));
+  for (const field of form.querySelectorAll("select")) {
+    const value = wanted.get(field.name);
+    field.value = [...field.options].some((option) => option.value === value) ? value : "";
+  }
 }
+
+readLink();
+addEventListener("hashchange", () => {
+  if (location.hash !== "" && !location.hash.includes("=")) return; // a section of the page
+  readLink();
+  update();
+});
 form.addEventListener("change", update);
 form.addEventListener("submit", (event) => event.preventDefault());
 form.addEventListener("reset", () => setTimeout(update));

@@ -30,17 +30,21 @@ def film_strips(source: ReportSource, count: int = STRIPS) -> Mapping[int, str]:
     dataset = source.dataset
     if dataset is None or not count or not dataset.manifest.rows("witnesses"):
         return {}
+    from prag_asp.dataset.language import instruction_writer_of  # noqa: PLC0415
     from prag_asp.dataset.scenes import scene_of  # noqa: PLC0415
     from prag_asp.physics import film_strip  # noqa: PLC0415 - heavy
 
     stage("drawing film strips")
     found = {}
     try:
-        scene = scene_of(dataset.domain)
+        scene, writer = scene_of(dataset.domain), instruction_writer_of(dataset.domain)
         for task in _spread(source.tasks, count):
             assert task.task is not None, "the tasks of a dataset have states"
             entry, witness = dataset.entry(task.number), dataset.witness(task.number)
-            picture = film_strip(task.task, witness, scene, columns=COLUMNS, size=SIZE, headings=[*entry.subgoals])
+            captions = writer.captions(task.task)
+            for step, (subgoal, (_, text)) in enumerate(zip(entry.subgoals, captions[1:], strict=True), 1):
+                captions[step] = (f"{step}. {subgoal}", text)
+            picture = film_strip(task.task, witness, scene, columns=COLUMNS, size=SIZE, captions=captions)
             buffer = BytesIO()
             picture.convert("RGB").save(buffer, "WEBP", quality=QUALITY, method=4)
             found[task.number] = f"data:image/webp;base64,{b64encode(buffer.getvalue()).decode()}"

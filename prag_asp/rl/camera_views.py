@@ -56,7 +56,7 @@ class Viewer:
         return {f"camera_{name}": spaces.Box(0, 255, (high, wide, 3), np.uint8) for name, (wide, high) in sizes.items()}
 
     def images(self, situation: Situation) -> dict[str, Image]:
-        """Return the images of a moment for an observation, each of shape (height, width, 3)."""
+        """Return the camera images for an observation, each of shape (height, width, 3)."""
         if not self._observed:
             return {}
         studio = self._studio_at(situation)

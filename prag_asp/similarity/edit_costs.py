@@ -57,7 +57,9 @@ def effect_cost(background: Background) -> Cost:
 
 
 def state_cost(one: Symbol, other: Symbol) -> Fraction:
-    """Return the number of facts in which two states differ; an insertion or deletion costs 1 plus the number of facts.
+    """Return the number of facts with their values that only one state has; inserting or deleting costs 1 + all facts.
+
+    A fact that is true in one state and false in the other costs 2, and a fact that is unknown in one of them costs 1.
 
     This is a metric, because a state can be regarded as the set of its facts and one more element, and a missing state
     as the empty set.

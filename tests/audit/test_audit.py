@@ -118,8 +118,10 @@ def test_the_same_start_is_recognized_under_other_numbers(tmp_path: Path) -> Non
         ("contradictory-start", problem("(on mug_1 plate_1)", more="(not (on mug_2 plate_1))"), "and its negation"),
         ("contradictory-start", problem("(on mug_1 plate_1)", second="mug_2"), "mug_2 is on mug_2"),
         ("true-at-start", problem("(on mug_2 plate_1)"), "the goal is true in the initial state"),
-        ("unreachable-goal", problem("(and (on mug_1 plate_1) (on mug_1 bowl_1))"), ""),
+        ("unreachable-goal", problem("(and (on mug_1 plate_1) (on mug_1 bowl_1))"), "mug_1 is at 2 places in the goal"),
         ("unreachable-goal", problem("(and (on stove_1 plate_1) (on mug_1 plate_1))"), ""),
+        ("unreachable-goal", problem("(and (on mug_1 bowl_1) (not (on mug_1 bowl_1)))"), "the goal has both "),
+        ("unchecked-goal", problem("(on mug_1 bowl_1)", more="(on mug_1 plate_1)"), "the invariants forbid it"),
         ("silent-language", problem("(on mug_1 plate_1)", language="wipe the window"), "names none of .*: mug, plate"),
         ("unused-object", problem("(on mug_1 plate_1)").replace("bowl_1 -", "bowl_1 bowl_2 -"), "bowl_2 is in no fact"),
     ],
@@ -128,6 +130,26 @@ def test_a_mistake_is_found(kind: str, text: str, message: str, tmp_path: Path) 
     found = audit(write(tmp_path / "suite", p=text)).findings
     assert kind in {each.kind for each in found}
     assert any(re.search(message, str(each)) for each in found)
+
+
+def test_a_problem_of_very_many_objects_does_not_stop_an_audit(tmp_path: Path) -> None:
+    mugs = " ".join(f"mug_{number}" for number in range(3, 300))
+    many = problem("(on mug_1 plate_1)").replace("mug_1 mug_2 -", f"mug_1 mug_2 {mugs} -")
+    write(tmp_path / "suite", many=many, few=problem("(on mug_1 plate_1)"))
+    found = audit(tmp_path / "suite")
+    (finding,) = [each for each in found.findings if each.kind == "unchecked-goal"]
+    assert finding.place.endswith("many.bddl:1") and "301 objects that can be moved" in finding.text
+    assert any("of these, known to be reachable by actions" in line for line in audit_text(found))
+    assert found.combinations.reachable
+
+
+def test_goals_that_are_too_alike_are_refused_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("prag_asp.audit.goal_distance.MOST_STEPS", 5)
+    chain = problem("(and (on mug_1 mug_2) (on mug_2 plate_1) (on bowl_1 mug_1))")
+    write(tmp_path / "one", p=chain)
+    write(tmp_path / "two", p=chain.replace("(on mug_2 plate_1) (on", "(on mug_1 plate_1) (on"))
+    with pytest.raises(QueryError, match="one/p and two/p: goals of 3 and 3 facts have too many renamings"):
+        audit(tmp_path / "one", tmp_path / "two", reach=False)
 
 
 def test_the_command_prints_a_table_json_and_a_page(suites: Path) -> None:
@@ -156,6 +178,9 @@ def test_a_folder_without_problems_and_an_unknown_suite_are_refused(tmp_path: Pa
         audit(tmp_path / "empty")
     with pytest.raises(QueryError, match="no such folder"):
         audit(tmp_path / "missing")
+    (tmp_path / "one.bddl").write_text(TIDY)
+    with pytest.raises(QueryError, match=r"one\.bddl: a file, but audits are of folders; give "):
+        audit(tmp_path / "one.bddl")
     with pytest.raises(QueryError, match="no suite 'tarin'"):
         audit(write(tmp_path / "train", a=TIDY), train=["tarin"])
 

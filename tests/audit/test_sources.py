@@ -7,10 +7,13 @@ from pathlib import Path
 
 import pytest
 
-from prag_asp import QueryError, TaskSpace, load_domain
+from prag_asp import Domain, LimitReached, QueryError, TaskSpace, load_domain
 from prag_asp.audit import audit
+from prag_asp.audit.audited_problem import AuditedProblem
+from prag_asp.audit.auditing import audit_problems
 from prag_asp.audit.sources.dataset_suites import task_problem
 from prag_asp.bddl.ground_goals import fact_values
+from prag_asp.stop_reason import StopKind, StopReason
 from tests.audit.test_audit import problem, write
 from tests.commands import run
 
@@ -47,6 +50,29 @@ def test_problems_of_pddl_are_audited(tmp_path: Path) -> None:
     assert found.combinations.occurring == found.combinations.reachable == frozenset([("ball", "at-room room")])
 
 
+def test_equal_problems_of_different_domains_have_verdicts_of_their_own(tmp_path: Path) -> None:
+    texts = {"one": DOMAIN, "two": DOMAIN.replace("(not (glued ?b))", "(glued ?b)")}
+    for name, text in texts.items():
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "domain.pddl").write_text(text)
+        (tmp_path / name / "task.pddl").write_text(PROBLEM.format(name="task", goal="(at-room b1 r2)", more=""))
+    for order in (("one", "two"), ("two", "one")):
+        found = audit(*(tmp_path / name for name in order))
+        assert found.total.tasks == 1
+        verdicts = [(each.kind, Path(each.place).parent.name) for each in found.findings]
+        assert verdicts == [("unreachable-goal", "two")]
+
+
+def test_a_domain_that_cannot_be_loaded_does_not_prove_a_goal_unreachable() -> None:
+    def load() -> Domain:
+        raise LimitReached("the memory limit of 1 GB was reached", 0, StopReason(StopKind.MEMORY))
+
+    (task,) = TaskSpace(load_domain("kitchen"), 8).sample(1, seed=1)
+    (finding,) = audit_problems([AuditedProblem("suite", "one", "row 1", task_problem(task, "one"), load)]).findings
+    assert (finding.kind, finding.place) == ("unchecked-goal", "row 1")
+    assert finding.text.endswith("is not known: the memory limit of 1 GB was reached")
+
+
 def test_a_task_is_a_problem_whose_goal_is_what_its_plan_changes() -> None:
     (task,) = TaskSpace(load_domain("kitchen"), 8).sample(1, seed=1)
     found = task_problem(task, "one", "do it")
@@ -61,6 +87,9 @@ def test_tasks_of_a_dataset_are_audited(tmp_path: Path) -> None:
     found = audit(tmp_path / "data")
     assert (found.total.files, found.total.problems) == (3, 3)
     assert 1 <= found.total.goals <= found.total.tasks <= 3
+    assert found.combinations.occurring
+    assert found.combinations.reachable == found.combinations.present == found.combinations.occurring
+    assert found.findings == ()
 
 
 def test_texts_of_lerobot_are_found_among_other_problems(tmp_path: Path) -> None:

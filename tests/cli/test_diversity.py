@@ -53,10 +53,16 @@ def test_neighbours_are_printed_with_a_nearest_task(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "near.json").read_text())["nearest"] == {"distance": 0, "plan": PLAN.split()}
 
 
+def test_the_empty_task_has_neighbours_too() -> None:
+    text = ok("diversity", "prag", "-n", "1", "--near", "", "--radius", "1")
+    assert text.splitlines()[1:3] == ["0          0", f"1      {TaskSpace(load_domain('prag'), 1).count():5}"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "refused"),
     [
         (("prag", "-n", "3", "--near", PLAN, "--tasks", "x"), "give --near or --tasks"),
+        (("prag", "-n", "3", "--radius", "2"), "give --near"),
         (("prag", "-n", "4", "--tasks", "GIVEN"), "no task of length 4; choose a length that it has"),
         (("blocks", "-n", "3", "--tasks", "GIVEN"), "it is read as one of 'blocks'"),
         (("prag", "-n", "3", "--where", "has at least 4 grasp"), "there is no task of prag of length 3"),

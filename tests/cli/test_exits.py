@@ -13,6 +13,12 @@ from tests.commands import ok
 from tests.docs.pages import DOCS
 
 
+def test_help_lists_commands_with_whole_sentences() -> None:
+    for group, first in (("export", "Commands:"), ("models", "Commands:"), ("", "Define:")):
+        listed = ok(*group.split(), "--help").partition(first)[2].partition("Exit codes")[0]
+        assert "." in listed and "..." not in listed
+
+
 def test_help_and_page_have_the_table_of_exit_codes() -> None:
     table = {int(code): meaning for code, meaning in MEANINGS.items()}
     page = (DOCS / "reference" / "exit_codes.md").read_text()

@@ -211,3 +211,36 @@ def test_a_number_of_many_digits_is_short_in_a_facet_and_whole_in_the_heading(
         short = f"about {digits[0]}.{digits[1:4]} x 10^{len(digits) - 1} ·"
         playwright.expect(page.locator("#facets li >> nth=0")).to_contain_text(short)
     assert messages == []
+
+
+def test_the_filter_of_actions_hides_the_others_also_from_the_arrow_keys(browser: Any, messages: list[str]) -> None:
+    turns = Turns()
+    explored = ExploredDomain(load_domain("tabletop"), ("tabletop",), "", limits=Limits(stop=turns.stop))
+    with serving(space_views(explored), turns) as server:
+        page = opened(browser, f"{server.link}?length=1", messages)
+        shown = page.locator("#actions li:visible code, #actions li:visible .term")
+        assert shown.count() > 2
+        page.fill("#filter", "can_1")
+        texts = shown.all_inner_texts()
+        assert len(texts) >= 2 and all("can_1" in text for text in texts)
+        page.focus("#actions li:visible button >> nth=0")
+        for text in texts[1:]:
+            page.keyboard.press("ArrowDown")
+            assert page.evaluate("document.activeElement.textContent").startswith(text)
+        page.fill("#filter", "no such action")
+        assert shown.count() == 0
+    assert messages == []
+
+
+def test_a_phones_page_is_not_wider_than_the_screen_and_nothing_is_not_little(
+    browser: Any, server: PageServer, messages: list[str]
+) -> None:
+    page = opened(browser, f"{server.link}?length=7&where=uses+cup_1&beside=has+at+least+2+grasp", messages)
+    playwright.expect.set_options(timeout=PATIENCE)
+    playwright.expect(page.locator("#comparison tr >> nth=0 >> td >> nth=1")).to_have_text("0 % of it in both")
+    page.set_viewport_size({"width": 360, "height": 740})
+    page.fill("#rank", "5")
+    page.click("text=Go to rank")
+    playwright.expect(page.locator("#tree")).to_contain_text("pick_and_place")
+    assert page.evaluate("document.documentElement.scrollWidth") == 360
+    assert messages == []

@@ -14,7 +14,7 @@ from prag_asp.explore.explored_domain import ExploredDomain
 from prag_asp.explore.facets_view import facets_view, fact_orbits
 from prag_asp.explore.jumps import to_rank, to_sample
 from prag_asp.explore.page_state import PageState, parse_query
-from prag_asp.explore.plan_view import count_view, plan_view
+from prag_asp.explore.plan_view import count_view, plan_view, share
 from prag_asp.explore.vocabulary_view import vocabulary_view
 from tests.chance import Chance
 from tests.commands import ok
@@ -182,3 +182,14 @@ def test_the_vocabulary_composes_conditions(domains: dict[str, ExploredDomain]) 
     for keyword in found.whole:
         assert Condition.parse(keyword)
     assert "counts" not in asdict(found)
+
+
+def test_only_exact_shares_are_whole() -> None:
+    assert [share(*pair) for pair in ((0, 7), (7, 7), (0, 0), (1, 10**7), (10**7 - 1, 10**7), (1, 8))] == [
+        "0",
+        "1",
+        "0",
+        "0.000000",
+        "1.000000",
+        "0.125000",
+    ]

@@ -69,6 +69,20 @@ def test_filters_count_what_python_counts_and_reset(page: Any, source: ReportSou
     page.wait_for_function("document.getElementById('shown').textContent === '40 of 40 tasks'")
 
 
+def test_a_link_that_is_opened_in_the_same_window_sets_the_filters(page: Any, source: ReportSource) -> None:
+    for link, length in (("length=3", "3"), ("length=2&entity=nothing", "2"), ("length=99", "")):
+        page.evaluate(f"location.hash = {link!r}")
+        wanted = sum(length in ("", str(len(task.plan))) for task in source.tasks)
+        playwright.expect(page.locator("#shown")).to_have_text(f"{wanted} of 40 tasks")
+        assert page.input_value("select[name=length]") == length
+    page.select_option("select[name=length]", "3")
+    page.evaluate("location.hash = 'map'")
+    page.wait_for_timeout(100)
+    assert page.input_value("select[name=length]") == "3"
+    page.click("button[type=reset]")
+    page.wait_for_function("document.getElementById('shown').textContent === '40 of 40 tasks'")
+
+
 def test_a_table_is_saved_as_csv(page: Any, tmp_path: Path, source: ReportSource) -> None:
     with page.expect_download() as saved:
         page.click("button[data-csv=tasks]")

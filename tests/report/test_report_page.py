@@ -6,17 +6,20 @@ import json
 import re
 import shutil
 from pathlib import Path
+from typing import Any
 
 import pytest
 from click.testing import CliRunner
 
-from prag_asp import OutputError
+from prag_asp import OutputError, TaskSpace, load_domain
 from prag_asp.cli import cli
+from prag_asp.dataset import generate
 from prag_asp.errors import PicturesMissingError
-from prag_asp.report import ReportedTask, ReportSource, report_plots, report_tables, write_report
+from prag_asp.report import ReportedTask, ReportSource, read_source, report_plots, report_tables, write_report
 from prag_asp.report import report_page as pages
 from prag_asp.report.pdf_figures import COLUMN, pdf_figure
 from prag_asp.report.report_page import report_page, task_data
+from prag_asp.report.strips import film_strips
 
 POINTS_PER_INCH = 72
 
@@ -128,3 +131,23 @@ def test_without_matplotlib_figures_say_how_to_install_it(folder: Path, monkeypa
     monkeypatch.setattr("prag_asp.report.pdf_figures.find_spec", lambda name: None)
     with pytest.raises(PicturesMissingError, match=r"pip install 'prag_asp\[pictures\]'"):
         write_report(folder, figures="figures")
+
+
+def test_film_strips_name_objects_as_the_instructions_do(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("pybullet")
+    image = pytest.importorskip("PIL.Image")
+    generate(TaskSpace(load_domain("tabletop"), 1), tmp_path / "data", tasks=1, seed=1)
+    drawn: list[list[tuple[str, str]]] = []
+
+    def film_strip(*_: Any, captions: list[tuple[str, str]], **__: Any) -> Any:
+        drawn.append(captions)
+        return image.new("RGB", (8, 8))
+
+    monkeypatch.setattr("prag_asp.physics.film_strip", film_strip)
+    source = read_source(tmp_path / "data")
+    assert list(film_strips(source)) == [0]
+    ((_, (heading, text)),) = drawn
+    assert source.dataset is not None
+    (subgoal,) = source.dataset.entry(0).subgoals
+    assert heading == f"1. {subgoal}"
+    assert not re.search(r"[a-z] [0-9]", text)

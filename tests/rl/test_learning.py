@@ -29,6 +29,7 @@ SHORTENED = {
     "beside.py": "--rounds 1 --seconds 0.1",
     "lasting.py": "--steps 60 --every 30",
     "composition.py": "--kind objects --part familiar --seeds 1 --steps 2 --tests 1",
+    "curricula.py": "--curriculum uniform --curriculum Length --seeds 2 --steps 110 --tests 4",
     "chained.py": "--demonstrations 2 --count 1 --epochs 1 --length 2",
 }
 
@@ -87,15 +88,35 @@ def test_the_command_that_chains_runs(tmp_path: Path, monkeypatch: pytest.Monkey
 
 def test_the_command_that_clones_recordings_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("torch")
+    pytest.importorskip("scipy")
     suite = 'domain = "tabletop"\nlengths = 1\nphysics = {demonstrate = true}\n[parts.train]\ntasks = 2\n'
     (tmp_path / "small.toml").write_text(suite + "split = {train = 0.5, familiar = 0.5}\n")
-    monkeypatch.setenv("COLUMNS", "120")
+    monkeypatch.setenv("COLUMNS", "160")
     given = "--suite", tmp_path / "small.toml", "--output", tmp_path
     assert re.search(r"^│ objects │ familiar │ 1 ", done_here(monkeypatch, of("composition.py"), *given), re.MULTILINE)
     assert "composition.parquet" in names(tmp_path)
     before = (tmp_path / "composition.parquet").read_bytes()
     assert "familiar" in done_here(monkeypatch, of("composition.py"), *given)
     assert (tmp_path / "composition.parquet").read_bytes() == before, "evaluations are not run again"
+
+
+def test_the_command_that_compares_curricula_runs_what_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("scipy")
+    monkeypatch.setenv("COLUMNS", "160")
+    command = ["benchmarks/learning/curricula.py"]
+    assert f".venv/bin/python {command[0]}\n" in (DOCS / "guides" / "curriculum.md").read_text(encoding="utf-8")
+    table = done_here(monkeypatch, command, "--output", tmp_path)
+    assert re.search(r"^│ whole tasks +│ Length ", table, re.MULTILINE)
+    rows = pq.read_table(tmp_path / "curricula.parquet").to_pylist()
+    assert len(rows) == 2 * 2 * 4 and all(0 <= row["reached"] <= row["length"] for row in rows)
+    trained = pq.read_table(tmp_path / "curricula_training.parquet").to_pylist()
+    assert {(row["curriculum"], row["seed"]) for row in trained} == {(row["curriculum"], row["seed"]) for row in rows}
+    assert max(row["length"] for row in trained if row["curriculum"] == "Length") == 1, "it begins with one action"
+    before = (tmp_path / "curricula.parquet").read_bytes()
+    assert done_here(monkeypatch, command, "--output", tmp_path) == table
+    assert (tmp_path / "curricula.parquet").read_bytes() == before
 
 
 def test_agents_with_default_settings_are_trained_and_tested_once(

@@ -12,6 +12,7 @@ from prag_asp.bddl.ground_goals import FactValue, every
 from prag_asp.bddl.ground_problems import GroundProblem
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.dataset.store.manifest import NAME
+from prag_asp.domain.load import Domain
 from prag_asp.task import State, Task
 
 
@@ -23,10 +24,17 @@ def recognizes(folder: Path) -> bool:
 def read(folders: Mapping[str, Path]) -> Iterator[AuditedProblem | FailedRead]:
     """Yield the tasks in datasets; the goal of a task is what its plan changes."""
     for suite, folder in folders.items():
-        for entry in Dataset.open(folder).entries():
+        dataset = Dataset.open(folder)
+
+        def load(dataset: Dataset = dataset) -> Domain:
+            return dataset.domain
+
+        for entry in dataset.entries():
             label = f"{entry.part}-{entry.number}"
             language = next(iter(entry.instruction.values()), "")
-            yield AuditedProblem(suite, label, f"{folder}: task {label}", task_problem(entry.task, label, language))
+            yield AuditedProblem(
+                suite, label, f"{folder}: task {label}", task_problem(entry.task, label, language), load
+            )
 
 
 def task_problem(task: Task, name: str, language: str = "") -> GroundProblem:

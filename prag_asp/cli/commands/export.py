@@ -12,6 +12,7 @@ import click
 from prag_asp.cli import options, shell_completion
 from prag_asp.cli.domain_options import DOMAIN, LENGTH, WHERE, DomainOptions, domain_options
 from prag_asp.cli.line_output import require_writable, writer
+from prag_asp.cli.registry import WholeSentences
 from prag_asp.cli.task_options import TaskSelection, task_selection
 from prag_asp.cli.terminal import progress, say
 from prag_asp.errors import OutputError
@@ -26,7 +27,7 @@ USUAL = "dimacs"
 """The form for a command line that names no form."""
 
 
-class Forms(click.Group):
+class Forms(WholeSentences):
     """The commands for each form; ``export DOMAIN ...`` is the same as ``export dimacs DOMAIN ...``."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:

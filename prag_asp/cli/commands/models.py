@@ -17,6 +17,7 @@ from prag_asp.cli.arguments import parse_constant_options
 from prag_asp.cli.domain_options import source_of
 from prag_asp.cli.exits import Exit
 from prag_asp.cli.options import Approximation, grouped, whole
+from prag_asp.cli.registry import WholeSentences
 from prag_asp.cli.terminal import aligned, progress, say, tell_line
 from prag_asp.errors import QueryError
 from prag_asp.integers import digits_of
@@ -103,7 +104,7 @@ format_option = click.option(
 FACETS_HEADER = ("atom", "share", "answer sets +", "answer sets -", "facets +", "facets -")
 
 
-@click.group(subcommand_metavar="COMMAND ...")
+@click.group(cls=WholeSentences, subcommand_metavar="COMMAND ...")
 def models() -> None:
     """Count, sample or list the answer sets of any logic program.
 

@@ -266,12 +266,18 @@ def begins_sentence(joint: str) -> bool:
 
 
 def restoring_actions(task: Task) -> list[bool]:
-    """Return, for each action, whether it restores facts of an earlier state that did not hold just before it."""
+    """Return, for each action, whether it restores facts of an earlier state.
+
+    An action whose facts all hold just before it counts, too: "carry the can to the bowl, then carry it back to the
+    bowl along a given path".
+    """
     states, found = [task.initial, *task.states], []
     for number, subgoal in enumerate(task.subgoals):
         changed = {fluent: value for fluent, value in subgoal.items() if states[number].get(fluent) != value}
-        made = {fluent: value for fluent, value in changed.items() if value} or changed
-        found.append(bool(made) and any(made.items() <= state.items() for state in states[:number]))
+        facts = changed or subgoal
+        made = {fluent: value for fluent, value in facts.items() if value} or facts
+        earlier = states[:number] if changed else [states[number]]
+        found.append(bool(made) and any(made.items() <= state.items() for state in earlier))
     return found
 
 

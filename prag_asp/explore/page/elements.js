@@ -25,9 +25,12 @@ const EXACT = 40;
 const brief = (digits) => digits.length <= EXACT ? grouped(digits) :
   `about ${digits[0]}.${digits.slice(1, 4)} x 10^${digits.length - 1}`;
 
+// A share as per cent; the texts "0" and "1" are exact, all others are rounded.
 export function percent(share) {
   const value = Number(share) * 100;
-  if (value === 0) return share === "0.000000" ? "< 0.0001 %" : "0 %";
+  if (share === "0" || share === "1") return share === "1" ? "100.0 %" : "0 %";
+  if (value === 0) return "< 0.0001 %";
+  if (value >= 99.95) return "> 99.9 %";
   return `${value >= 10 ? value.toFixed(1) : value.toPrecision(3)} %`;
 }
 
@@ -44,7 +47,7 @@ export function withArrows(list) {
   list.addEventListener("keydown", (event) => {
     const move = { ArrowDown: 1, ArrowUp: -1 }[event.key];
     if (move === undefined || event.target.tagName !== "BUTTON") return;
-    const buttons = [...list.querySelectorAll("button")];
+    const buttons = [...list.querySelectorAll("li:not([hidden]) button")];
     const next = buttons[buttons.indexOf(event.target) + move];
     if (next) { next.focus(); event.preventDefault(); }
   });

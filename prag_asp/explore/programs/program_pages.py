@@ -14,7 +14,7 @@ MODELS_PAGE = "models.html"
 
 
 def program_views(explored: ExploredProgram) -> Mapping[str, View]:
-    """Return the views of a program; the field ``state`` of a request is the query of the page's link."""
+    """Return the views of a program; the field ``state`` of a request is the query string of the page's URL."""
     return {
         "models": lambda fields: models_view(explored, parse_models_query(fields.get("state", ""))),
         "conflict": lambda fields: models_conflict_view(explored, parse_models_query(fields.get("state", ""))),

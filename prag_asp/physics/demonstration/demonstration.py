@@ -190,7 +190,7 @@ def _open_episode(path: str | Path, within: str | Path | None) -> Iterator[Binar
     """Open the file of an episode.
 
     Raises:
-        QueryError: the file cannot be read, or the block finds that it is not an episode.
+        QueryError: the file cannot be read, or code in the `with` block finds that it is not an episode.
     """
     try:
         with open_binary(path, within=within, at_most=LARGEST_FILE) as file:

@@ -98,7 +98,7 @@ def backdrop(
     light: Vector,
     raised: Sequence[LevelPatch] = (),
 ) -> Backdrop:
-    """Return the image from a camera pose of the table, zones, rectangles `raised` above the table, and background.
+    """Return the image of the table, zones, rectangles `raised` above the table, and background from a camera pose.
 
     `table` is the number of the table; `light` is the direction to the light.
     """

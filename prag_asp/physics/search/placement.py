@@ -117,7 +117,7 @@ def sample_pose(search: Search, situation: Situation, request: PlacementRequest)
     """Return a random pose for a request.
 
     Raises:
-        Failure: the volume is empty, or no sample from it satisfies the facts and is free.
+        Failure: the volume is empty, or no sample from it is collision-free and satisfies the facts.
     """
     every_fact = request.facts
     request, situation = request.isolated(situation)

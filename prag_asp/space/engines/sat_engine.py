@@ -86,7 +86,7 @@ class SatEngine:
         return next(rank for rank, other in enumerate(self.words(len(word))) if other == word)
 
     def weighed(self, length: int, weights: Weights, *, goals: bool = False, plain: bool = False) -> Weighed:
-        """Return all words of a given length with their weights, which the solver finds one by one."""
+        """Return all words of a given length, which the solver finds one by one, with their weights."""
         return weigh_words(self.words(length), self.letters, self._model, self._level, length, weights, goals)
 
     def formula(self, length: int) -> WordFormula:

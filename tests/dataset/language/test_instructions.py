@@ -76,6 +76,16 @@ def test_an_action_that_restores_a_state_is_described_so() -> None:
     assert writer("tabletop").read(put, words[0].default).actions == put.actions
 
 
+def test_an_action_whose_facts_already_hold_is_described_as_a_repetition() -> None:
+    carried = "transform(panda,can_1,crate_1)", "move(panda,can_1,crate_1)"
+    task = task_of("prag", *carried, "rotate(panda,can_1,straight)")
+    assert "back to the crate" in writer("prag").instructions(task).default
+    assert "again" not in writer("prag").instructions(task).default
+    turned = task_of("prag", *["rotate(panda,can_1,straight)"] * 2)
+    assert writer("prag").instructions(turned).default.count("lengthwise again") == 1
+    assert writer("prag").read(turned, writer("prag").instructions(turned).default).actions == turned.actions
+
+
 def test_facts_of_one_thing_are_merged_and_several_are_listed() -> None:
     task = task_of("tabletop", "pick(panda,can_1,table_1)", "place(panda,can_1,left_of,bin_1)", *STACKED[2:])
     words = writer("tabletop").instructions(task)
@@ -176,7 +186,9 @@ def test_what_an_action_brings_about_leads_from_and_to_in_the_sentences_that_any
             said[name, action] = spelled(sentences)
     assert said["hanoi", "move"] == "move <0> from <1> to <2>" and said["blocks", "unstack"] == "unstack <0> from <1>"
     assert said["tabletop", "pick"] == "take <1> out of <2>" and said["tabletop", "insert"] == "insert <1> into <2>"
+    assert said["tabletop", "place"].startswith("place <1> ") and said["tabletop", "place"].endswith("<3>")
     assert said["two_arms", "give"] == "give <0>, <1> and <2>"
+    assert said["two_arms", "pick"] == "take <1> from <2> with <0>"
 
 
 def test_what_is_moved_is_named_even_if_it_is_the_only_one_of_its_kind() -> None:
@@ -214,6 +226,22 @@ def test_a_robot_that_moves_itself_goes_from_a_place_to_another() -> None:
     writer = instruction_writer_of(domain)
     for task in TaskSpace(domain, 2):
         assert_read_back(writer, task, writer.instructions(task))
+
+
+def test_a_relation_among_the_arguments_is_said_once_in_default_sentences() -> None:
+    domain = shipped("tabletop")
+    sentences = GrammarReader(domain.settings, domain.facts, "en").plain()["place", 4]
+    said = {spelled([each]) for each in sentences}
+    beside = {f"place <1> to the {side} of <3>" for side in ("left", "right")}
+    assert said >= {*beside, "place <1> in front of <3>", "place <1> behind <3>"}
+    assert not any("<2>" in each for each in said)
+
+
+def test_a_pronoun_does_not_say_where_an_object_is() -> None:
+    plan = "open(panda,drawer_1) approach(panda,apple_1,drawer_1) grasp(panda,apple_1) move(panda,apple_1,table_1)"
+    task = task_of("kitchen", *plan.split(), "drop(panda,apple_1)", "withdraw(panda,apple_1)", "close(panda,drawer_1)")
+    words = [writer("kitchen").instructions(task, seed=seed) for seed in range(6)]
+    assert all("go to it and" in each.default and "at it" not in each.default for each in words)
 
 
 def test_where_there_is_one_robot_nobody_says_which() -> None:
@@ -264,4 +292,4 @@ def test_a_single_action_has_no_number_and_furniture_and_arms_become_pronouns() 
     again = next(task for task in kitchen if str(task) == plan)
     assert "close it again" in writer("kitchen", "en").instructions(again, 0).default
     moved = next(task for task in arms if str(task) == "move(left,middle) move(left,left_side)")
-    assert "it over the left side" in writer("two_arms", "en").instructions(moved, 0).default
+    assert "it back over the left side" in writer("two_arms", "en").instructions(moved, 0).default
