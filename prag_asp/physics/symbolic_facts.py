@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -38,6 +39,21 @@ class Fact(NamedTuple):
         """
         signed = self.predicate.signed_distance(situation, self.arguments)
         return signed if self.value else (-signed or BORDER)
+
+    def distance_up_to(self, situation: Situation, bound: float) -> float:
+        """Return the signed distance if it exceeds a bound; otherwise any number from the distance to the bound.
+
+        The result is at most 0 if and only if the fact is satisfied.
+        """
+        if self.value:
+            return self.distance(situation)
+        largest = -math.inf
+        for violation in self.predicate.violations(situation, self.arguments):
+            if violation > largest:
+                largest = violation
+                if largest > 0.0 and -largest <= bound:
+                    break
+        return -largest or BORDER
 
     def way(self, situation: Situation) -> float:
         """Return the length of a path to a situation that satisfies the fact, in metres or radians.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -34,19 +35,38 @@ class Subgoal:
         """Return the signed distance, in metres or radians, of each fact in `names`: at most 0 if the fact holds.
 
         If the distances in an earlier situation, `before`, are given, a distance is computed again only if the fact is
-        about the gripper or about bodies that have moved since.
+        about the gripper or about bodies that have moved since. For a fact that must not hold and has no place of its
+        own in a goal vector, a distance below the largest one is replaced by an upper bound.
         """
         facts = (*self.achieved, *self.unchanged)
         last = None if before is None else before[0]
         if before is None or last is None or last.scene is not situation.scene or last.openings != situation.openings:
-            return [fact.way(situation) for fact in facts]
-        stood = last.poses
-        moved = {entity for entity, pose in situation.poses.items() if stood.get(entity) is not pose}
-        moved.update(stood.keys() - situation.poses.keys())
-        return [
-            fact.way(situation) if bodies is None or not moved.isdisjoint(bodies) else distance
-            for fact, bodies, distance in zip(facts, self._bodies, before[1], strict=True)
-        ]
+            measured = [0.0 if late else fact.way(situation) for fact, late in zip(facts, self._late, strict=True)]
+        else:
+            stood = last.poses
+            moved = {entity for entity, pose in situation.poses.items() if stood.get(entity) is not pose}
+            moved.update(stood.keys() - situation.poses.keys())
+            measured = [
+                0.0 if late else distance if bodies is not None and moved.isdisjoint(bodies) else fact.way(situation)
+                for fact, bodies, distance, late in zip(facts, self._bodies, before[1], self._late, strict=True)
+            ]
+        own = min(len(self.achieved), BROUGHT)
+        exact = zip(measured[own:], self._late[own:], strict=True)
+        largest = max((distance for distance, late in exact if not late), default=-math.inf)
+        for number, late in enumerate(self._late):
+            if late:
+                measured[number] = distance = facts[number].distance_up_to(situation, largest)
+                largest = max(largest, distance)
+        return measured
+
+    @cached_property
+    def _late(self) -> tuple[bool, ...]:
+        """For each fact, whether its distance is only compared with those of others, and is computed after these."""
+        places, facts = min(len(self.achieved), BROUGHT), (*self.achieved, *self.unchanged)
+        return tuple(
+            number >= places and not fact.value and bodies is None
+            for number, (fact, bodies) in enumerate(zip(facts, self._bodies, strict=True))
+        )
 
     @cached_property
     def _bodies(self) -> tuple[tuple[str, ...] | None, ...]:

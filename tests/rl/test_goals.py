@@ -120,3 +120,23 @@ def test_distances_that_are_kept_between_steps_are_those_computed_anew(domain: s
             if done or late:
                 break
     env.close()
+
+
+@pytest.mark.parametrize("domain", ["tabletop", "prag"])
+def test_distances_that_are_only_compared_change_neither_goals_nor_facts(domain: str, chance: Chance) -> None:
+    env, rng, bounded = TaskEnv(domain=domain, length=2, stage="any", steps=60), chance.generator(5), 0
+    for episode in range(3):
+        env.reset(seed=episode)
+        for _ in range(15):
+            low, high = env.action_space.low, env.action_space.high
+            _, _, done, late, _ = env.step(np.array([rng.uniform(*pair) for pair in zip(low, high, strict=True)]))
+            subgoal, situation, measured = env._measured
+            exact = [fact.way(situation) for fact in (*subgoal.achieved, *subgoal.unchanged)]
+            assert subgoal.placed(measured) == subgoal.placed(exact)
+            assert subgoal.reached(measured) == subgoal.reached(exact)
+            assert all(bound >= distance for bound, distance in zip(measured, exact, strict=True))
+            bounded += measured != exact
+            if done or late:
+                break
+    env.close()
+    assert bounded > 0
