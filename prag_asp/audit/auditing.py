@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -112,6 +112,7 @@ def audit_problems(
     counts = [_counts(name, by_suite[name], failures[name]) for name in names]
     findings = [finding for _, finding in unreadable]
     findings += [finding for each in problems for finding in problem_findings(each)]
+    nearest = [*_nearest(problems, by_suite, train, findings)]
     combinations, reached = _combinations(problems, reach=reach, progress=progress)
     groups: dict[Form, list[str]] = {}
     for each in problems:
@@ -125,7 +126,7 @@ def audit_problems(
         _counts("all", problems, len(unreadable)),
         tuple(same),
         tuple(overlaps),
-        tuple(_nearest(problems, by_suite, train)),
+        tuple(nearest),
         combinations,
         (*findings, *reached),
     )
@@ -156,9 +157,15 @@ def _task_form(each: AuditedProblem) -> Form:
 
 
 def _nearest(
-    problems: Sequence[AuditedProblem], by_suite: dict[str, list[AuditedProblem]], train: Sequence[str]
-) -> Iterable[NearestProblem]:
-    """For each problem outside `train`, yield the problem with the nearest goal; ties prefer the same initial state."""
+    problems: Sequence[AuditedProblem],
+    by_suite: dict[str, list[AuditedProblem]],
+    train: Sequence[str],
+    findings: list[AuditFinding],
+) -> Iterator[NearestProblem]:
+    """For each problem outside `train`, yield the problem with the nearest goal; ties prefer the same initial state.
+
+    A problem whose goal cannot be compared with every other goal is skipped, and added to the findings.
+    """
     distances: dict[tuple[Form, Form], int] = {}
     for each in problems:
         others = [
@@ -178,10 +185,14 @@ def _nearest(
                 try:
                     distances[key] = 0 if same else goal_distance(one.goal_facts, other.goal_facts, kinds)
                 except QueryError as error:
-                    raise QueryError(f"{one.label} and {other.label}: {error}") from None
+                    raise QueryError(f"compared with {other.label}, {error}") from None
             return distances[key], one.task_form != other.task_form, other.label
 
-        best = min(others, key=distance)
+        try:
+            best = min(others, key=distance)
+        except QueryError as error:
+            findings.append(AuditFinding("uncompared-goal", each.place, str(error)))
+            continue
         yield NearestProblem(each.suite, each.label, best.label, distance(best)[0], each.task_form == best.task_form)
 
 

@@ -11,7 +11,7 @@ from prag_asp.errors import QueryError
 Kinds = Mapping[str, str]
 
 MOST_STEPS = 1_000_000
-"""The largest number of steps of a search for the best renaming, which take about half a minute."""
+"""The maximum number of steps of a search for the best renaming; they take half a minute."""
 
 
 def goal_distance(first: Sequence[Relation], second: Sequence[Relation], kinds: tuple[Kinds, Kinds]) -> int:
@@ -41,8 +41,7 @@ def _most_common(first: Sequence[Relation], second: Sequence[Relation], kinds: t
         best, steps = max(best, common), steps + 1
         if steps > MOST_STEPS:
             raise QueryError(
-                f"goals of {len(first)} and {len(second)} facts have too many renamings to find the best; "
-                "audit the suites one by one, or without these problems"
+                f"the goals of {len(first)} and {len(second)} facts have too many renamings to find the best one"
             )
         rest = Counter(theirs[fact] for fact in free)
         if place == len(first) or best == bound or common + sum((left[place] & rest).values()) <= best:

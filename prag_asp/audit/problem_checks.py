@@ -19,6 +19,7 @@ MISTAKES = {
     "contradictory-start": "an initial state that is impossible",
     "unreachable-goal": "a goal that no sequence of actions reaches",
     "unchecked-goal": "a goal for which it is not known whether a plan reaches it",
+    "uncompared-goal": "a goal that could not be compared with every goal of other suites",
     "true-at-start": "a goal that is true in the initial state",
     "silent-language": "a sentence that names none of the goal's objects",
     "unused-object": "an object in no fact of the initial state or the goal",
