@@ -10,7 +10,7 @@ from prag_asp.audit.audited_problem import AuditedProblem, moved_pairs, pair_of,
 from prag_asp.audit.canonical_facts import Form
 from prag_asp.audit.goal_distance import goal_distance
 from prag_asp.audit.problem_checks import AuditFinding, goal_contradictions, problem_findings, reach_findings
-from prag_asp.errors import PragError
+from prag_asp.errors import PragError, QueryError
 from prag_asp.processes.progress_events import report_progress, stage
 
 if TYPE_CHECKING:
@@ -175,7 +175,10 @@ def _nearest(
             if key not in distances:
                 kinds = (one.problem.kinds, other.problem.kinds)
                 same = key[0] == key[1]
-                distances[key] = 0 if same else goal_distance(one.goal_facts, other.goal_facts, kinds)
+                try:
+                    distances[key] = 0 if same else goal_distance(one.goal_facts, other.goal_facts, kinds)
+                except QueryError as error:
+                    raise QueryError(f"{one.label} and {other.label}: {error}") from None
             return distances[key], one.task_form != other.task_form, other.label
 
         best = min(others, key=distance)

@@ -6,8 +6,12 @@ from collections import Counter
 from collections.abc import Hashable, Mapping, Sequence
 
 from prag_asp.audit.canonical_facts import Relation
+from prag_asp.errors import QueryError
 
 Kinds = Mapping[str, str]
+
+MOST_STEPS = 1_000_000
+"""The largest number of steps of a search for the best renaming, which take about half a minute."""
 
 
 def goal_distance(first: Sequence[Relation], second: Sequence[Relation], kinds: tuple[Kinds, Kinds]) -> int:
@@ -15,6 +19,9 @@ def goal_distance(first: Sequence[Relation], second: Sequence[Relation], kinds: 
 
     A renaming maps objects of the first goal one-to-one to objects of the same class in the second goal. `kinds` are
     the classes of the objects of each goal.
+
+    Raises:
+        QueryError: the facts of the goals are too alike to be compared in `MOST_STEPS` steps.
     """
     ordered = sorted(set(first), key=repr)
     others = sorted(set(second), key=repr)
@@ -27,11 +34,16 @@ def _most_common(first: Sequence[Relation], second: Sequence[Relation], kinds: t
     theirs = {fact: _description(fact, kinds[1]) for fact in second}
     left = [Counter(ours[place:]) for place in range(len(first) + 1)]
     bound = sum((left[0] & Counter(theirs.values())).values())
-    best = 0
+    best = steps = 0
 
     def search(place: int, common: int, free: tuple[Relation, ...], forth: dict[Hashable, Hashable]) -> None:
-        nonlocal best
-        best = max(best, common)
+        nonlocal best, steps
+        best, steps = max(best, common), steps + 1
+        if steps > MOST_STEPS:
+            raise QueryError(
+                f"goals of {len(first)} and {len(second)} facts have too many renamings to find the best; "
+                "audit the suites one by one, or without these problems"
+            )
         rest = Counter(theirs[fact] for fact in free)
         if place == len(first) or best == bound or common + sum((left[place] & rest).values()) <= best:
             return

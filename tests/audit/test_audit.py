@@ -143,6 +143,15 @@ def test_a_problem_of_very_many_objects_does_not_stop_an_audit(tmp_path: Path) -
     assert found.combinations.reachable
 
 
+def test_goals_that_are_too_alike_are_refused_by_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("prag_asp.audit.goal_distance.MOST_STEPS", 5)
+    chain = problem("(and (on mug_1 mug_2) (on mug_2 plate_1) (on bowl_1 mug_1))")
+    write(tmp_path / "one", p=chain)
+    write(tmp_path / "two", p=chain.replace("(on mug_2 plate_1) (on", "(on mug_1 plate_1) (on"))
+    with pytest.raises(QueryError, match="one/p and two/p: goals of 3 and 3 facts have too many renamings"):
+        audit(tmp_path / "one", tmp_path / "two", reach=False)
+
+
 def test_the_command_prints_a_table_json_and_a_page(suites: Path) -> None:
     done = run("audit", "train", "test", "--train", "train", "--full", "-o", "report.html", cwd=suites)
     assert done.returncode == 0

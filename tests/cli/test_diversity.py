@@ -62,6 +62,7 @@ def test_the_empty_task_has_neighbours_too() -> None:
     ("arguments", "refused"),
     [
         (("prag", "-n", "3", "--near", PLAN, "--tasks", "x"), "give --near or --tasks"),
+        (("prag", "-n", "3", "--radius", "2"), "give --near"),
         (("prag", "-n", "4", "--tasks", "GIVEN"), "no task of length 4; choose a length that it has"),
         (("blocks", "-n", "3", "--tasks", "GIVEN"), "it is read as one of 'blocks'"),
         (("prag", "-n", "3", "--where", "has at least 4 grasp"), "there is no task of prag of length 3"),

@@ -30,6 +30,14 @@ def test_an_import_is_a_domain_with_the_same_plans(tmp_path: Path) -> None:
         assert [int(line.split()[1]) for line in found.stdout.splitlines()[1:]] == counts
 
 
+def test_one_file_with_domain_and_problem_is_imported(tmp_path: Path) -> None:
+    (tmp_path / "both.pddl").write_text("".join(Path(file).read_text() for file in FILES))
+    done = run("import", "both.pddl", "-o", "new", cwd=tmp_path)
+    assert (done.returncode, done.stderr) == (0, "wrote new; try: prag-asp check new\n")
+    counts = [run("count", *given, "-n", "7..9", cwd=tmp_path).stdout for given in (["new"], FILES)]
+    assert counts[0] == counts[1] != ""
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [

@@ -240,3 +240,17 @@ def test_preferences_and_the_name_of_the_domain_are_ignored_with_a_warning(tmp_p
     assert [each for each in texts if "problem of" in each] == [
         "this is a problem of dd, not of d; give the domain that it belongs to, or fix the name"
     ]
+
+
+def test_names_of_objects_may_begin_with_a_sign(folder: Path) -> None:
+    domain = """(define (domain walk) (:requirements :strips :typing) (:types spot)
+ (:predicates (at ?x - spot) (next ?a ?b - spot))
+ (:action go :parameters (?a ?b -spot) :precondition (and (at ?a) (next ?a ?b)) :effect (and (not (at ?a)) (at ?b))))"""
+    problem = """(define (problem p) (:domain walk) (:objects -a +1 -1 c -b - spot d -spot)
+ (:init (at -a) (next -a +1) (next +1 -1) (next -1 -a) (next -1 c) (next c -b) (next -b d) (next d -a))
+ (:goal (at -b)))"""
+    plain = {"-a": "minus_a", "+1": "plus_1", "-1": "minus_1", "-b": "minus_b", "-spot": "- spot"}
+    texts = [text.replace("(", " ( ").replace(")", " ) ").split() for text in (domain, problem)]
+    expected = searched(*(" ".join(plain.get(word, word) for word in text) for text in texts), 10)
+    assert counts(load_domain(*written(folder, domain, problem)), 10) == expected
+    assert sum(expected)

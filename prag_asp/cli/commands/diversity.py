@@ -58,9 +58,7 @@ FEATURES = ("actions", "classes", "names", "pairs")
     "--near", "plan", metavar="'A B ...'", shell_complete=shell_completion.plan,
     help="Only count the tasks near the task with these actions.",
 )  # fmt: skip
-@click.option(
-    "--radius", type=whole(0, 100), metavar="R", default=3, show_default=True, help="With --near: number of edits."
-)
+@click.option("--radius", type=whole(0, 100), metavar="R", help="With --near: number of edits.  [default: 3]")
 @click.option(
     "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True,
     help="Tables with decimals, or JSON with exact numbers.",
@@ -68,7 +66,7 @@ FEATURES = ("actions", "classes", "names", "pairs")
 @options.output
 def diversity(
     *, request: DomainOptions, file: str | None, features: tuple[str, ...], distances: bool,
-    strength: int | None, with_complexity: bool, plan: str | None, radius: int, form: str, output: str | None,
+    strength: int | None, with_complexity: bool, plan: str | None, radius: int | None, form: str, output: str | None,
 ) -> None:  # fmt: skip
     """Measure how much the tasks of length N differ.
 
@@ -84,7 +82,9 @@ def diversity(
         if plan is not None:
             if file is not None or strength is not None or with_complexity:
                 raise QueryError("give --near or --tasks, with or without --coverage or --complexity")
-            found = _near(space, split_actions(plan), radius)
+            found = _near(space, split_actions(plan), 3 if radius is None else radius)
+        elif radius is not None:
+            raise QueryError("--radius is that of a given task; give --near 'A B ...'")
         elif (strength is not None or with_complexity) and file is None:
             raise QueryError(f"--{'coverage' if strength else 'complexity'} is that of given tasks; give --tasks FILE")
         elif file is not None and with_complexity:

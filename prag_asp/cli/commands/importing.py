@@ -1,4 +1,4 @@
-"""``prag-asp import``: a domain from two PDDL files, or from BDDL problems."""
+"""``prag-asp import``: a domain from PDDL files, or from BDDL problems."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @click.command("import")
 @click.argument(
-    "files", metavar="DOMAIN.pddl PROBLEM.pddl | FILE.bddl | FOLDER", nargs=-1, required=True,
+    "files", metavar="DOMAIN.pddl [PROBLEM.pddl] | FILE.bddl | FOLDER", nargs=-1, required=True,
     shell_complete=shell_completion.files,
 )  # fmt: skip
 @click.option(
@@ -35,7 +35,8 @@ if TYPE_CHECKING:
 def import_(files: tuple[str, ...], cost_factor: str | None, output: str, untimed: bool) -> None:
     """Convert a PDDL domain and problem, or BDDL problems, into a domain in a new folder.
 
-    Its tasks are the plans of the problem, of every length. The other commands also accept the two PDDL files directly.
+    Its tasks are the plans of the problem, of every length. One file of PDDL may contain both the domain and the
+    problem. The other commands also accept PDDL directly.
 
     A FOLDER of BDDL problems becomes one domain; `-c problem=NAME` selects a problem by the name of its file.
     """
@@ -72,11 +73,14 @@ def _pddl_texts(files: tuple[str, ...], cost_factor: str | None, *, untimed: boo
     """Return, by name, the files of the domain made from PDDL files, and print warnings.
 
     Raises:
-        QueryError: there are not two files.
+        QueryError: there are not two files, or one that contains both.
     """
     from prag_asp.pddl import read
+    from prag_asp.pddl.syntax.sections import holds_both
     from prag_asp.program.problem import first_of_each
 
+    if len(files) == 1 and files[0].endswith(".pddl") and holds_both(Path(files[0])):
+        files *= 2
     if len(files) != 2:
         raise QueryError(f"{plural(len(files), 'file')}; give DOMAIN.pddl PROBLEM.pddl, FILE.bddl, or a folder of BDDL")
     imported = read(*files, untimed=untimed)

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import zip_longest
 from pathlib import Path
 from typing import NoReturn
 
@@ -83,13 +84,18 @@ class PddlSource:
         """Yield the words of a typed list, each with its alternative types, of which there may be none.
 
         An unknown type is added to `types` with a warning, unless it seems to be misspelt; if `types` is None, any type
-        is valid.
+        is valid. A word such as ``-a`` is the type of the names before it, or a name if there are none or if another
+        sign follows.
         """
         waiting: list[Word] = []
-        each_part = iter(parts)
-        for part in each_part:
+        given = tuple(parts)
+        pairs = iter(zip_longest(given, given[1:]))
+        for part, following in pairs:
             if isinstance(part, Word) and ATTACHED.fullmatch(part):
-                kind = Word(part[1:], part.line) if len(part) > 1 else next(each_part, None)
+                if part != "-" and not variables and (not waiting or following == "-"):
+                    waiting.append(self.name_of(part))
+                    continue
+                kind = Word(part[1:], part.line) if part != "-" else next(pairs, (None,))[0]
                 kinds = self.kinds(kind, part.line, types)
                 yield from ((name, kinds) for name in waiting)
                 waiting = []

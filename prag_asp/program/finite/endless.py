@@ -113,7 +113,7 @@ MIRRORED = {
 
 def endless_rules(statements: Iterable[Statement]) -> list[EndlessRule]:
     """Return the author's rules that may derive new terms forever."""
-    rules = [each for each in statements if each.is_rule and each.body]
+    rules = [each for each in statements if each.is_rule and (each.literals or ":" in each.text) and each.body]
     endless: list[EndlessRule] = []
     for inside in _recursive(rules):
         derived = [

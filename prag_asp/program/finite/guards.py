@@ -127,8 +127,10 @@ class _CheckWriter:
         Raises:
             BoundReached: the intervals have too many combinations.
         """
+        if rule.text.count("..") < 2:
+            return
         parts = (rule.node.head, *rule.node.body)
-        if rule.text.count("..") < 2 or any(part.ast_type != ASTType.Literal for part in parts):
+        if any(part.ast_type != ASTType.Literal for part in parts):
             return
         nodes = [node for part in parts for node in below(part)]
         if any(node.ast_type in COLLECTIONS for node in nodes):

@@ -50,7 +50,7 @@ def _candidates(name: str, model: Path, folder: Path) -> Iterator[Path]:
     """Yield the possible paths for a name, likeliest first."""
     scheme = next((scheme for scheme in SCHEMES if name.startswith(scheme)), "")
     plain = name.removeprefix(scheme).removeprefix(FILE)
-    names = [plain] if not scheme else [plain, plain.partition("/")[2]]
+    names = [plain] if not scheme else [plain, plain.partition("/")[2].lstrip("/")]
     above = [parent for parent in (model.parent, *model.parent.parents) if is_inside(parent, folder)]
     for each in filter(None, names):
         yield from (parent / each for parent in above)

@@ -47,6 +47,7 @@ def read(folder: Path, text: str, path: str = "thing.urdf") -> Shape:
         ("b.obj", "b.urdf", "package://b.obj"),
         ("cup/meshes/b.obj", "cup/model.urdf", "model://cup/meshes/b.obj"),
         ("meshes/b.obj", "model.urdf", "model://cup/meshes/b.obj"),
+        ("meshes/b.obj", "urdf/b.urdf", "package://things//meshes/b.obj"),
     ],
 )
 def test_a_mesh_is_found_where_simulators_and_packages_find_it(tmp_path, mesh, urdf, named):
