@@ -135,7 +135,7 @@ class AgreementCount:
         layers = None if compared < FEW_COMPARED else self._agreements()
         if layers is None:
             if compared > COMPARED:
-                self._refuse("have too many different agreements")
+                self._refuse(f"need more than {COMPARED:,} comparisons of actions")
             return listed_pairs(words.words(), self._renamings)
         self._forecast(layers)
         counts = [0] * (length + 1)

@@ -81,7 +81,7 @@ def add_limits(command: click.Command) -> None:
     elif not any(each.name == "memory" for each in command.params):
         click.option(
             "--time", metavar="TIME", expose_value=False, is_eager=True, callback=_set_limit,
-            help="Time limit, such as 60s or 5m; partial results are printed.  [default: no limit]",
+            help="Time limit, such as 60s or 5m; partial results, if any, are printed.  [default: no limit]",
         )(command)  # fmt: skip
         click.option(
             "--memory", metavar="SIZE", expose_value=False, is_eager=True, callback=_set_limit,

@@ -73,7 +73,7 @@ class TaskSelection:
         if self.index is not None and self.of_length is not None:
             ranks, ranked = _parse_ranks(self.index), space.at(self.of_length)
             suffixes = [f"_{rank}" for rank in ranks] if ".." in self.index else [""]
-            return suffixes, (task_at(ranked, rank) for rank in ranks)
+            return suffixes, (task_at(ranked, rank, f"--index {rank}") for rank in ranks)
         plans = _read_plans(self.tasks or "", space)
         suffixes = [f"_{number}" for number in range(1, len(plans) + 1)]
         return suffixes, (_task(space.at(len(plan)), plan, place) for place, plan in plans.items())
@@ -117,8 +117,8 @@ def _parse_ranks(text: str) -> range:
     return range(first, last + 1)
 
 
-def task_at(space: TaskSpace, rank: int) -> Task:
-    """Return the task with a given rank.
+def task_at(space: TaskSpace, rank: int, place: str) -> Task:
+    """Return the task with a given rank; `place` says in an error where the rank was given.
 
     Raises:
         QueryError: there is no such task.
@@ -126,7 +126,7 @@ def task_at(space: TaskSpace, rank: int) -> Task:
     try:
         return space[rank]
     except IndexError:
-        raise QueryError(f"--index {rank}: the space has {plural(space.count(), 'task')}, ranked from 0") from None
+        raise QueryError(f"{place}: the space has {plural(space.count(), 'task')}, ranked from 0") from None
 
 
 def _read_plans(file: str, space: TaskSpace) -> Mapping[str, tuple[str, ...]]:

@@ -163,3 +163,9 @@ def test_auto_says_in_one_line_why_it_takes_diagrams(
     out, err = capsys.readouterr()
     assert [line.split()[-1] for line in out.splitlines()][-2:] == [str(perm(12, n) + perm(12, n - 1)) for n in (5, 6)]
     assert err.startswith("note: engine symbolic, because ") and err.count("\n") == 1
+
+
+def test_a_distance_that_no_task_has_is_reported() -> None:
+    done = run("split", "prag", "--length", "3", "train=1/2", "test=1/2", "--skeletons", "--distance", "50")
+    assert (done.returncode, done.stdout) == (0, "train  1051\ntest   0\n")
+    assert done.stderr == "test: no task is 50 edits or more from training; give a smaller --distance\n"

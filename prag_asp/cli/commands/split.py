@@ -98,6 +98,8 @@ def split(
         width = max(map(len, parts))
         for name, part in parts.items():
             say(f"{name:<{width}}  {part.count()}")
+            if distance is not None and not part.count():
+                tell_line(f"{name}: no task is {distance} edits or more from training; give a smaller --distance")
         if requested_count is None or output is None:
             return
         line, folder = task_format.line(space, seed), make_folder(output)

@@ -11,10 +11,9 @@ from prag_asp.atom import split_actions
 from prag_asp.cli import options, shell_completion
 from prag_asp.cli.domain_options import SPACE, DomainOptions, domain_options
 from prag_asp.cli.summary import described
-from prag_asp.cli.task_options import ENGLISH, FORMS, INSTRUCTIONS, LEVELS, TaskFormat, format_options
+from prag_asp.cli.task_options import ENGLISH, FORMS, INSTRUCTIONS, LEVELS, TaskFormat, format_options, task_at
 from prag_asp.cli.terminal import aligned, progress, say
 from prag_asp.errors import QueryError
-from prag_asp.wording import plural
 
 if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace
@@ -67,10 +66,7 @@ def task(
         if index is None:
             say(space.index(split_actions(plan or "")))
             return
-        try:
-            found = space[index]
-        except IndexError:
-            raise QueryError(f"--index {index}: the space has {plural(space.count(), 'task')}, ranked from 0") from None
+        found = task_at(space, index, f"--index {index}")
         if task_format.form == "full":
             say("\n".join(described(found, space, false_facts=false_facts)))
             if with_complexity:

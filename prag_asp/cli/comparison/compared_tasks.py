@@ -63,7 +63,7 @@ def _named_task(word: str, request: DomainOptions) -> tuple[Task, Domain | None]
         from prag_asp.cli.task_options import task_at
 
         space = request.space()
-        return task_at(space, int(word)), space.domain
+        return task_at(space, int(word), f"rank {word}"), space.domain
     if word.lstrip().startswith("{"):
         return next(read_lines([word], "argument")).task, None
     if Path(word).is_file() or word == "-":
