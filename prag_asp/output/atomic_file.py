@@ -161,6 +161,8 @@ def output_errors(path: Path | str) -> Iterator[None]:
     except BrokenPipeError:
         raise
     except OSError as error:
+        if error.errno == errno.EBADF:  # the stream was closed by the caller
+            raise OutputError(f"{path}: {error.strerror}") from None
         hint = "free some space" if error.errno in FULL else "choose another file"
         raise OutputError(f"{path}: cannot be written: {error.strerror or error}; {hint}") from None
 
