@@ -42,6 +42,7 @@ SETUP = {
     ".venv/bin/python benchmarks/learning/rates.py",
     ".venv/bin/python benchmarks/learning/beside.py",
     ".venv/bin/python benchmarks/learning/lasting.py",
+    ".venv/bin/python benchmarks/learning/curricula.py",
     "python -m tests.fuzz --count 10000 --seed 7",
     "prag-asp report dataset results/act results/oracle -o report.html",
     "prag-asp evaluate act/checkpoints/last/pretrained_model --data data --part test -o act_results",

@@ -35,13 +35,13 @@ SHORTENED = {
 
 
 def commands() -> list[list[str]]:
-    """The commands of the page, without the Python that runs them."""
-    text = (DOCS / "guides" / "learning.md").read_text(encoding="utf-8")
+    """The commands of the pages on learning and on curricula, without the Python that runs them."""
+    text = "".join((DOCS / "guides" / name).read_text(encoding="utf-8") for name in ("learning.md", "curriculum.md"))
     return [line.split() for line in re.findall(r"^\.venv/bin/python (.*)$", text, re.MULTILINE)]
 
 
 def of(name: str) -> list[str]:
-    """The first command of the page with a script."""
+    """The first command of the pages with a script."""
     return next(command for command in commands() if Path(command[0]).name == name)
 
 
@@ -137,7 +137,7 @@ def test_scripts_that_train_run(name: str, capsys: pytest.CaptureFixture[str]) -
     assert re.fullmatch(r"[012] of 2\n", capsys.readouterr().out)
 
 
-def test_the_page_names_all_commands() -> None:
+def test_the_pages_name_all_commands() -> None:
     assert {Path(command[0]).name for command in commands()} == set(SHORTENED)
 
 
@@ -176,7 +176,7 @@ def test_what_environments_do_alone_and_by_twos_is_measured(monkeypatch: pytest.
         return beside.Done(*map(float, printed.getvalue().split()[1:]))
 
     monkeypatch.setattr(beside, "together", together)
-    for module, cells, ours in ((beside, 4 * 7, 1), (rates, 4 * 6 + 4 * 7, 2)):
+    for module, cells, ours in ((beside, 4 * 7, 1), (rates, 4 * 8 + 4 * 7, 2)):
         name = f"{module.__name__}.py"
         assert "--rounds" in CliRunner().invoke(module.main, ["--help"]).stdout
         ended = CliRunner().invoke(module.main, [*of(name)[1:], *SHORTENED[name].split()])
