@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from threading import Event, Thread
 from time import sleep
 
@@ -14,7 +15,7 @@ from prag_asp.explore.turns import CANCEL, POLL, Turns
 def test_a_newer_request_ends_the_count_of_an_older_one() -> None:
     turns = Turns()
     limits = Limits(stop=turns.stop, cached=False)
-    space = TaskSpace(load_domain("blocks"), 4, limits=limits)
+    space = TaskSpace(replace(load_domain("blocks")), 4, limits=limits)  # which has no ground step yet
     with turns.turn("a", 2), turns_of_another_thread(turns, "a", 3):
         with pytest.raises(LimitReached) as error:
             space.count()

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.chance import Chance
 from tests.docs.pages import ROOT
 
 
@@ -30,8 +31,8 @@ def comparison() -> Any:
     sys.path.pop(0)
 
 
-def test_the_gradient_of_the_actor_is_that_of_its_loss(learner: Any) -> None:
-    agent, rng = learner.Agent(7, 3, seed=0, width=16), np.random.default_rng(1)
+def test_the_gradient_of_the_actor_is_that_of_its_loss(learner: Any, chance: Chance) -> None:
+    agent, rng = learner.Agent(7, 3, seed=0, width=16), np.random.default_rng(chance.seed(1))
     seen, noise = rng.normal(size=(64, 7)).astype(np.float32), agent.normal(64)
     agent.actor_gradient(seen, noise, 0.3)
     gradient, vector = agent.actor.gradient.copy(), agent.actor.vector
@@ -44,9 +45,9 @@ def test_the_gradient_of_the_actor_is_that_of_its_loss(learner: Any) -> None:
     assert (losses[0] - losses[1]) / 0.02 == pytest.approx(np.linalg.norm(gradient), rel=0.02)
 
 
-def test_an_agent_learns_which_action_is_rewarded(learner: Any) -> None:
+def test_an_agent_learns_which_action_is_rewarded(learner: Any, chance: Chance) -> None:
     agent, memory = learner.Agent(2, 1, seed=0, width=16, rate=3e-3), learner.Memory(400, 2, 1)
-    rng = np.random.default_rng(0)
+    rng = np.random.default_rng(chance.seed(0))
     for _ in range(400):
         seen, action = rng.normal(size=2), rng.uniform(-1, 1, 1)
         memory.add(seen, action, -10 * abs(action[0] - 0.5), seen, True)
