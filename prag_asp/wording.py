@@ -47,7 +47,7 @@ def did_you_mean(name: str, known: Iterable[str], otherwise: str = "") -> str:
 
 
 def listed(names: Iterable[str]) -> str:
-    """Return the first names in alphabetical order, as a text."""
+    """Return at most `LISTED` names in alphabetical order, separated by commas."""
     ordered = sorted(names)
     return f"{', '.join(ordered[:LISTED])}{' ...' if len(ordered) > LISTED else ''}" if ordered else "none"
 

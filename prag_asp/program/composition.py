@@ -33,7 +33,7 @@ def composite_sizes(facts: Facts) -> Mapping[clingo.Symbol, int]:
 
 
 def inner_composites(facts: Facts) -> Mapping[clingo.Symbol, list[clingo.Symbol]]:
-    """Return the composites that are stages of each composite."""
+    """Return, for each composite, those of its stages that are composites themselves."""
     return {c: [part for _, part in facts.stages.get(c, ()) if part in facts.stages] for c in facts.composites}
 
 

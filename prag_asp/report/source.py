@@ -86,7 +86,7 @@ class ReportSource:
 
     @cached_property
     def parts(self) -> tuple[str, ...]:
-        """The parts of its tasks, in order."""
+        """The parts to which the tasks belong, in order of first appearance."""
         return tuple(dict.fromkeys(each.part for each in self.tasks))
 
 

@@ -288,8 +288,8 @@ class TaskEnv(GoalEnv):
     def state_dict(self) -> dict[str, Any]:
         """Return a checkpoint of the samplers, the curricula and the annealing, as JSON values.
 
-        An environment with the same arguments that loads this checkpoint begins its next episodes as this environment
-        does. The current episode is not part of the checkpoint.
+        If an environment created with the same arguments loads this checkpoint, its next episodes begin exactly as
+        they would have in this environment. The current episode is not part of the checkpoint.
 
         Raises:
             QueryError: no task has been sampled yet.

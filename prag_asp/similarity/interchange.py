@@ -19,7 +19,7 @@ Entity = TypeVar("Entity", bound=Hashable)
 
 @dataclass(frozen=True)
 class Interchange(Generic[Entity]):
-    """Groups of interchangeable entities, and joint groups of units that are interchangeable as a whole."""
+    """Groups of interchangeable entities, and joint groups, whose units (tuples of entities) move as wholes."""
 
     groups: tuple[tuple[Entity, ...], ...] = ()
     joint: tuple[tuple[tuple[Entity, ...], ...], ...] = ()

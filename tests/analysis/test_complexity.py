@@ -60,7 +60,7 @@ def test_the_complexity_of_all_tasks_of_a_file_is_summed_up(tmp_path: Path) -> N
     measure = ComplexityMeasure(BLOCKS.at(4))
     assert [row["detour"] for row in rows] == [measure.of(task).detour for task in BLOCKS.at(4)]
     lines = ok("diversity", *space, "--tasks", str(file), "--complexity").splitlines()
-    assert lines[0].split() == ["11", "tasks", "least", "mean", "most"]
+    assert lines[0].split() == ["11", "tasks", "min", "mean", "max"]
     mean = sum(row["detour"] for row in rows) / 11
     assert lines[-1].split() == ["detour", "0", f"{mean:.2f}", "4"]
     verdict = {"status": "feasible", "restarts": 3, "causes": {"the arm collides": 5}}

@@ -56,7 +56,7 @@ def complexities(given: Sequence[GivenTask], dataset: Dataset | None, space: Tas
 def complexity_text(found: dict[str, Any]) -> Iterator[str]:
     """Yield the smallest, the mean and the largest value of each figure, and the failed attempts by cause."""
     rows = found["tasks"]
-    table = [(f"{len(rows)} tasks" if len(rows) != 1 else "1 task", "least", "mean", "most")]
+    table = [(f"{len(rows)} tasks" if len(rows) != 1 else "1 task", "min", "mean", "max")]
     for key, name in FIGURES.items():
         values = [row[key] for row in rows if key in row]
         if values:

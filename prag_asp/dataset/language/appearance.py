@@ -141,7 +141,7 @@ def _line(entity: str, kind: str, parents: Mapping[str, tuple[str, ...]]) -> lis
 
 @lru_cache(maxsize=4096)
 def color_terms(color: str) -> Mapping[str, bool]:
-    """Return the basic terms for a colour: true for the nearest one, false (in doubt) for those nearly as near."""
+    """Map each basic term that may describe a colour to whether it is certain, as only the nearest term can be."""
     here = lab(color)
     distances = {term: min(dist(here, lab(each)) for each in colors) for term, colors in BASIC.items()}
     nearest = min(distances, key=distances.__getitem__)

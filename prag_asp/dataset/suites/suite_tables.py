@@ -18,7 +18,7 @@ LONGEST = 1000
 
 
 class PhysicsTable(msgspec.Struct):
-    """``[physics]``: the budget of physics, and the options for recordings."""
+    """``[physics]``: the search budget of the physics checks, and the options for recordings."""
 
     budget: str = "10x10"
     tier: str = "kinematics"

@@ -54,8 +54,9 @@ def place_bystanders(
 ) -> dict[str, Pose]:
     """Return the poses of bystanders, as many as there is room for, in the scene of a simulator.
 
-    `moments` are those of the states, and `passed` are further moments through which the robots pass. The bystanders
-    are entirely in the image of a `sight`, hide nothing in it, and do not change the value of any fact.
+    `moments` has one moment for each state of the task, and `passed` has the moments at the waypoints between them.
+    The bystanders lie entirely within the camera image of `sight`, hide nothing in it, and do not change the value of
+    any fact.
     """
     scene = simulator.scene
     room = Room.of(moments, passed, simulator)

@@ -48,8 +48,8 @@ Part = tuple[Triangle, ...]
 def mesh_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
     """Return the triangles of the convex parts of a mesh, multiplied by a scale along each axis.
 
-    In collisions, a body consists of their convex hulls. A convex part of the file is kept as it is; a concave part is
-    decomposed if CoACD is installed, and otherwise replaced by its convex hull.
+    A convex part of the file is kept as it is; a concave part is decomposed if CoACD is installed. For collision
+    checks, each part is replaced by its convex hull.
 
     Raises:
         SceneError: as for `file_parts`.
