@@ -42,10 +42,10 @@ GROUPS = ("o", "g")
 
 Point = tuple[float, float, float]
 Triangle = tuple[Point, Point, Point]
-Part = tuple[Triangle, ...]
+MeshPart = tuple[Triangle, ...]
 
 
-def mesh_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
+def mesh_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[MeshPart, ...]:
     """Return the triangles of the convex parts of a mesh, multiplied by a scale along each axis.
 
     A convex part of the file is kept as it is; a concave part is decomposed if CoACD is installed. For collision
@@ -58,11 +58,11 @@ def mesh_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
 
 
 @lru_cache(maxsize=64)
-def _convex_parts(path: str, scale: Point, _state: tuple[int, int]) -> tuple[Part, ...]:
+def _convex_parts(path: str, scale: Point, _state: tuple[int, int]) -> tuple[MeshPart, ...]:
     """Return the convex parts of a mesh; the state of the file is part of the cache key."""
     from prag_asp.scene.read.decomposition import can_decompose, decomposed  # noqa: PLC0415 - few domains have meshes
 
-    parts: list[Part] = []
+    parts: list[MeshPart] = []
     for part in file_parts(path, scale):
         if can_decompose() and _concave(part):
             try:
@@ -87,14 +87,14 @@ def is_concave(path: str, scale: Point = (1.0, 1.0, 1.0)) -> bool:
     return any(map(_concave, file_parts(path, scale)))
 
 
-def _concave(part: Part) -> bool:
+def _concave(part: MeshPart) -> bool:
     """Return whether a part is concave; a part that is too thin for a hull is not."""
     from prag_asp.scene.read.convex import is_convex  # noqa: PLC0415 - few domains have meshes
 
     return thickness(_corners(part)) >= FLATTEST and not is_convex(np.array(part, dtype=float))
 
 
-def file_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
+def file_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[MeshPart, ...]:
     """Return the triangles of each part of a mesh in its file, multiplied by a scale along each axis.
 
     The parts of an .obj file are its objects and groups, and those of a .glb, .gltf or .dae file are its nodes. If one
@@ -137,7 +137,7 @@ def _scaled(point: Point, scale: Point) -> Point:
     return (point[0] * scale[0], point[1] * scale[1], point[2] * scale[2])
 
 
-def _parts(path: str) -> tuple[Part, ...]:
+def _parts(path: str) -> tuple[MeshPart, ...]:
     """Return the parts of a mesh in the unit of its file, which is read again only after a change."""
     if Path(path).suffix.lower() not in SUFFIXES:
         raise SceneError(f"{path}: a mesh of unknown format; known are {', '.join(SUFFIXES)}")
@@ -158,7 +158,7 @@ def state_of(path: str) -> tuple[int, int]:
 
 
 @lru_cache(maxsize=32)
-def _read(path: str, modified: int, size: int) -> tuple[Part, ...]:
+def _read(path: str, modified: int, size: int) -> tuple[MeshPart, ...]:
     """Return the parts of a mesh in the unit of its file; the state of the file is part of the cache key."""
     try:
         content = read_bytes(path, at_most=LARGEST)
