@@ -173,7 +173,7 @@ class SentenceWriter:
         (atom, value, fact), of_state, phrases = meaning, False, self._lexicon.phrases
         for variant in VARIANTS:
             for clause in sentences:
-                words = []
+                words = list[str]()
                 for slot in clause.template.slots:
                     thing = atom.arguments[slot.argument]
                     if thing == topic and not (words and thing in self._lexicon.appearance.robots):
