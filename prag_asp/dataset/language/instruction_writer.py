@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 START_FACTS, CAPTION_FACTS = 4, 2
 """The maximum numbers of facts in the caption of the initial state and in the captions of other states."""
 
+STEM = 6
+"""The number of letters in which words with the same stem agree."""
+
 SHORT = 3
 """The maximum number of letters of words that are not looked for inside other words."""
 
@@ -323,12 +326,14 @@ def recurrences(task: Task) -> list[Recurrence]:
 def is_stated(fact: str, said: Set[str], function_words: Set[str]) -> bool:
     """Return whether all words of a fact are already `said`, as in "open the drawer, so that it is open".
 
-    Words count as the same if one begins with the other, or has it inside: "in" and "into", "öffne" and "geöffnet".
+    Words count as the same if one begins with the other or has it inside, or if both have the same stem, as "in" and
+    "into", "öffne" and "geöffnet", or "entferne" and "entfernt".
     """
 
     def same(one: str, other: str) -> bool:
         short, long = sorted((one, other), key=len)
-        return one == other or (len(short) > 1 and long.startswith(short)) or (len(short) > SHORT and short in long)
+        begins = len(short) > 1 and long.startswith(short[:STEM])
+        return one == other or begins or (len(short) > SHORT and short in long)
 
     return all(word in function_words or any(same(word, each) for each in said) for word in words_of(fact))
 

@@ -121,6 +121,8 @@ def test_an_aim_that_the_sentence_of_the_action_states_is_not_repeated() -> None
     assert is_stated("it is closed", {"close", "the", "drawer"}, frozenset(["it", "is"]))
     assert not is_stated("it is not open", {"open", "the", "drawer"}, frozenset(["it", "is"]))
     assert is_stated("sie geöffnet ist", {"öffne", "die", "schublade"}, frozenset(["sie", "ist"]))
+    assert is_stated("sie entfernt ist", {"entferne", "die", "dose"}, frozenset(["sie", "ist"]))
+    assert not is_stated("sie entfernt ist", {"entlade", "die", "dose"}, frozenset(["sie", "ist"]))
 
 
 def test_a_phrase_that_is_no_longer_true_says_so() -> None:
