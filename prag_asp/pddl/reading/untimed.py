@@ -44,7 +44,7 @@ def untimed_schema(
     """
     first, last = ([each for each in part if isinstance(each, SchemaEffect)] for part in effects)
     ended = [each for each in effects[1] if isinstance(each, NumericEffect)]
-    later = [conditions[1], *(_without_early(each.condition) for each in (*last, *ended))]
+    later = [conditions[1], *(_without_early(each.condition) for each in effects[1])]
     for literal in literals(Junction(True, tuple(later), schema.line)):
         if first and literal.predicate in derived:
             text = f"{literal.predicate} is derived, and read after effects at the start"
@@ -64,7 +64,8 @@ def untimed_schema(
                 text = f"{term.function} changes at the start, and is read after it"
                 source.refuse(schema.line, f"{text}; read it at the start, or change it at the end")
 
-    last, ended = ([replace(each, condition=_before(each.condition, first)) for each in part] for part in (last, ended))
+    last = [replace(each, condition=_before(each.condition, first)) for each in last]
+    ended = [replace(each, condition=_before(each.condition, first)) for each in ended]
     kept = []
     for each in first:
         opposed = (each.literal.predicate, not each.literal.positive)
