@@ -93,6 +93,27 @@ def is_closed(triangles: Floats) -> bool:
     return len(np.unique(keys)) == len(keys) and bool(np.array_equal(np.sort(keys), np.sort(back)))
 
 
+def separate_solids(triangles: Floats) -> list[Floats]:
+    """Return the triangles of each solid of a mesh whose surface consists of several closed surfaces.
+
+    The solids may overlap. The result is empty if a surface is open or faces inwards, as that of a hollow space does.
+    """
+    # scipy is imported slowly, and few domains have such meshes.
+    from scipy.sparse import coo_array  # noqa: PLC0415
+    from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
+
+    points, numbers = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    faces = numbers.reshape(-1, 3)
+    ends = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()
+    links = coo_array((np.ones(len(ends[0])), ends), shape=(len(points), len(points)))
+    count, labels = connected_components(links, directed=False)
+    if count == 1:
+        return []
+    solids = [triangles[labels[faces[:, 0]] == label] for label in range(count)]
+    volumes = [np.einsum("ij,ij->", solid[:, 0], np.cross(solid[:, 1], solid[:, 2])) for solid in solids]
+    return solids if min(volumes) > 0 and all(map(is_closed, solids)) else []
+
+
 def is_convex(triangles: Floats) -> bool:
     """Return whether triangles (n, 3, 3) bound their convex hull, apart from small dents.
 
