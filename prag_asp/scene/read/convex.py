@@ -98,18 +98,17 @@ def separate_solids(triangles: Floats) -> list[Floats]:
 
     The solids may overlap. The result is empty if a surface is open or faces inwards, as that of a hollow space does.
     """
-    # scipy is imported slowly, and few domains have such meshes.
-    from scipy.sparse import coo_array  # noqa: PLC0415
-    from scipy.sparse.csgraph import connected_components  # noqa: PLC0415
-
     points, numbers = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
     faces = numbers.reshape(-1, 3)
-    ends = faces[:, [0, 1]].ravel(), faces[:, [1, 2]].ravel()
-    links = coo_array((np.ones(len(ends[0])), ends), shape=(len(points), len(points)))
-    count, labels = connected_components(links, directed=False)
-    if count == 1:
+    # Each corner takes the smallest number of its faces' corners until all corners of a solid have the same number.
+    labels, before = np.arange(len(points)), np.zeros(0)
+    while not np.array_equal(labels, before):
+        before = labels.copy()
+        np.minimum.at(labels, faces, labels[faces].min(1, keepdims=True))
+        labels = labels[labels]
+    if len(np.unique(labels)) == 1:
         return []
-    solids = [triangles[labels[faces[:, 0]] == label] for label in range(count)]
+    solids = [triangles[labels[faces[:, 0]] == label] for label in np.unique(labels)]
     volumes = [np.einsum("ij,ij->", solid[:, 0], np.cross(solid[:, 1], solid[:, 2])) for solid in solids]
     return solids if min(volumes) > 0 and all(map(is_closed, solids)) else []
 
