@@ -6,6 +6,7 @@ import doctest
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -173,12 +174,25 @@ def test_names_of_several_words_are_spelled_as_words() -> None:
     task = space[space.index(["pickUp(arm1,redCube1,shelfBoard1)", "put(arm1,redCube1,left_shelfBoard)"])]
     words = writer.instructions(task)
     assert words.subgoals == (
-        "Pick up red cube 1 from the left shelf board.",
-        "Put red cube 1 onto shelf board 1.",
+        "Pick red cube 1 up from the left shelf board.",
+        "Bring red cube 1 to shelf board 1.",
     )
-    assert words.vague.endswith("red cube 1 is on shelf board 1.")
+    assert words.vague.endswith("red cube 1 lies at shelf board 1.")
     for task in space:
         assert_read_back(writer, task, writer.instructions(task))
+
+
+def test_the_example_in_pddl_has_sentences() -> None:
+    folder = Path("examples/pddl")
+    space = TaskSpace(load_domain(folder / "domain.pddl", folder / "problem.pddl"), 8)
+    writer = instruction_writer_of(space.domain)
+    task = next(iter(space))
+    words = writer.instructions(task)
+    assert words.subgoals[0] == "Go from room hall to room store."
+    assert "so that hand left holds it" in words.exact
+    assert "pick parcel p1 up from room store" in words.default.casefold() and "up it" not in words.default
+    assert "lies at room office" in words.vague
+    assert_read_back(writer, task, words)
 
 
 def test_an_object_is_brought_to_a_place_of_an_unknown_kind() -> None:
@@ -304,7 +318,7 @@ def test_what_is_moved_is_named_even_if_it_is_the_only_one_of_its_kind() -> None
     domain = load_domain(text=text)
     plain = GrammarReader(domain.settings, domain.facts, "en").plain()
     said = {name: spelled(each) for (name, _), each in plain.items()}
-    assert said == {"pick": "take <1> from <2>", "put": "put <1> onto <2>"}
+    assert said == {"pick": "take <1> from <2>", "put": "bring <1> to <2>"}
     writer = instruction_writer_of(domain)
     for task in TaskSpace(domain, 2):
         assert_read_back(writer, task, writer.instructions(task))
