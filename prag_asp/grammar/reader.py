@@ -188,7 +188,7 @@ class GrammarReader:
                 agent = str(defaults["agent"]).replace("{0}", f"{{{robots[0]}}}")
             every = _joined([f"{{{index}}}" for index in other], defaults["all"])
             text, carry = (
-                str(defaults["action"]).format(name=verb, all=every).strip()
+                _with_particle(str(defaults["action"]).format(name=verb, all=every).strip(), verb, every, defaults)
                 for verb in (verbs.get(name, plain(name)), defaults.get("carry", {}).get(name, plain(name)))
             )
             if not any(common[index].word == "to" for index in common):
@@ -406,6 +406,14 @@ def plain(name: str) -> str:
 def _joined(words: Sequence[str], between: Sequence[str]) -> str:
     """Return words joined with the first separator, except the last word, which is joined with the second one."""
     return between[1].join(part for part in (between[0].join(words[:-1]), *words[-1:]) if part)
+
+
+def _with_particle(text: str, verb: str, objects: str, defaults: Mapping[str, Any]) -> str:
+    """Return a sentence in which the particle of the verb follows its object: "put it down", not "put down it"."""
+    head, _, particle = verb.rpartition(" ")
+    if not head or not objects or particle not in defaults.get("particles", ()):
+        return text
+    return text.replace(f"{verb} {objects}", f"{head} {objects} {particle}")
 
 
 def _below(table: object, key: str) -> Mapping[str, Any]:

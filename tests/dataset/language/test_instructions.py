@@ -174,7 +174,7 @@ def test_names_of_several_words_are_spelled_as_words() -> None:
     task = space[space.index(["pickUp(arm1,redCube1,shelfBoard1)", "put(arm1,redCube1,left_shelfBoard)"])]
     words = writer.instructions(task)
     assert words.subgoals == (
-        "Pick up red cube 1 from the left shelf board.",
+        "Pick red cube 1 up from the left shelf board.",
         "Bring red cube 1 to shelf board 1.",
     )
     assert words.vague.endswith("red cube 1 lies at shelf board 1.")
@@ -190,6 +190,7 @@ def test_the_example_in_pddl_has_sentences() -> None:
     words = writer.instructions(task)
     assert words.subgoals[0] == "Go from room hall to room store."
     assert "so that hand left holds it" in words.exact
+    assert "pick parcel p1 up from room store" in words.default.casefold() and "up it" not in words.default
     assert "lies at room office" in words.vague
     assert_read_back(writer, task, words)
 
