@@ -69,7 +69,7 @@ SURE_TABLE, LONG_TABLE = 5.0, 20.0
 """The time, in seconds, up to which a table of partial sums is completed before other engines begin if it certainly
 takes no longer, and the time of a table after the other engines' turns."""
 
-TABLE, HOPELESS_TABLE, HOPELESS = 1.0, 0.1, 1e5
+TABLE, HOPELESS_TABLE, HOPELESS = 1.0, 0.2, 1e10
 """The time of another table before other engines begin, and that of one whose bound is above `HOPELESS`, in seconds.
 
 Most bounds are far too high.

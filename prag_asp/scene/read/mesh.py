@@ -30,6 +30,9 @@ LARGEST = 32_000_000
 FLATTEST = 0.0005
 """The smallest thickness of a mesh part in metres; simulators do not collide with the hull of a flatter part."""
 
+MOST_SOLIDS = 64
+"""The maximum number of solids into which a part is divided; each solid is at least one part for collisions."""
+
 HEADER, TRIANGLE = 84, 50
 """The sizes in bytes of the header of a binary .stl, and of each triangle."""
 
@@ -48,8 +51,8 @@ MeshPart = tuple[Triangle, ...]
 def mesh_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[MeshPart, ...]:
     """Return the triangles of the convex parts of a mesh, multiplied by a scale along each axis.
 
-    A convex part of the file is kept as it is; a concave part is decomposed if CoACD is installed. For collision
-    checks, each part is replaced by its convex hull.
+    A convex part of the file is kept as it is. A concave part is divided into its separate solids, and solids that are
+    concave are decomposed if CoACD is installed. For collision checks, each part is replaced by its convex hull.
 
     Raises:
         SceneError: as for `file_parts`.
@@ -63,7 +66,7 @@ def _convex_parts(path: str, scale: Point, _state: tuple[int, int]) -> tuple[Mes
     from prag_asp.scene.read.decomposition import can_decompose, decomposed  # noqa: PLC0415 - few domains have meshes
 
     parts: list[MeshPart] = []
-    for part in file_parts(path, scale):
+    for part in chain.from_iterable(map(_solids, file_parts(path, scale))):
         if can_decompose() and _concave(part):
             try:
                 found = decomposed(np.array(part, dtype=float))
@@ -84,7 +87,20 @@ def is_concave(path: str, scale: Point = (1.0, 1.0, 1.0)) -> bool:
     Raises:
         SceneError: as for `file_parts`.
     """
-    return any(map(_concave, file_parts(path, scale)))
+    return any(map(_concave, chain.from_iterable(map(_solids, file_parts(path, scale)))))
+
+
+def _solids(part: MeshPart) -> tuple[MeshPart, ...]:
+    """Return the separate solids of a concave part, or the part itself."""
+    from prag_asp.scene.read.convex import separate_solids  # noqa: PLC0415 - few domains have meshes
+
+    if not _concave(part):
+        return (part,)
+    solids = separate_solids(np.array(part, dtype=float))
+    if not 1 < len(solids) <= MOST_SOLIDS:
+        return (part,)
+    divided = tuple(tuple((_point(a), _point(b), _point(c)) for a, b, c in solid.tolist()) for solid in solids)
+    return divided if min(thickness(_corners(solid)) for solid in divided) >= FLATTEST else (part,)
 
 
 def _concave(part: MeshPart) -> bool:
