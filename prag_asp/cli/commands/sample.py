@@ -272,4 +272,10 @@ def _remedy(tally: Tally) -> str:
         (_, reason), _ = tally.reasons.most_common(1)[0]
         every = "it is" if tally.seen == 1 else "all are"
         return f"{every} proved infeasible, because {reason}; change the domain or its scene, or see prag-asp learn"
+    from prag_asp.physics.search.attempt import NO_GRASP
+
+    if set(tally.causes) == {NO_GRASP}:
+        return (
+            f"nearest to working: {tally.nearest}; see prag-asp check, which counts the grasps of each body from a file"
+        )
     return f"nearest to working: {tally.nearest}; raise --budget or --max-draws"

@@ -66,8 +66,8 @@ def _convex_parts(path: str, scale: Point, _state: tuple[int, int]) -> tuple[Mes
     from prag_asp.scene.read.decomposition import can_decompose, decomposed  # noqa: PLC0415 - few domains have meshes
 
     parts: list[MeshPart] = []
-    for part in chain.from_iterable(map(_solids, file_parts(path, scale))):
-        if can_decompose() and _concave(part):
+    for part, concave in chain.from_iterable(map(_solids, file_parts(path, scale))):
+        if concave and can_decompose():
             try:
                 found = decomposed(np.array(part, dtype=float))
             except LimitReached as error:
@@ -87,20 +87,22 @@ def is_concave(path: str, scale: Point = (1.0, 1.0, 1.0)) -> bool:
     Raises:
         SceneError: as for `file_parts`.
     """
-    return any(map(_concave, chain.from_iterable(map(_solids, file_parts(path, scale)))))
+    return any(concave for part in file_parts(path, scale) for _, concave in _solids(part))
 
 
-def _solids(part: MeshPart) -> tuple[MeshPart, ...]:
-    """Return the separate solids of a concave part, or the part itself."""
+def _solids(part: MeshPart) -> list[tuple[MeshPart, bool]]:
+    """Return the separate solids of a concave part, or the part itself, and whether each of them is concave."""
     from prag_asp.scene.read.convex import separate_solids  # noqa: PLC0415 - few domains have meshes
 
     if not _concave(part):
-        return (part,)
+        return [(part, False)]
     solids = separate_solids(np.array(part, dtype=float))
     if not 1 < len(solids) <= MOST_SOLIDS:
-        return (part,)
+        return [(part, True)]
     divided = tuple(tuple((_point(a), _point(b), _point(c)) for a, b, c in solid.tolist()) for solid in solids)
-    return divided if min(thickness(_corners(solid)) for solid in divided) >= FLATTEST else (part,)
+    if min(thickness(_corners(solid)) for solid in divided) < FLATTEST:
+        return [(part, True)]
+    return [(solid, _concave(solid)) for solid in divided]
 
 
 def _concave(part: MeshPart) -> bool:
@@ -178,6 +180,8 @@ def _read(path: str, modified: int, size: int) -> tuple[MeshPart, ...]:
     """Return the parts of a mesh in the unit of its file; the state of the file is part of the cache key."""
     try:
         content = read_bytes(path, at_most=LARGEST)
+        if not content:
+            raise ValueError("the file is empty")
         parts = _triangles(path, content)
     except OSError as error:
         raise SceneError(f"{path}: cannot be read: {error.strerror}") from error

@@ -173,7 +173,10 @@ def test_without_the_extra_a_concave_mesh_is_refused_with_the_remedy(tmp_path, m
         ({"path": "../b.stl"}, "lies outside the domain"),
         ({"path": "b.stl", "scale": -1}, "cube.scale: "),
         ({"path": "b.stl", "scale": [1, 2]}, "cube.scale: "),
-        ({"path": "b.stl", "scale": 100}, "m long; give its lengths in metres"),
+        (
+            {"path": "b.stl", "scale": 100},
+            "m long; give its lengths in metres (at most 2), or give a mesh a smaller",
+        ),
         ({"path": "b.stl", "scale": 0.001}, "m thin; make it at least"),
         ({"path": "b.stl", "up": "w"}, "cube.up: "),
         ({"path": "b.stl", "rotation": 90}, "cube.rotation: "),
