@@ -43,6 +43,9 @@ def check_arguments(given: Mapping[str, Any], render_modes: Sequence[str]) -> No
     ):
         if given[name] not in choices:
             raise QueryError(unknown(str(given[name]), choices, what))
+    for name in ("everything", "goals", "trivial", "skeletons"):
+        if not isinstance(given[name], bool):
+            raise QueryError(f"{name} {given[name]!r:.80}: give True or False")
     stage, budget, render_mode = given["stage"], given["budget"], given["render_mode"]
     if not is_whole(stage) and not isinstance(stage, str):
         told = f"stage {stage!r}: give the number of a subgoal, from 0 or, from the last one, -1"

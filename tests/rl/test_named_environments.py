@@ -105,6 +105,7 @@ def test_tasks_come_from_the_part_alone(chance: Chance) -> None:
         ({"domain": "tabletop", "length": 2, "split": "train", "shares": "0.5"}, "give the share of each part"),
         ({"domain": "tabletop", "length": 2, "split": "test", "shares": {"test": "0.3"}}, "add up"),
         ({"domain": "tabletop", "length": 2, "split": "test", "split_seed": 0.5}, "whole number"),
+        ({"domain": "tabletop", "length": 2, "everything": "maybe"}, "everything 'maybe': give True or False"),
         ({"domain": "tabletop", "length": 2, "split": "test", "hold_out": "moon"}, "moon"),
         ({"domain": "tabletop", "length": "0..2", "split": "test"}, "lengths from 1"),
         ({"domain": "blocks", "length": 2}, "scene"), ({"dataset": "no such folder"}, "no such folder"),
