@@ -102,6 +102,7 @@ def evaluate(
     record = EvaluationRecord(
         digest([name, content, source.identity, options, wrapping, seed]), name, source.title,
         domain.label, Scenarios(domain).digest, options, seed, count, 0, versions(),
+        wrapper="" if wrapper is None else _name(wrapper),
     )  # fmt: skip
     if folder is None:
         return Results(*_evaluated(record, source, setup, workers, [], lambda line: None, progress))

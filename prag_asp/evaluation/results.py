@@ -32,7 +32,8 @@ class EvaluationRecord(msgspec.Struct, frozen=True):
     """The contents of evaluation.json: the policy, the scenarios and the options in an evaluation.
 
     `options` are the options of the environment as text; `rejected` counts sampled tasks that physics found infeasible.
-    `strata` are those of a stratified sample; the part of each episode is then the name of its stratum.
+    `strata` are those of a stratified sample; the part of each episode is then the name of its stratum. `wrapper` is
+    the name of the wrapper of the environment, or "".
     """
 
     identity: str
@@ -46,6 +47,7 @@ class EvaluationRecord(msgspec.Struct, frozen=True):
     rejected: Whole
     versions: str
     strata: list[StratumFigures] = []
+    wrapper: str = ""
 
     def difference(self, other: EvaluationRecord) -> str:
         """Return how the domain or the options for episodes differ from those of another evaluation, or ""."""

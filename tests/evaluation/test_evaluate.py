@@ -19,6 +19,7 @@ from prag_asp.evaluation import FreshScenarios, NamedScenarios, Results, StoredS
 from prag_asp.evaluation.evaluating import JOURNAL
 from prag_asp.evaluation.policies import content_of
 from prag_asp.rl import TaskEnv
+from prag_asp.rl.wrappers import ScriptedReach
 from tests.commands import ok, run
 from tests.evaluation import policies_under_test
 from tests.evaluation.policies_under_test import Informed
@@ -163,7 +164,8 @@ def test_a_policy_that_fails_is_named_in_one_line(fresh: FreshScenarios, policy:
     assert "\n" not in str(error.value)
 
 
-def test_a_wrapper_that_fails_is_named_in_one_line(fresh: FreshScenarios) -> None:
+def test_a_wrapper_is_recorded_and_named_in_one_line_if_it_fails(fresh: FreshScenarios) -> None:
+    assert evaluate("zeros", fresh, steps=1, wrapper=ScriptedReach).record.wrapper.endswith("wrappers:ScriptedReach")
     with pytest.raises(QueryError, match="the wrapper cannot be created: ZeroDivisionError: it divides by zero"):
         evaluate("zeros", fresh, steps=3, wrapper=policies_under_test.failing)
 
