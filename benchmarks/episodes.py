@@ -191,7 +191,7 @@ def _faults(task: Task, verdict: Verdict, scene: Scene) -> list[str]:
         *loosened(shown, world.robots),
         *above_limits(shown.joints, kinds),
         *above_limits(shown.commands[..., :7], kinds),
-        *unwanted(shown, list(map(str, task.actions)), initial),
+        *unwanted(shown, list(map(str, task.actions)), initial, world.masses),
         *check_demonstration(task, shown, scene),
     ]
 

@@ -29,6 +29,10 @@ OPEN_ALREADY = ("/proc/", "/dev/fd/")
 """The prefixes of paths that a shell has opened for the process: ``/dev/stdin``, and ``<(command)``."""
 
 
+STANDARD_INPUTS = ("/dev/stdin", "/dev/fd/0", "/proc/self/fd/0")
+"""The paths of standard input."""
+
+
 class Refused(OSError):
     """A file that is refused regardless of its permissions."""
 
@@ -63,6 +67,8 @@ def open_binary(path: str | Path, *, within: str | Path | None = None, at_most: 
     Raises:
         OSError: the file is missing, unreadable, not a regular file, too large, or outside `within`.
     """
+    if str(path) in STANDARD_INPUTS and sys.stdin is None:
+        raise Refused(errno.EBADF, "standard input is closed", str(path))
     try:
         found = Path(path).stat()
     except ValueError:

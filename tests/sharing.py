@@ -15,14 +15,14 @@ from prag_asp.dataset.pages import dataset_card
 from prag_asp.domain import load
 from prag_asp.logic.domain_logic import DomainLogic
 from prag_asp.program.paths import data_folder
-from prag_asp.space import task_space
+from prag_asp.space import domain_engines, task_space
 from prag_asp.space.domain_engines import DomainEngines
 from prag_asp.space.engines.engine import Progress
 from prag_asp.space.limits import UNLIMITED, Limits
 from tests.checks import checks_shared
 
-KEPT = 8
-"""How many domains are kept: a data set has one, a file of tests few."""
+KEPT = 16
+"""How many domains and conditions are kept: a data set has one of each split, a file of tests few."""
 
 _shared: deque[DomainEngines] = deque(maxlen=KEPT)
 
@@ -31,11 +31,12 @@ _shared: deque[DomainEngines] = deque(maxlen=KEPT)
 def logic_shared() -> Iterator[None]:
     """Let all task spaces that are made share the logic of equal domains, and check shipped domains once.
 
-    Those that tell of progress or have limits have engines of their own; domains that count with fewer entities are as
-    ever.
+    Those that tell of progress or have limits have engines of their own, on the same logic; domains that count with
+    fewer entities are as ever.
     """
     with checks_shared(), pytest.MonkeyPatch.context() as patch:
         patch.setattr(task_space, "DomainEngines", _known)
+        patch.setattr(domain_engines, "DomainEngines", _known)  # those under conditions are made there
         yield
 
 
@@ -64,20 +65,27 @@ def pictures_are_small() -> Iterator[None]:
 
 
 def _known(
-    model: DomainLogic, engine: str, progress: Progress | None, limits: Limits, fewest_actions: int = 0
+    model: DomainLogic,
+    engine: str,
+    progress: Progress | None,
+    limits: Limits,
+    fewest_actions: int = 0,
+    shortest: bool = False,
 ) -> DomainEngines:
     """Return what a space shares with others: all that there is, or the logic alone."""
     if model.domain.reduction is not None or model.domain.irreducible:
-        return DomainEngines(model, engine, progress, limits, fewest_actions)
+        return DomainEngines(model, engine, progress, limits, fewest_actions, shortest)
     like = [each for each in _shared if _alike(each.model, model)]
-    asked = engine, progress, limits, fewest_actions
-    for each in like:
-        if asked == (each.name, None, UNLIMITED, each.fewest_actions):
-            return each
-    made = DomainEngines(like[0].model if like else model, *asked)
-    if progress is None and limits is UNLIMITED:
-        _shared.append(made)
-    return made
+    model = like[0].model if like else model
+    options = fewest_actions, shortest
+    shared = next(
+        (each for each in like if (each.name, each.fewest_actions, each.shortest) == (engine, *options)), None
+    )
+    if shared is None:
+        shared = DomainEngines(model, engine, None, UNLIMITED, *options)
+        _shared.append(shared)
+    alone = progress is not None or limits is not UNLIMITED
+    return DomainEngines(model, engine, progress, limits, *options) if alone else shared
 
 
 def _alike(one: DomainLogic, other: DomainLogic) -> bool:

@@ -177,11 +177,26 @@ def imports(texts: Mapping[str, str]) -> Iterator[tuple[str, str]]:
             yield module, found(given)
 
 
+@cache
+def tree(module: str) -> ast.Module:
+    """Return the syntax tree of a module."""
+    return ast.parse(module)
+
+
+def statements(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield all statements of a module; expressions import nothing and are most of the tree."""
+    for field in ("body", "orelse", "finalbody", "handlers", "cases"):
+        inner = getattr(node, field, ())
+        for each in inner if isinstance(inner, list) else ():
+            yield each
+            yield from statements(each)
+
+
 @cache  # the packages with one more line in a module have all others in common
 def imported(module: str, *, texts: bool) -> list[str]:
     """Return the dotted names below ``prag_asp`` that a module imports, by statements or (with `texts`) as texts."""
     found = []
-    for node in ast.walk(ast.parse(module)):
+    for node in (ast.walk if texts and re.search(r"""["']prag_asp\.""", module) else statements)(tree(module)):
         given: list[str] = []
         if isinstance(node, ast.ImportFrom):
             assert not node.level, "an import is relative"
@@ -197,7 +212,7 @@ def imported(module: str, *, texts: bool) -> list[str]:
 @cache
 def faces(module: str) -> dict[str, str]:
     """Return where the names live that a face hands on; a module that is not a face hands on none."""
-    for node in ast.parse(module).body:
+    for node in tree(module).body if "_HOMES" in module else ():
         if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "_HOMES":
             homes: dict[str, tuple[str, ...]] = ast.literal_eval(node.value)
             return {name: home.removeprefix("prag_asp.") for home, names in homes.items() for name in names}

@@ -212,7 +212,8 @@ def while_(stage: str) -> str:
 def reopen_closed_streams() -> None:
     """Open /dev/null for each standard stream that is closed; writing to stdout then fails, as it should.
 
-    Otherwise, the next file that is opened would get the file descriptor of the closed stream.
+    Otherwise, the next file that is opened would get the file descriptor of the closed stream. `sys.stdin` remains
+    None, so that a command that reads standard input is refused.
     """
     for number, name, flags in ((0, "stdin", os.O_RDONLY), (1, "stdout", os.O_RDONLY), (2, "stderr", os.O_WRONLY)):
         if getattr(sys, name) is None:
@@ -220,7 +221,8 @@ def reopen_closed_streams() -> None:
             if descriptor != number:
                 os.dup2(descriptor, number)
                 os.close(descriptor)
-            setattr(sys, name, os.fdopen(number, "r" if number == 0 else "w", closefd=False))
+            if number:
+                setattr(sys, name, os.fdopen(number, "w", closefd=False))
 
 
 def _ignore_signals() -> None:

@@ -168,24 +168,9 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
             candidates = min(FOR_EACH_DIVERSE * diverse, MOST_CANDIDATES)
         uniform = strata or cover is not None
         weights = ({} if uniform else domain.settings.weights) if weights is None else weights
-        others = {
-            "weights": weights,
-            "over": over,
-            "evenly": fields.get("evenly"),
-            "excluded": (excluded := list(excluded)),
-        }
-        for name, value in others.items():
-            if strata and value:
-                raise QueryError(f"strata are sampled uniformly as a whole; leave {name} out")
-            if cover is not None and value and name != "excluded":
-                raise QueryError(
-                    f"tasks that cover combinations are chosen, and others sampled uniformly; leave {name} out"
-                )
-        _check_choice(cover, diverse, division, part)
-        if apart and (cover is not None or strata is not None or not division.by_tasks):
-            raise QueryError(
-                "tasks that are far from others are sampled; leave cover, strata, skeletons and hold_out out"
-            )
+        excluded = list(excluded)
+        others = {"weights": weights, "over": over, "evenly": fields.get("evenly"), "excluded": excluded}
+        _check_choice(cover, diverse, division, part, apart, [name for name, value in others.items() if value])
         spec = cls(
             split={name: str(share) for name, share in division.shares.items()},
             skeletons=skeletons,
@@ -288,12 +273,24 @@ def _number_of_tasks(tasks: int | None, cover: int | None, diverse: int | None, 
     return diverse
 
 
-def _check_choice(cover: int | None, diverse: int | None, division: Division, part: str | None) -> None:
-    """Check that the options for choosing tasks do not conflict with others.
+def _check_choice(
+    cover: int | None, diverse: int | None, division: Division, part: str | None, apart: Sequence[ApartSpec],
+    others: Sequence[str],
+) -> None:  # fmt: skip
+    """Check that the options for choosing tasks do not conflict with each other, nor with `others`, which are given.
 
     Raises:
         QueryError: two options exclude each other.
     """
+    for name in others:
+        if division.strata is not None:
+            raise QueryError(f"strata are sampled uniformly as a whole; leave {name} out")
+        if cover is not None and name != "excluded":
+            raise QueryError(
+                f"tasks that cover combinations are chosen, and others sampled uniformly; leave {name} out"
+            )
+    if apart and (cover is not None or division.strata is not None or not division.by_tasks):
+        raise QueryError("tasks that are far from others are sampled; leave cover, strata, skeletons and hold_out out")
     if cover is None and diverse is None:
         return
     if cover is not None and diverse is not None:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 
-class TaskSource(Protocol):
+class TaskStream(Protocol):
     """A domain and a stream of its tasks, such as a `TaskSpace` or given tasks."""
 
     @property
@@ -35,7 +35,7 @@ class TaskSource(Protocol):
 
 
 def feasible(
-    space: TaskSource,
+    space: TaskStream,
     scene: Scene | None = None,
     *,
     seed: int = 0,

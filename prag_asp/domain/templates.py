@@ -172,7 +172,7 @@ board = 1
 "leave>board" = 1
 
 [language]              # sentences of actions; {{0}}, {{1}}, ... are the arguments
-board = "drive {{0}} onto the ferry at {{1}}"
+board = "drive {{0}} onto the ferry at {{1}}[ again]"
 leave = "drive {{0}} off the ferry at {{1}}"
 cross = "cross from {{0}} to {{1}}"
 """

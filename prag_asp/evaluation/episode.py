@@ -171,9 +171,8 @@ class EpisodeRunner:
         """Name the policy and the scenario in an error that the policy raises."""
         try:
             yield
-        except Exception as error:  # a policy may raise anything
-            what = str(error) if isinstance(error, PragError) else f"{type(error).__name__}: {error}"
-            reason = " ".join(what.split())
+        except (Exception, SystemExit) as error:  # a policy may raise anything
+            reason = str(error) if isinstance(error, PragError) else _in_one_line(error)
             raise QueryError(f"policy {self._setup.name}, scenario {scenario}: {reason:.500}") from error
 
 
@@ -186,17 +185,37 @@ def open_runner(setup: EpisodeSetup, **options: Any) -> Iterator[EpisodeRunner]:
     """
     task_env = TaskEnv(TaskSpace(setup.domain, setup.lengths), **setup.options, **options)
     try:
-        env: gymnasium.Env[Any, Any] = task_env if setup.wrapper is None else setup.wrapper(task_env)
+        env: gymnasium.Env[Any, Any] = task_env
+        if setup.wrapper is not None:
+            with _constructing("the wrapper"):
+                env = setup.wrapper(task_env)
         if not isinstance(getattr(env, "unwrapped", None), TaskEnv):
             raise QueryError(f"the wrapper returns {env!r:.80}, which is not a wrapped environment")
         with open_validator(task_env.scene) as validator:
-            policy = setup.maker(env)
+            with _constructing(f"policy {setup.name}"):
+                policy = setup.maker(env)
             try:
                 yield EpisodeRunner(setup, env, policy, validator)
             finally:
                 getattr(policy, "close", lambda: None)()
     finally:
         task_env.close()
+
+
+@contextmanager
+def _constructing(what: str) -> Iterator[None]:
+    """Name the policy or the wrapper whose constructor raises an error, unless the error already has a message."""
+    try:
+        yield
+    except PragError:
+        raise
+    except (Exception, SystemExit) as error:  # a constructor may raise anything
+        raise QueryError(f"{what} cannot be created: {_in_one_line(error):.500}") from error
+
+
+def _in_one_line(error: BaseException) -> str:
+    """Return the type and the message of an error in one line."""
+    return " ".join(f"{type(error).__name__}: {error}".split())
 
 
 @contextmanager

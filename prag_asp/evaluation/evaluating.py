@@ -17,8 +17,8 @@ from prag_asp.dataset.scenarios import Scenarios
 from prag_asp.dataset.strata.stratum_figures import StratumFeed
 from prag_asp.errors import NotFound, OutputError, QueryError
 from prag_asp.evaluation.episode import EpisodeJob, EpisodeSetup, EvaluatedEpisode, open_episodes, open_runner
-from prag_asp.evaluation.policies import environment_of, load_policy
-from prag_asp.evaluation.policies.python_callable import CallablePolicy
+from prag_asp.evaluation.policies import content_of, contents_digest, environment_of, load_policy
+from prag_asp.evaluation.policies.python_callable import CallablePolicy, source_files
 from prag_asp.evaluation.results import EVALUATION, EvaluationRecord, Results
 from prag_asp.evaluation.stratified_rates import weighted
 from prag_asp.missing import require_pyarrow
@@ -75,7 +75,8 @@ def evaluate(
 
     With a `folder`, the results are written there: evaluation.json, a table of episodes, and `videos` of the first
     failures. An interrupted evaluation resumes from this folder, and keeps all episodes before the first one that was
-    still running.
+    still running. If an option or a file of the policy has changed since, it begins again instead; the results of a
+    complete evaluation are not overwritten. Of a Python policy or wrapper, only the file that defines it is considered.
 
     Raises:
         QueryError: an argument is wrong, or the policy fails.
@@ -95,9 +96,11 @@ def evaluate(
     environment = {**(environment_of(policy) if isinstance(policy, str) else {}), **environment}
     domain, count = source.domain, source.count
     setup = EpisodeSetup(domain, source.lengths, {"reward": "sparse", **environment}, maker, wrapper, seed, name)
+    content = content_of(policy) if isinstance(policy, str) else contents_digest(source_files(policy))
+    wrapping = None if wrapper is None else [_name(wrapper), contents_digest(source_files(wrapper))]
     options = {key: str(value) for key, value in sorted(environment.items())}
     record = EvaluationRecord(
-        digest([name, source.identity, options, None if wrapper is None else _name(wrapper), seed]), name, source.title,
+        digest([name, content, source.identity, options, wrapping, seed]), name, source.title,
         domain.label, Scenarios(domain).digest, options, seed, count, 0, versions(),
     )  # fmt: skip
     if folder is None:
@@ -109,7 +112,8 @@ def evaluate(
     if existing is None:
         return _continued(path, record, source, setup, workers, videos, progress)
     if existing.identity != record.identity:
-        raise OutputError(f"{path}: holds the results of another evaluation, of {existing.policy}; give a new folder")
+        changed = ", with other options or scenarios or before its files changed" if existing.policy == name else ""
+        raise OutputError(f"{path}: holds another evaluation, of {existing.policy}{changed}; give a new folder")
     return Results.open(path)
 
 

@@ -109,9 +109,14 @@ class ComparisonDesign:
         it.
 
         Raises:
-            QueryError: the effect is 0 or impossible at this rate, or more than `MOST` scenarios are needed.
+            QueryError: the effect is 0 or impossible at this rate, the power is 1 without `tasks`, or more than `MOST`
+                scenarios are needed.
         """
         exact, wished = _exact("effect", effect), float(_within("power", power, 0, 1))
+        if wished == 1.0 and self.tasks is not None:
+            return self.tasks
+        if wished == 1.0:
+            raise QueryError("no number of scenarios gives a power of 1; give a lower power, such as 0.99")
         if exact == 0:
             raise QueryError("no number of scenarios shows an effect of 0; give a larger effect")
         number = self._least(lambda scenarios: self._power(scenarios, exact) >= wished, f"an effect of {effect}")

@@ -93,7 +93,10 @@ class Results:
             hint = "run the evaluation again to end it" if path.is_dir() else "give the folder of prag-asp evaluate -o"
             raise QueryError(f"{path}: has no complete evaluation; {hint}")
         try:
-            rows = parquet.read_table(BytesIO(read_bytes(path / EPISODES, within=path))).to_pylist()
+            content = pa.BufferReader(read_bytes(path / EPISODES, within=path))
+            # Threads of pyarrow that are still alive when Python exits can abort the process.
+            with parquet.ParquetFile(content) as file:
+                rows = file.read(use_threads=False).to_pylist()
             episodes = msgspec.convert(rows, tuple[EvaluatedEpisode, ...])
         except (OSError, pa.ArrowException, msgspec.ValidationError) as error:
             reason = " ".join(str(error).split())

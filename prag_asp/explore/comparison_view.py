@@ -14,7 +14,7 @@ from prag_asp.space.engines.engine import Level
 
 
 @dataclass(frozen=True)
-class Side:
+class ComparedConditions:
     """The conditions on one side, the number of tasks that satisfy them, and how many of these the other side lacks."""
 
     where: tuple[str, ...]
@@ -36,8 +36,8 @@ class ComparisonView:
     level: str
     distinguishes: bool
     all: str
-    first: Side
-    second: Side
+    first: ComparedConditions
+    second: ComparedConditions
     both: str
     either: str
     same: SameResult
@@ -59,9 +59,9 @@ def comparison_view(explored: ExploredDomain, state: PageState) -> ComparisonVie
     first, second, both, whole = (space.count(by) for space in spaces)
     at = replace(state, by=by, chosen=())
 
-    def side(where: tuple[str, ...], number: int) -> Side:
+    def side(where: tuple[str, ...], number: int) -> ComparedConditions:
         own = replace(at, where=where, beside=())
-        return Side(
+        return ComparedConditions(
             where, digits_of(number), digits_of(number - both), share(both, number), own.query, _same(explored, own)
         )
 

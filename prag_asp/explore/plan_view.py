@@ -56,11 +56,11 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Part:
+class ReadingNode:
     """A node of a reading: an action or a composite with its parts."""
 
     term: str
-    parts: tuple[Part, ...] = ()
+    parts: tuple[ReadingNode, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Tree:
     """The readings of the plan as trees, their number, and the actions that no complete composite covers yet."""
 
     number: str
-    readings: tuple[tuple[Part, ...], ...]
+    readings: tuple[tuple[ReadingNode, ...], ...]
     unfinished: tuple[str, ...]
 
 
@@ -214,14 +214,14 @@ def _tree(space: TaskSpace, chosen: Letters) -> Tree | None:
     readings = next(
         found for size in range(len(plan), -1, -1) if (found := Readings(plan[:size], hierarchy)).count() or not size
     )
-    listed = [tuple(map(_part, reading)) for reading, _ in zip(readings, range(SHOWN_READINGS), strict=False)]
+    listed = [tuple(map(_node, reading)) for reading, _ in zip(readings, range(SHOWN_READINGS), strict=False)]
     return Tree(digits_of(readings.count()), tuple(listed), chosen[len(readings.actions) :])
 
 
-def _part(part: Atom | Composite) -> Part:
+def _node(part: Atom | Composite) -> ReadingNode:
     if isinstance(part, Composite):
-        return Part(str(part.term), tuple(map(_part, part.parts)))
-    return Part(str(part))
+        return ReadingNode(str(part.term), tuple(map(_node, part.parts)))
+    return ReadingNode(str(part))
 
 
 def _same(explored: ExploredDomain, state: PageState, rank: int) -> tuple[SameResult, ...]:

@@ -56,7 +56,10 @@ def check_forms(entry: TableEntry, words: Words) -> None:
     for key, names, needed in (
         ("named", ("the", "noun", "name"), "name"),
         ("modified", ("phrase", "where", "is"), "where"),
+        ("formerly", ("phrase", "where"), "where"),
     ):
+        if key not in table:
+            continue
         for text in [table[key]] if isinstance(table[key], str) else table[key]:
             braces = _braces(text)
             if braces is None or not set(braces) <= set(names) or needed not in braces:
@@ -118,8 +121,8 @@ def _check_agreement(entry: TableEntry, words: Words) -> None:
 
 
 def _braces(text: str) -> tuple[str, ...] | None:
-    """Return the names in braces, in order, or None if the braces do not match."""
+    """Return the names in braces, in order and in lower case, or None if the braces do not match."""
     try:
-        return tuple(name for _, name, _, _ in Formatter().parse(text) if name is not None)
+        return tuple(name.lower() for _, name, _, _ in Formatter().parse(text) if name is not None)
     except ValueError:
         return None

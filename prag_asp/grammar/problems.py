@@ -8,7 +8,7 @@ from itertools import combinations
 
 from prag_asp.errors import QueryError
 from prag_asp.grammar.completeness import check_forms, check_kinds
-from prag_asp.grammar.reader import FIRST, PARTS, GrammarReader, languages, tables
+from prag_asp.grammar.reader import FIRST, PARTS, GrammarReader, languages, split_key, tables
 from prag_asp.grammar.template import BRACKETED, agrees, parse_template
 from prag_asp.grammar.ways import Signature
 from prag_asp.grammar.word_table import shipped_languages
@@ -72,7 +72,8 @@ def _check_terms(language: TableEntry, reader: GrammarReader) -> None:
     """Report wrong sentences for actions, and wrong words for arguments that are not entities."""
     actions, fluents = reader.states.action_arguments, reader.states.fluent_arguments
     arities = _arities(actions)
-    for name, entry in language.at("actions").entries():
+    for key, entry in language.at("actions").entries():
+        name = _checked_key(key, entry, actions, reader)
         if name not in arities:
             entry.add(f"there is no such action; {did_you_mean(name, arities, f'actions are {listed(arities)}')}")
         else:
@@ -90,19 +91,33 @@ def _check_terms(language: TableEntry, reader: GrammarReader) -> None:
 def _check_facts(language: TableEntry, reader: GrammarReader) -> None:
     """Report wrong and missing sentences of fluents."""
     arities = _arities(reader.states.fluent_arguments)
-    for name, entry in language.at("facts").entries():
+    for key, entry in language.at("facts").entries():
+        name = _checked_key(key, entry, reader.states.fluent_arguments, reader)
         if name not in arities:
             entry.add(f"there is no such fluent; {did_you_mean(name, arities, f'fluents are {listed(arities)}')}")
             continue
         forms = entry if isinstance(entry.value, Mapping) else replace(entry, value={"is": entry.value})
         forms.require_known(FACT_KEYS)
-        for key in ("is", "not", "where"):
-            if key in forms.value:
-                _check_sentences(forms.at(key) if forms is entry else entry, reader, arities[name])
+        for part in ("is", "not", "where"):
+            if part in forms.value:
+                _check_sentences(forms.at(part) if forms is entry else entry, reader, arities[name])
         if "is" not in forms.value:
             entry.add('does not say that it is so; add is = "..."')
         elif "not" not in forms.value and not any(map(agrees, _texts(forms.value["is"]))):
             entry.add('does not say that it is not so; add not = "...", or write {is} for its verb', "no-words")
+
+
+def _checked_key(key: str, entry: TableEntry, arguments: Iterable[Signature], reader: GrammarReader) -> str:
+    """Return the name in a key such as ``pick(_,_,sink)``; report a wrong number of arguments, and unknown ones."""
+    name, only = split_key(key)
+    arities = {arity for each, arity in arguments if each == name}
+    if only and arities and len(only) not in arities:
+        entry.add(f"{name} has {listed(map(str, sorted(arities)))} arguments; write as many, and _ for any")
+    declared = {"_", *map(str, reader.states.classes), *reader.states.entity_names}
+    for each in only:
+        if each not in declared:
+            entry.add(f"there is no class or entity {each}; {did_you_mean(each, declared, 'write _ for any')}")
+    return name
 
 
 def _check_nouns(language: TableEntry, reader: GrammarReader) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -10,11 +11,15 @@ from typing import Any, NamedTuple
 
 from prag_asp.atom import parse_atom
 from prag_asp.errors import QueryError
-from prag_asp.grammar.template import Template, agrees, parse_template, restoring_forms
+from prag_asp.grammar.template import Template, agrees, parse_template, recurrent_forms
 from prag_asp.grammar.ways import Signature, Way, common_ways, ways_of_actions
 from prag_asp.grammar.word_table import Words, words_of
 from prag_asp.program.facts import Facts
 from prag_asp.program.settings import Settings
+
+CAMEL = re.compile(r"([a-z0-9])([A-Z](?![A-Z]))")
+NUMBERED = re.compile(r"(?<=[a-z]{3})(?=[0-9]+\b)")
+"""The ends of words in names such as ``pickUp`` and ``cube12``."""
 
 FIRST = "en"
 """The language of the sentences directly under ``[language]``."""
@@ -52,6 +57,18 @@ class FactForms:
     false: tuple[Template, ...] = ()
     where: tuple[Where, ...] = ()
     silent: bool = False
+
+    def extended(self, other: FactForms, only: tuple[str, ...]) -> FactForms:
+        """Return these forms together with `other` forms, which are for certain arguments only."""
+        true, false = (
+            tuple(replace(template, only=only) for template in templates) for templates in (other.true, other.false)
+        )
+        where = tuple(Where(replace(each.template, only=only), each.subject) for each in other.where)
+        return FactForms((*self.true, *true), (*self.false, *false), (*self.where, *where), self.silent)
+
+    def names_all(self, arity: int) -> bool:
+        """Return whether the sentences name all arguments of a fluent."""
+        return bool(self.true) and all(set(template.arguments) == set(range(arity)) for template in self.true)
 
 
 class PlainSentence(NamedTuple):
@@ -130,7 +147,12 @@ class GrammarReader:
             if not texts and self.code == FIRST:  # a noun phrase has its own article
                 short = listed(self.settings.grammar.get(name))
                 texts = tuple(text for text in short if not any(f"{article} {{" in text for article in articles))
-            sentences[name, arity] = tuple(self.templates(texts, arity))
+            own = (
+                replace(template, only=only)
+                for entry, only in special_entries(table, name, arity)
+                for template in self.templates(listed(entry), arity)
+            )
+            sentences[name, arity] = (*self.templates(texts, arity), *own)
         return sentences
 
     def plain(self) -> dict[Signature, tuple[PlainSentence, ...]]:
@@ -165,10 +187,16 @@ class GrammarReader:
                 other.remove(robots[0])
                 agent = str(defaults["agent"]).replace("{0}", f"{{{robots[0]}}}")
             every = _joined([f"{{{index}}}" for index in other], defaults["all"])
-            text = str(defaults["action"]).format(name=verbs.get(name, plain(name)), all=every).strip()
+            text, carry = (
+                _with_particle(str(defaults["action"]).format(name=verb, all=every).strip(), verb, every, defaults)
+                for verb in (verbs.get(name, plain(name)), defaults.get("carry", {}).get(name, plain(name)))
+            )
+            if not any(common[index].word == "to" for index in common):
+                agent += str(defaults.get("again", ""))
             actions_of: dict[str, set[str]] = {text: set()} if not led else {}
             for action, ways in ways_of.items() if led else ():
-                whole = text
+                vague = any(ways[i].word == "to" and ways[i].predicate not in defaults["to"] for i in led)
+                whole = carry if vague else text
                 for index in led:
                     by_predicate = defaults[ways[index].word]
                     phrase = by_predicate.get(ways[index].predicate, by_predicate["any"])
@@ -200,6 +228,7 @@ class GrammarReader:
         from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
 
         table, scene = self._table("facts"), self.settings.scene
+        usual = {} if scene else _below(self.words.table, "fluents")
         forms = {}
         for name, arity in self.states.fluent_arguments:
             own = _below(_below(scene, "own"), name)
@@ -208,11 +237,15 @@ class GrammarReader:
                 entry = table[name]
             elif "sentence" in own and self.code == FIRST:
                 entry = own["sentence"]
+            elif name in usual and self.forms(usual[name], arity).names_all(arity):
+                entry = usual[name]
             elif meaning in PREDICATE_ROLES and len(PREDICATE_ROLES[meaning]) == arity:
                 entry = _below(_below(self.words.table, "facts"), meaning)
             else:
                 entry = self._default(name, arity)
             forms[name, arity] = self.forms(entry, arity)
+            for special, only in special_entries(table, name, arity):
+                forms[name, arity] = forms[name, arity].extended(self.forms(special, arity), only)
         return forms
 
     def spare(self) -> dict[Signature, FactForms]:
@@ -253,7 +286,7 @@ class GrammarReader:
     def templates(self, texts: Sequence[str] | Iterator[str], arity: int, verb: str = "is") -> Iterator[Template]:
         """Yield the templates in texts: one for each form of an agreeing word, with and without text in brackets."""
         for phrasing, whole in enumerate(map(self.words.expanded, texts)):
-            for text, restores in restoring_forms(whole):
+            for text, recurrence in recurrent_forms(whole, str(self.words.table.get("repeated", ""))):
                 forms: dict[str, set[str]] = {}
                 for gender in self.words.genders if agrees(text) else ():
                     forms.setdefault(self.words.agreeing(verb, gender), set()).add(gender)
@@ -262,7 +295,7 @@ class GrammarReader:
                         template = parse_template(text, self.words.cases, arity, {"is": form}, frozenset(genders))
                     except QueryError:
                         continue
-                    yield replace(template, phrasing=phrasing, restores=restores)
+                    yield replace(template, phrasing=phrasing, recurrence=recurrence)
 
     def nouns(self) -> dict[str, Noun]:
         """Return the noun for each class, and for each entity with a separate noun."""
@@ -324,6 +357,22 @@ def relations_in(ways_of: Mapping[str, Mapping[int, Way]], led: Sequence[int], d
     return found or set()
 
 
+def special_entries(table: Mapping[str, Any], name: str, arity: int) -> Iterator[tuple[Any, tuple[str, ...]]]:
+    """Yield the entries of a name for certain arguments only, such as ``pick(_,_,sink)``, with these arguments."""
+    for key, entry in table.items():
+        called, only = split_key(key)
+        if called == name and len(only) == arity:
+            yield entry, only
+
+
+def split_key(key: str) -> tuple[str, tuple[str, ...]]:
+    """Return the name in a key such as ``pick(_,_,sink)``, and its arguments, which are empty for a name alone."""
+    name, bracket, rest = key.partition("(")
+    if not bracket or not rest.endswith(")"):
+        return key, ()
+    return name.strip(), tuple(part.strip() for part in rest[:-1].split(","))
+
+
 def languages(settings: Settings) -> tuple[str, ...]:
     """Return the codes of a domain's languages: English, and those that have tables."""
     return tuple(dict.fromkeys([FIRST, *tables(settings)]))
@@ -341,15 +390,30 @@ def listed(texts: object) -> tuple[str, ...]:
 
 
 def plain(name: str) -> str:
-    """Return a name as words for a sentence: ``pick up`` for ``pick_up``, ``disc 1`` for ``disc(1)``."""
+    """Return a name as words for a sentence: ``pick up`` for ``pick_up`` or ``pickUp``, ``disc 1`` for ``disc(1)``."""
+    name = CAMEL.sub(lambda match: f"{match[1]} {match[2].lower()}", name)
     return " ".join(
-        name.replace("_", " ").replace("(", " ").replace(")", " ").replace(",", " ").replace('"', " ").split()
+        NUMBERED.sub(" ", name)
+        .replace("_", " ")
+        .replace("(", " ")
+        .replace(")", " ")
+        .replace(",", " ")
+        .replace('"', " ")
+        .split()
     )
 
 
 def _joined(words: Sequence[str], between: Sequence[str]) -> str:
     """Return words joined with the first separator, except the last word, which is joined with the second one."""
     return between[1].join(part for part in (between[0].join(words[:-1]), *words[-1:]) if part)
+
+
+def _with_particle(text: str, verb: str, objects: str, defaults: Mapping[str, Any]) -> str:
+    """Return a sentence in which the particle of the verb follows its object: "put it down", not "put down it"."""
+    head, _, particle = verb.rpartition(" ")
+    if not head or not objects or particle not in defaults.get("particles", ()):
+        return text
+    return text.replace(f"{verb} {objects}", f"{head} {objects} {particle}")
 
 
 def _below(table: object, key: str) -> Mapping[str, Any]:

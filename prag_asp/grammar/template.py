@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from functools import cached_property
 from string import Formatter
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from prag_asp.errors import QueryError
 
@@ -17,6 +17,9 @@ VERBS = ("is",)
 
 BRACKETED = re.compile(r"\[([^\[\]]*)\]")
 """Text that is used only in the sentence for an action that restores earlier facts."""
+
+Recurrence = Literal["new", "restored", "repeated"]
+"""Whether an action makes facts that are new, restores facts that held earlier, or repeats an earlier action."""
 
 
 class Slot(NamedTuple):
@@ -31,15 +34,16 @@ class Template:
     """A sentence of alternating texts and slots, which begins and ends with a text.
 
     If a word agrees with the first argument, `genders` are the genders of arguments for which this sentence is used.
-    `phrasing` is its index, from 0, among the paraphrases. If `restores` is true, the sentence is only for actions that
-    restore earlier facts; if it is false, only for other actions.
+    `phrasing` is its index, from 0, among the paraphrases. With a `recurrence`, the sentence is only for such
+    actions; `only` holds the class or the value that each argument must have, or "_".
     """
 
     texts: tuple[str, ...]
     slots: tuple[Slot, ...]
     genders: frozenset[str] = frozenset()
     phrasing: int = field(default=0, compare=False)
-    restores: bool | None = field(default=None, compare=False)
+    recurrence: Recurrence | None = field(default=None, compare=False)
+    only: tuple[str, ...] = field(default=(), compare=False)
 
     def fill(self, words: Sequence[str]) -> str:
         """Return the sentence with words in its slots, in order."""
@@ -118,18 +122,27 @@ def parse_template(
     return Template(tuple(texts), tuple(slots), genders)
 
 
-def restoring_forms(text: str) -> Iterator[tuple[str, bool | None]]:
-    """Yield a sentence without and with its text in brackets, ``put {1}[ back] into {2}``, and whether it is included.
+def recurrent_forms(text: str, repeated: str) -> Iterator[tuple[str, Recurrence | None]]:
+    """Yield the forms of a sentence with text in brackets, ``put {1}[ back] into {2}``, and the actions they are for.
 
-    The text in brackets is for actions that restore earlier facts. A sentence without brackets is yielded once, for all
-    actions.
+    The text in brackets is for actions that restore earlier facts; actions that are repeated have the text `repeated`
+    instead. A sentence without brackets is yielded once, for all actions.
     """
     whole = BRACKETED.sub(r"\1", text)
     if whole == text:
         yield text, None
     else:
-        yield BRACKETED.sub("", text), False
-        yield whole, True
+        yield BRACKETED.sub("", text), "new"
+        yield whole, "restored"
+        yield BRACKETED.sub("", BRACKETED.sub(repeated, text, count=1)), "repeated"
+
+
+def admits(only: Sequence[str], arguments: Sequence[str], memberships: Set[tuple[str, str]]) -> bool:
+    """Return whether each argument is what `only` allows, given the pairs of entities and their classes."""
+    return all(
+        kind in {"_", argument} or (argument, kind) in memberships
+        for argument, kind in zip(arguments, only, strict=True)
+    )
 
 
 def agrees(text: str) -> bool:

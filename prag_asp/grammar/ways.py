@@ -14,6 +14,10 @@ Signature = tuple[str, int]
 """The name and the arity of an action or a fluent."""
 
 
+PLACES_OF_ROBOT = frozenset(["robot_at", "at_robot"])
+"""Unary fluents that say where the robot is: an action that changes their place moves the robot."""
+
+
 class Way(NamedTuple):
     """A source (``from``) or destination (``to``) of an action.
 
@@ -48,6 +52,11 @@ def ways_of_actions(
         effects = [(atom(fluent), value) for fluent, value in facts.postconditions.get(action, ())]
         moves = [(fluent, value) for fluent, value in effects if len(fluent.arguments) == 2]
         changes = Counter((fluent.name, fluent.arguments[0], value) for fluent, value in moves)
+        for fluent, value in effects:
+            if fluent.name in PLACES_OF_ROBOT and len(fluent.arguments) == 1 and fluent.arguments[0] in arguments:
+                here[arguments.index(fluent.arguments[0])] = Way(
+                    "to" if value == "true" else "from", -1, fluent, fluent.name
+                )
         for fluent, value in moves:
             subject, landmark = fluent.arguments
             if value == "unknown" or subject not in arguments or landmark not in arguments:

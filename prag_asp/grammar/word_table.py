@@ -107,6 +107,17 @@ class Words:
         """Return a text with contractions expanded, which is the inverse of `contracted`: "zum" becomes "zu dem"."""
         return _replaced(text, self._expansions)
 
+    @cached_property
+    def function_words(self) -> frozenset[str]:
+        """The articles, the pronouns, the verb "is" in all forms, and the words that the name of a place implies."""
+        forms = {
+            self.agreeing(word, gender, case)
+            for word in ("the", "it", "is")
+            for gender in self.genders
+            for case in self.cases
+        }
+        return frozenset(form.casefold() for form in (*forms, *self.table.get("implied", ())) if form)
+
     @property
     def articles(self) -> frozenset[str]:
         """All forms of the definite article."""
@@ -176,5 +187,7 @@ def _replaced(text: str, words: Mapping[str, str]) -> str:
     return re.sub(rf"\b(?:{'|'.join(map(re.escape, longest_first))})\b", lambda match: words[match[0]], text)
 
 
-OPTIONAL = frozenset(["name", "defaults", "facts", "sizes", "places", "colors", "forms"])
+OPTIONAL = frozenset(
+    ["name", "defaults", "facts", "sizes", "places", "colors", "forms", "repeated", "formerly", "fluents", "implied"]
+)
 """The optional keys of a word table."""

@@ -29,14 +29,15 @@ class ModelFormula:
     whole: bool
 
 
-def model_formula(ground: GroundModels, *, project: bool, copied: bool) -> ModelFormula:
+def model_formula(ground: GroundModels, *, project: bool, copied: bool, sums_apart: bool = False) -> ModelFormula:
     """Return the formula for a head-cycle-free program; with `copied`, its models without open copies are answer sets.
 
     With `project`, answer sets that agree on the atoms of ``#project`` (or, without such a statement, on the shown
-    symbols) count as one, as with clingo's option ``--project``. These atoms are then the printed symbols.
+    symbols) count as one, as with clingo's option ``--project``. These atoms are then the printed symbols. With
+    `sums_apart`, the clauses do not define the sums (see `ClauseBuilder`).
     """
     stage("writing clauses")
-    completion = complete(shift_disjunctions(ground.rules), copied=copied)
+    completion = complete(shift_disjunctions(ground.rules), copied=copied, sums_apart=sums_apart)
     clauses, value = completion.clauses, completion.value
 
     names = {symbol: value(atom) for symbol, atom in ground.names}

@@ -20,6 +20,7 @@ from prag_asp.models.program_reader import GivenProgram
 from prag_asp.models.questions.choices import AtomChoice
 from prag_asp.models.questions.optimum import Optimum
 from prag_asp.models.shifting import is_head_cycle_free
+from prag_asp.models.sums.sum_formula import SumFormula, sum_formula
 from prag_asp.processes.progress_events import stage
 
 
@@ -65,6 +66,14 @@ class CompiledProgram:
         if not self.formula.completion.copies:
             return self.formula
         return model_formula(self.ground, project=self.project, copied=False)
+
+    @cached_property
+    def sums(self) -> SumFormula | None:
+        """The formula with sums apart, or None if the program has no sum, or positive loops."""
+        if not any(rule.weights for rule in self.ground.rules):
+            return None
+        formula = model_formula(self.ground, project=self.project, copied=False, sums_apart=True)
+        return None if formula.completion.loops else sum_formula(formula)
 
     @cached_property
     def weights(self) -> LiteralWeights:

@@ -18,13 +18,16 @@ from prag_asp.logic.formula.counter import CountBeside, Counter, has_counter
 from prag_asp.models.compiled_program import CompiledProgram
 from prag_asp.models.enumeration.bounded_enumeration import BoundedEnumeration
 from prag_asp.models.enumeration.effort import (
+    LONG_TABLE,
     QUICK,
     OwnEngine,
     Turn,
     first_effort,
     seconds_of_enumeration,
+    seconds_of_table,
     turns_of_engines,
 )
+from prag_asp.models.sums.sum_table import TableCount
 from prag_asp.processes.progress_events import stage
 
 
@@ -52,6 +55,11 @@ def count_by_race(compiled: CompiledProgram) -> int | None:
         if number is not None:
             return number
         predicted = inf  # the prediction was wrong
+    table = None if compiled.sums is None else TableCount(compiled.sums)
+    if table is not None:
+        number = table.within(seconds_of_table(table.most_seconds, predicted))
+        if number is not None:
+            return number
     formula, prepared = compiled.formula, compiled.prepared
     turns = turns_of_engines(
         predicted,
@@ -60,6 +68,8 @@ def count_by_race(compiled: CompiledProgram) -> int | None:
         whole=formula.whole,
         swept=prepared.order.swept,
     )
+    if table is not None:
+        turns = (*turns, Turn(OwnEngine.TABLE, LONG_TABLE))
     installed = [turn for turn in turns if isinstance(turn.engine, OwnEngine) or has_counter(turn.engine)]
 
     def begins(counter: Counter) -> None:
@@ -69,6 +79,8 @@ def count_by_race(compiled: CompiledProgram) -> int | None:
         OwnEngine.CLINGO: enumeration.count_within,
         OwnEngine.DIAGRAM: lambda seconds: _count_by_diagram(compiled, seconds),
     }
+    if table is not None:
+        own[OwnEngine.TABLE] = table.within
     return count_unless_compiled(installed, lambda: compiled.counting_formula.cnf, compiled.compile, begins, own)
 
 

@@ -118,7 +118,7 @@ class WeightedDiagram:
             below = max(sum(choices_below[child] for child in branch.children) for branch in branches)
             choices_below.append(below + (len(branches) > 1))
         most = max(choices_below[-1], 1)
-        root, batch, first = len(self.diagram.nodes) - 1, max(MOST_WORDS // most, 1), 0
+        root, batch, first = len(self.diagram.nodes) - 1, 1, 0
         while True:
             for draw, words in enumerate(bits.words(first, batch, most).tolist(), first):
                 step, waiting = 0, [root]
@@ -137,6 +137,7 @@ class WeightedDiagram:
                     waiting += one.children
                 yield literals
             first += batch
+            batch = min(2 * batch, max(MOST_WORDS // most, 1))
 
     def _choice(self, node: int) -> _Choice:
         """Return the choice at a node: its first branch if a random word is below a threshold, otherwise the second.

@@ -156,23 +156,24 @@ def propagate_units(
 
 def open_sums(sums: Iterable[Sum], fixed: Container[Literal]) -> tuple[OpenSum, ...]:
     """Return the sums whose value or literals are open, given the literals that are true."""
-    found: list[OpenSum] = []
-    for output, whole_bound, literals, given in sums:
-        bound = whole_bound
-        weights: dict[Literal, int] = {}
-        for literal, weight in zip(literals, given, strict=True):
-            if literal in fixed:
-                bound -= weight
-            elif -literal not in fixed:
-                weights[literal] = weights.get(literal, 0) + weight
-        for literal in [each for each in weights if each > 0 and -each in weights]:
-            least = min(weights[literal], weights[-literal])  # one of the two is true
-            bound -= least
-            weights[literal] -= least
-            weights[-literal] -= least
-        weights = {literal: weight for literal, weight in weights.items() if weight}
-        value = 1 if output in fixed else -1 if -output in fixed else 0
-        each = OpenSum(output, weights, Missing(bound, sum(weights.values()), value))
-        if not each.missing.is_closed:
-            found.append(each)
-    return tuple(found)
+    reduced = (reduce_sum(each, fixed) for each in sums)
+    return tuple(each for each in reduced if not each.missing.is_closed)
+
+
+def reduce_sum(given: Sum, fixed: Container[Literal]) -> OpenSum:
+    """Return a sum over the literals that are open, given those that are true."""
+    bound = given.bound
+    weights: dict[Literal, int] = {}
+    for literal, weight in zip(given.literals, given.weights, strict=True):
+        if literal in fixed:
+            bound -= weight
+        elif -literal not in fixed:
+            weights[literal] = weights.get(literal, 0) + weight
+    for literal in [each for each in weights if each > 0 and -each in weights]:
+        least = min(weights[literal], weights[-literal])  # one of the two is true
+        bound -= least
+        weights[literal] -= least
+        weights[-literal] -= least
+    weights = {literal: weight for literal, weight in weights.items() if weight}
+    value = 1 if given.output in fixed else -1 if -given.output in fixed else 0
+    return OpenSum(given.output, weights, Missing(bound, sum(weights.values()), value))

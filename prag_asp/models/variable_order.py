@@ -68,6 +68,11 @@ def decision_order(
     return DecisionOrder(tuple(ordered), width, bool(sweep))
 
 
+def sweep_order(groups: Sequence[tuple[int, ...]], longest: int) -> list[int]:
+    """Return the variables of groups from one end to the other; groups of at most `longest` variables connect them."""
+    return _sweep(_primal_graph(groups, longest))
+
+
 def _primal_graph(groups: Sequence[tuple[int, ...]], longest: int) -> dict[int, set[int]]:
     """Return the neighbours of each variable, connected by groups of at most `longest` variables."""
     graph: dict[int, set[int]] = {}

@@ -14,10 +14,13 @@ try:
 except ImportError:
     from hashlib import blake2b
 
-from prag_asp.safe_reading import read_bytes
+from prag_asp.safe_reading import open_binary
 
 BYTES = 20
 """The number of bytes in a digest."""
+
+BLOCK = 1 << 20
+"""The number of bytes that are read at a time."""
 
 
 def digest(values: object) -> str:
@@ -31,5 +34,13 @@ def files_digest(paths: Iterable[Path], folder: Path) -> str:
     Raises:
         OSError: a file cannot be read.
     """
-    contents = ((path, blake2b(read_bytes(path), digest_size=BYTES)) for path in sorted(paths))
-    return digest([(str(path.relative_to(folder)), content.hexdigest()) for path, content in contents])
+    return digest([(str(path.relative_to(folder)), _content_digest(path)) for path in sorted(paths)])
+
+
+def _content_digest(path: Path) -> str:
+    """Return a digest of the content of a file, which may be larger than the memory."""
+    content = blake2b(digest_size=BYTES)
+    with open_binary(path) as file:
+        while block := file.read(BLOCK):
+            content.update(block)
+    return content.hexdigest()

@@ -16,7 +16,7 @@ import numpy as np
 from prag_asp.logic.diagram.functions import FALSE, TRUE, Functions, Node
 from prag_asp.logic.step.normal import RuleBody
 from prag_asp.logic.step.packed import unpack
-from prag_asp.logic.step.strata import Stratum
+from prag_asp.logic.step.strata import AtomStratum
 from prag_asp.logic.step.transition import Transition
 from prag_asp.planners.ground_action import CARRIED, NOT_TRUE, Proposition
 from prag_asp.program.predicates import HOLDS
@@ -138,7 +138,7 @@ class StepFunctions:
 
     def _evaluate(
         self,
-        strata: Iterable[Stratum],
+        strata: Iterable[AtomStratum],
         bodies: Callable[[int], tuple[RuleBody, ...]],
         values: dict[int, Node],
         under: Mapping[int, Node],

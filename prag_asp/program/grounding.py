@@ -27,7 +27,7 @@ REMARKS = "--warn=atom-undefined"
 MESSAGES = 1000
 """The number of messages after which clingo suppresses all others."""
 
-Part = tuple[str, Sequence[clingo.Symbol]]
+ProgramPart = tuple[str, Sequence[clingo.Symbol]]
 
 
 class Grounder:
@@ -66,7 +66,7 @@ class Grounder:
             self.control.register_observer(observer)  # before aspif is read, because that immediately adds its rules
         self._run(lambda: self.control.add("base", [], guarded.text))
 
-    def ground(self, parts: Iterable[Part]) -> None:
+    def ground(self, parts: Iterable[ProgramPart]) -> None:
         """Ground program parts.
 
         Raises:

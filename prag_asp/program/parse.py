@@ -89,8 +89,8 @@ def _character_problem(source: Source) -> Problem | None:
                 return Problem(source.path, number, f"{problem}; {remedy}")
     depth = 0
     for number, line in enumerate(lines, 1):
-        for character in line:
-            depth = max(depth + (character == "(") - (character == ")"), 0)
+        for character in re.findall("[()]", line):
+            depth = max(depth + (1 if character == "(" else -1), 0)
             if depth > DEEPEST:
                 text = f"parentheses are nested more than {DEEPEST} deep; flatten the term"
                 return Problem(source.path, number, text)

@@ -21,6 +21,9 @@ NAME = re.compile(r"(?<![\w'@#])_*[a-z][\w']*")
 VARIABLE = re.compile(r"(?<![\w'])_*[A-Z][\w']*")
 PLAIN_ATOM = re.compile(r"(?P<sign>not not |not )?(?P<name>-?_*[a-z][\w']*)(?:\((?P<arguments>.*)\))?$", re.S)
 
+PLAIN_FACT = re.compile(r"_*[a-z][\w']*(?:\((?:[(),]|(?:[0-9]+|_*[a-z][\w']*)(?![\w']))*\))?\.")
+"""A fact without variables, pools, intervals, operations, strings, anonymous variables and negation."""
+
 
 @dataclass(frozen=True)
 class AtomNode:
@@ -84,9 +87,15 @@ class Statement:
         return str(self.node)
 
     @cached_property
+    def is_plain_fact(self) -> bool:
+        """Whether the statement is a fact whose terms are written out; reading its text is fast."""
+        return self.is_rule and PLAIN_FACT.fullmatch(self.text) is not None
+
+    @cached_property
     def literals(self) -> tuple[tuple[AST, str], ...]:
         """The literals in the body, each with its text."""
-        return tuple((node, str(node)) for node in getattr(self.node, "body", ()))
+        body = () if self.is_plain_fact else getattr(self.node, "body", ())
+        return tuple((node, str(node)) for node in body)
 
     @cached_property
     def heads(self) -> tuple[AtomNode, ...]:
@@ -105,6 +114,10 @@ class Statement:
 
     @cached_property
     def _head(self) -> tuple[list[AtomNode], list[AtomNode]]:
+        if self.is_plain_fact:
+            atom = plain_atom(self.node.head, self.text[:-1])
+            if atom is not None:
+                return [atom], []
         return head_atoms(self.node.head) if self.is_rule else ([], [])
 
     @cached_property

@@ -10,7 +10,7 @@ from clingo.ast import AST, ASTType
 
 from prag_asp.program.grounding import Grounder
 from prag_asp.program.sources import Program, Source
-from prag_asp.program.syntax import Statement, below, children_of, with_replaced
+from prag_asp.program.syntax import NAME, Statement, below, children_of, with_replaced
 from prag_asp.reduction.applicability import is_stated
 
 STATED = "_stated"
@@ -78,14 +78,21 @@ def _ground(statements: Iterable[Statement]) -> dict[Statement, list[clingo.Symb
     facts = [each for each in statements if is_stated(each)]
     if not facts:
         return {}
-    lines = [f"{STATED}({number},{each.node.head})." for number, each in enumerate(facts) if each.heads]
-    lines += [each.text for each in statements if each.own and each.kind == ASTType.Definition]
-    grounder = Grounder(Program((Source(facts[0].path, "\n".join(lines)),)))
+    definitions = [each for each in statements if each.own and each.kind == ASTType.Definition]
+    constants = {each.node.name for each in definitions}
+    by_statement: dict[Statement, list[clingo.Symbol]] = {}
+    expanded: list[str] = []
+    for number, each in enumerate(facts):
+        # clingo reads a large number of plain facts slowly
+        is_plain = each.is_plain_fact and constants.isdisjoint(NAME.findall(each.text))
+        by_statement[each] = [clingo.parse_term(each.text[:-1])] if is_plain else []
+        if not is_plain and each.heads:
+            expanded.append(f"{STATED}({number},{each.node.head}).")
+    grounder = Grounder(Program((Source(facts[0].path, "\n".join([*expanded, *(each.text for each in definitions)])),)))
     grounder.ground([("base", [])])
-    by_statement: dict[Statement, list[clingo.Symbol]] = {each: [] for each in facts}
     for atom in grounder.control.symbolic_atoms.by_signature(STATED, 2):
-        number, fact = atom.symbol.arguments
-        by_statement[facts[number.number]].append(fact)
+        place, fact = atom.symbol.arguments
+        by_statement[facts[place.number]].append(fact)
     return by_statement
 
 

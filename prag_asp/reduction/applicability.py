@@ -95,7 +95,7 @@ def deriving_rules(statements: Iterable[Statement]) -> list[Statement]:
 def is_stated(statement: Statement) -> bool:
     """Return whether a statement is a fact of the author in the base part."""
     plain = statement.own and statement.is_rule and not statement.timed and not statement.literals
-    return plain and statement.node.head.ast_type == ASTType.Literal
+    return plain and (statement.is_plain_fact or statement.node.head.ast_type == ASTType.Literal)
 
 
 def _in_base(statement: Statement) -> bool:

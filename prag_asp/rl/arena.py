@@ -78,7 +78,7 @@ class Arena:
             self._world.step()
             self._steps += 1
             if self._steps % FRAME_STEPS == 0:
-                self._world.at_rest()
+                self._world.settle()
         return self._observe()
 
     @property

@@ -18,6 +18,7 @@ from prag_asp.dataset.scenes import scene_of
 from prag_asp.dataset.store.dataset import Dataset
 from prag_asp.domain.load import Domain
 from prag_asp.errors import QueryError
+from prag_asp.output.digests import digest
 from prag_asp.physics import Budget, Witness, require_physics
 from prag_asp.physics.control.control import Control
 from prag_asp.physics.control.names import UPRIGHT, USUAL_RATE, ControlName
@@ -266,7 +267,8 @@ class TaskEnv(GoalEnv):
         """
         assert self._begun_arena
         start, moves = replace(self._start, subgoals=()), list(self._moves)
-        return {"start": start, "moves": moves, **{name: getattr(self, name) for name in EPISODE}}
+        attributes = {name: getattr(self, name) for name in EPISODE}
+        return {"environment": self._kind, "start": start, "moves": moves, **attributes}
 
     def restore_state(self, state: Mapping[str, Any]) -> tuple[Observation, dict[str, Any]]:
         """Continue an episode of this environment, or of one with the same arguments, identically bit for bit.
@@ -274,16 +276,27 @@ class TaskEnv(GoalEnv):
         Replay the actions of the episode, and return the observation and the info of its last step.
 
         Raises:
-            QueryError: the value is not a state of an episode.
+            QueryError: the value is not a state of an episode, or it is one of an environment with another domain,
+                control convention, rate or other observations.
         """
         try:
-            start, moves, attributes = state["start"], list(state["moves"]), {name: state[name] for name in EPISODE}
+            kind, start, moves, attributes = (
+                state["environment"], state["start"], list(state["moves"]), {name: state[name] for name in EPISODE}
+            )  # fmt: skip
         except (KeyError, TypeError) as error:
             raise QueryError(f"this is not a state of an episode ({error!r:.60}); give that of save_state") from None
+        if kind != self._kind:
+            raise QueryError("the state is of another environment; make this one with the same arguments")
         self.__dict__.update(attributes)
         self._moves = moves
         self._resume(start)
         return self._latest
+
+    @property
+    def _kind(self) -> str:
+        """A digest of the domain, the actions and the observations of the environment."""
+        control = self.control.name, self.control.rate, self.control.upper.tolist()
+        return digest([self.domain.label, control, list(self.layout.names), str(self.observation_space)])
 
     def state_dict(self) -> dict[str, Any]:
         """Return a checkpoint of the samplers, the curricula and the annealing, as JSON values.

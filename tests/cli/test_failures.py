@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
 import pytest
 
+from prag_asp.cli.commands.sample import _remedy
+from prag_asp.dataset.pass_rates import Tally
 from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.search.attempt import ARM_COLLIDES, NO_GRASP, NOT_REACHED, OBJECTS_COLLIDE, PhysicsFault
 from prag_asp.physics.search.failures import FailureLog
@@ -74,6 +77,14 @@ def test_what_came_nearest_to_working_is_told(tmp_path: Path) -> None:
     start = "only 0 of 1 task found in 2 draws; nearest to working: at action 1 of 1, pick(panda,"
     assert last.startswith(start) and f"{ARM_COLLIDES} (" in last
     assert last.endswith("; raise --budget or --max-draws")
+
+
+def test_without_any_grasp_the_advice_is_to_count_grasps() -> None:
+    tally = Tally(seen=2, reasons=Counter({("not_found", "no grasp"): 2}), nearest="at action 1 of 2")
+    tally.causes[NO_GRASP] += 48
+    assert _remedy(tally).endswith("; see prag-asp check, which counts the grasps of each body from a file")
+    tally.causes[ARM_COLLIDES] += 1
+    assert _remedy(tally).endswith("; raise --budget or --max-draws")
 
 
 @pytest.mark.parametrize(

@@ -482,6 +482,16 @@ def test_closed_streams_matter_only_to_what_is_written_there(tmp_path: Path) -> 
         assert (done.returncode, done.stdout, done.stderr) == (0, "4\n", "")
 
 
+@pytest.mark.parametrize(
+    "arguments",
+    [["count", "-", "-n", "1"], ["models", "count", "-"], ["models", "count", "/dev/stdin"], ["similarity", "-"]],
+)
+def test_a_closed_stdin_is_refused_and_not_read_as_an_empty_program(arguments: list[str], tmp_path: Path) -> None:
+    done = _with_closed(0, *arguments, cwd=tmp_path)
+    assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
+    assert "standard input is closed" in done.stderr
+
+
 def test_a_terminal_stops_a_command_and_lets_it_go_on(tmp_path: Path) -> None:
     """A shell with job control starts the command, Ctrl-Z stops it, fg lets it go on, Ctrl-C ends it."""
     work = """import os

@@ -31,5 +31,14 @@ def wrong(observation: Any) -> Any:
     return [0.0] * 3
 
 
+class Unmade:
+    def __init__(self) -> None:
+        raise ZeroDivisionError("it divides\nby zero")
+
+
+def leaving(observation: Any) -> Any:
+    raise SystemExit(0)
+
+
 def failing(observation: Any) -> Any:
     raise ZeroDivisionError("it divides\nby zero")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import wraps
 from pathlib import Path
 from threading import Thread
 from typing import Any
@@ -16,6 +17,7 @@ from prag_asp import Dataset, Domain, OutputError, QueryError, TaskSpace, load_d
 from prag_asp.dataset import Scenarios, generate
 from prag_asp.evaluation import FreshScenarios, NamedScenarios, Results, StoredScenarios, compare, evaluate
 from prag_asp.evaluation.evaluating import JOURNAL
+from prag_asp.evaluation.policies import content_of
 from prag_asp.rl import TaskEnv
 from tests.commands import ok, run
 from tests.evaluation import policies_under_test
@@ -73,12 +75,14 @@ def test_results_do_not_depend_on_workers_and_resume_without_repeating(
         "compare", str(tmp_path / "one"), str(tmp_path / "three")
     ).returncode == 2
 
+    noise = policies_under_test.noise
+
+    @wraps(noise)  # so that the policy still comes from the same file
     def count(observation: Any) -> Any:
         nonlocal seen
         seen += 1
         return noise(observation)
 
-    noise = policies_under_test.noise
     monkeypatch.setattr(policies_under_test, "noise", count)
     evaluate(f"{HERE}:noise", fresh, tmp_path / "three", **options)
     assert seen == one.episodes[2].steps, "only the last episode runs again"
@@ -148,6 +152,7 @@ def test_functions_and_classes_are_policies_with_seeds_and_instructions(fresh: F
     ("policy", "message"),
     [
         (f"{HERE}:wrong", "an action has the shape"), (f"{HERE}:failing", "ZeroDivisionError: it divides by zero"),
+        (f"{HERE}:leaving", "SystemExit: 0"), (f"{HERE}:Unmade", "cannot be created: ZeroDivisionError: it divides by"),
         (f"{HERE}:nothing", "has no callable"), ("no_such_module:act", "cannot be imported"), ("act", "give one of"),
         ("missing.zip", "no such file"), ("ws://127.0.0.1:9", "no policy server answers"),
     ],
@@ -156,6 +161,38 @@ def test_a_policy_that_fails_is_named_in_one_line(fresh: FreshScenarios, policy:
     with pytest.raises(QueryError, match=message) as error:
         evaluate(policy, fresh, steps=3)
     assert "\n" not in str(error.value)
+
+
+def test_a_wrapper_that_fails_is_named_in_one_line(fresh: FreshScenarios) -> None:
+    with pytest.raises(QueryError, match="the wrapper cannot be created: ZeroDivisionError: it divides by zero"):
+        evaluate("zeros", fresh, steps=3, wrapper=policies_under_test.failing)
+
+
+def test_results_of_a_policy_whose_file_changed_are_not_reused(
+    fresh: FreshScenarios, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    module = tmp_path / "policy_that_changes.py"
+    module.write_text("def act(observation):\n    return [0.0] * 5\n")
+    options: dict[str, Any] = {"steps": 3}
+    evaluate("policy_that_changes:act", fresh, tmp_path / "results", **options)
+    evaluate("policy_that_changes:act", fresh, tmp_path / "results", **options)
+    module.write_text("def act(observation):\n    return None\n")
+    with pytest.raises(OutputError, match="before its files changed"):
+        evaluate("policy_that_changes:act", fresh, tmp_path / "results", **options)
+
+
+@pytest.mark.parametrize("name", ["model.zip", "checkpoint"])
+def test_the_content_of_a_policy_is_that_of_its_files(tmp_path: Path, name: str) -> None:
+    policy = tmp_path / name
+    file = policy / "model.safetensors" if name == "checkpoint" else policy
+    file.parent.mkdir(exist_ok=True)
+    file.write_bytes(b"weights")
+    before = content_of(str(policy))
+    assert before == content_of(str(policy)) != ""
+    file.write_bytes(b"weightS")
+    assert content_of(str(policy)) != before
+    assert content_of("zeros") == content_of("ws://localhost:1") == content_of("operator:neg") == ""
 
 
 def test_a_zip_of_stable_baselines_predicts_as_its_model_does(fresh: FreshScenarios, tmp_path: Path) -> None:

@@ -159,6 +159,15 @@ def test_impossible_effects_and_numbers_are_refused(monkeypatch: pytest.MonkeyPa
     ):
         with pytest.raises(QueryError, match=words):
             design.scenarios(effect)
+
+
+def test_a_power_of_one_needs_all_tasks() -> None:
+    with pytest.raises(QueryError, match="no number of scenarios gives a power of 1"):
+        ComparisonDesign().scenarios(0.05, power=1)
+    assert ComparisonDesign(tasks=20).scenarios(0.05, power=1) == 20
+
+
+def test_more_scenarios_than_tasks_are_refused() -> None:
     with pytest.raises(QueryError, match="21 scenarios are more than the 20 tasks"):
         ComparisonDesign(tasks=20).power(21, 0.1)
 

@@ -46,8 +46,11 @@ def above_limits(joints: np.ndarray, kinds: Sequence[str]) -> Iterator[str]:
                 yield f"frame {frame}: {what} {values[frame, i, joint]:.2f} of joint {joint + 1} of robot {i + 1}"
 
 
-def unwanted(shown: Any, actions: Sequence[str], known: Sequence[str]) -> Iterator[str]:
-    """Yield contacts of a recording for which the actions of a task do not ask; `known` holds in its first state."""
+def unwanted(shown: Any, actions: Sequence[str], known: Sequence[str], kilograms: Mapping[str, float]) -> Iterator[str]:
+    """Yield contacts of a recording for which the actions of a task do not ask; `known` holds in its first state.
+
+    Where no finger is part of a contact, the weight of what a finger touches is allowed: what it rests on bears it.
+    """
     named = [set(_words(text)) for text in actions]
     begun = {word for fluent in known if fluent.startswith(AT_HAND) for word in _words(fluent)}
     every = {word for fluent in known for word in _words(fluent)}.union(*named)
@@ -60,7 +63,9 @@ def unwanted(shown: Any, actions: Sequence[str], known: Sequence[str]) -> Iterat
         usual = begun.union(*named[:done])
         fingered = {two for pair in touches for one, two in (pair[:2], pair[1::-1]) if " finger of " in one}
         for one, two, force in touches:
-            if force > MOST and not _may_touch(one, two, usual, every, fingered):
+            touched = set() if " finger of " in one + two else fingered.intersection((one, two))
+            borne = 9.81 * max((kilograms.get(body, 0.0) for body in touched), default=0.0)
+            if force > MOST + borne and not _may_touch(one, two, usual, every, fingered):
                 yield f"frame {frame}: {one} and {two}, {force:.1f} N"
 
 

@@ -13,6 +13,7 @@ import pytest
 from prag_asp import DomainError, QueryError, answer_sets
 from prag_asp.errors import NotFound
 from prag_asp.models.diagram import Branch, Diagram, WeightedDiagram
+from prag_asp.random_bits import SeededBits, Words
 from tests.chance import Chance
 from tests.models.test_known_numbers import COLOURING, QUEENS, TREE
 
@@ -40,6 +41,22 @@ def test_draws_are_uniform(text: str, constants: dict[str, int], chance: Chance)
     shares = {each: Fraction(often, number) for each, often in Counter(map(tuple, found)).items()}
     # Five standard deviations of the statistic around its mean.
     assert abs(chi_square(drawn, shares) - 1) < 5 * sqrt(2 / (len(shares) - 1))
+
+
+def test_the_first_samples_take_few_random_words(monkeypatch: pytest.MonkeyPatch) -> None:
+    counts: list[int] = []
+    original = SeededBits.words
+
+    def words(bits: SeededBits, first: int, count: int, each: int) -> Words:
+        counts.append(count)
+        return original(bits, first, count, each)
+
+    monkeypatch.setattr(SeededBits, "words", words)
+    found = answer_sets(text=QUEENS, constants={"n": 7})
+    assert len([*found.sample(1, seed=5)]) == 1 and counts == [1]
+    hundred = [*found.sample(100, seed=5)]
+    assert len(hundred) == 100 and counts[1:] == [1, 2, 4, 8, 16, 32, 64]
+    assert [*found.sample(10, seed=5)] == hundred[:10]
 
 
 @pytest.mark.parametrize("engine", ["diagram", "clingo"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -254,3 +255,50 @@ def test_names_of_objects_may_begin_with_a_sign(folder: Path) -> None:
     expected = searched(*(" ".join(plain.get(word, word) for word in text) for text in texts), 10)
     assert counts(load_domain(*written(folder, domain, problem)), 10) == expected
     assert sum(expected)
+
+
+def test_an_effect_at_the_end_may_have_a_condition_at_the_start(tmp_path: Path) -> None:
+    """The condition is read before the effects at the start, even if these change what it reads."""
+    timed = """(define (domain d) (:predicates (full) (lamp) (warm) (cold) (on))
+ (:durative-action burn :parameters () :duration (= ?duration 3) :condition (at start (on))
+  :effect (and (at start (not (full))) (at start (lamp)) (when (at start (full)) (at end (warm)))
+   (when (and (at start (not (full))) (over all (lamp)) (at end (not (full)))) (at end (cold)))
+   (when (and (at start (lamp)) (at end (lamp))) (at end (not (lamp))))))
+ (:durative-action switch :parameters () :duration (= ?duration 1) :condition (at start (not (on)))
+  :effect (at end (on))))"""
+    plain = """(define (domain d) (:predicates (full) (lamp) (warm) (cold) (on))
+ (:action burn :parameters () :precondition (on)
+  :effect (and (not (full)) (when (not (lamp)) (lamp)) (when (full) (warm)) (when (not (full)) (cold))
+   (when (lamp) (not (lamp)))))
+ (:action switch :parameters () :precondition (not (on)) :effect (on)))"""
+    for facts, goal in product(["", "(full)", "(lamp)", "(full) (lamp) (on)"], ["(warm)", "(cold)", "(lamp)"]):
+        problem = f"(define (problem e) (:domain d) (:init {facts}) (:goal {goal}))"
+        loaded = load_domain(*written(tmp_path, timed, problem), untimed=True)
+        assert counts(loaded, 4) == Search(plain, problem).count(4)
+
+
+@pytest.mark.parametrize(
+    ("effect", "text"),
+    [
+        (
+            "(when (at end (p)) (at start (q)))",
+            "an effect at the start has a condition over all or at the end, which is ",
+        ),
+        (
+            "(at end (when (at start (p)) (q)))",
+            r"\(at start \.\.\.\) is not expected inside \(at end \.\.\.\); give the ",
+        ),
+        (
+            "(at end (when (p) (at end (q))))",
+            r"\(at end \.\.\.\) is not expected inside \(at end \.\.\.\); give the ef",
+        ),
+    ],
+)
+def test_effects_whose_times_contradict_each_other_are_refused(effect: str, text: str, tmp_path: Path) -> None:
+    domain = f"""(define (domain d) (:predicates (p) (q))
+ (:durative-action go :parameters () :duration (= ?duration 3) :condition (at start (p))
+  :effect {effect}))"""
+    with pytest.raises(DomainError, match=f"domain.pddl:3: {text}"):
+        load_domain(
+            *written(tmp_path, domain, "(define (problem e) (:domain d) (:init (p)) (:goal (q)))"), untimed=True
+        )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -218,3 +219,24 @@ def test_logic_of_ones_own_joins_files_of_pddl(tmp_path: Path) -> None:
     (tmp_path / "more.lp").write_text("#program step(t).\n:- occurs(act(k,o),t).\n")
     loaded = load_domain(*written(tmp_path, GOOD, PROBLEM), tmp_path / "more.lp")
     assert [str(action) for action in loaded.facts.actions] == ["act(k,o)"]
+
+
+@pytest.mark.parametrize(
+    ("objects", "text"),
+    [
+        (
+            "x -a b - spot",
+            "-a after x is neither a type that is declared nor the name before a type; write '- a' for a",
+        ),
+        ("- spot x", "no name stands before '-'; write names before it, or remove it"),
+        ("x - spot - spot", "no name stands before '-'; write names before it, or remove it"),
+        ("x - - spot", "'-' is not expected here"),
+        ("x -spot y -", "a type is missing after '-'; write it"),
+    ],
+)
+def test_signs_that_no_list_of_names_and_types_has_are_refused(objects: str, text: str, tmp_path: Path) -> None:
+    domain = """(define (domain walk) (:types spot) (:predicates (at ?x - spot))
+ (:action go :parameters (?a - spot) :effect (at ?a)))"""
+    problem = f"(define (problem p) (:domain walk)\n (:objects {objects})\n (:init) (:goal (and)))"
+    with pytest.raises(DomainError, match=f"problem.pddl:2: {re.escape(text)}"):
+        load_domain(*written(tmp_path, domain, problem))

@@ -102,6 +102,7 @@ def test_tasks_come_from_the_part_alone(chance: Chance) -> None:
         ({"domain": "tabletop", "length": 2, "where": ["uses cn"]}, "cn"),
         ({"domain": "tabletop", "length": 2, "split": "dev"}, "dev"),
         ({"domain": "tabletop", "length": 2, "shares": {"train": 1}}, "no part is named"),
+        ({"domain": "tabletop", "length": 2, "split": "train", "shares": "0.5"}, "give the share of each part"),
         ({"domain": "tabletop", "length": 2, "split": "test", "shares": {"test": "0.3"}}, "add up"),
         ({"domain": "tabletop", "length": 2, "split": "test", "split_seed": 0.5}, "whole number"),
         ({"domain": "tabletop", "length": 2, "split": "test", "hold_out": "moon"}, "moon"),
@@ -140,6 +141,15 @@ def test_an_episode_is_saved_and_restored_bit_for_bit(chance: Chance, env: TaskE
     other.close()
     with pytest.raises(QueryError, match="not a state of an episode"):
         env.restore_state({"stage": 1})
+
+
+@pytest.mark.parametrize("options", [{"control": "ee_delta"}, {"rate": 10}, {"observation": "poses"}])
+def test_the_state_of_an_environment_with_other_arguments_is_refused(env: TaskEnv, options: dict[str, Any]) -> None:
+    env.reset(seed=0)
+    other = TaskEnv(domain="tabletop", length=2, **options)
+    with pytest.raises(QueryError, match="the state is of another environment"):
+        other.restore_state(env.save_state())
+    other.close()
 
 
 def test_info_has_instructions_at_three_levels_and_the_sentence_of_the_subgoal(env: TaskEnv) -> None:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from prag_asp.dataset.language import InstructionWriter
     from prag_asp.physics import Demonstration, Witness
     from prag_asp.scene.scene import Scene
+    from prag_asp.task import Task
 
 SIZES = {"strip": (360, 320), "state": (960, 800), "gif": (400, 350), "webp": (400, 350), "mp4": (400, 350)}
 """The size of a frame in pixels for each form of picture."""
@@ -104,7 +105,6 @@ def render(
     files written. A task without a witness is validated first. For an animation, the robot executes the task, unless
     --recordings contains an episode of it.
     """
-    from prag_asp.dataset.jsonl import read_lines
     from prag_asp.dataset.language import instruction_writer_of
     from prag_asp.physics import require_physics
 
@@ -112,29 +112,17 @@ def render(
         raise QueryError(f"--state {state} goes with --as state; got --as {form}")
     if not 1 / FASTEST <= speed <= FASTEST:
         raise QueryError(f"--speed {speed:g}: write a positive number up to {FASTEST}, such as 2 for twice as fast")
-    if size is not None and form in SCENES:
-        raise QueryError(f"--size {size} goes with pictures; a 3D scene has no size in pixels")
-    pixels = SIZES.get(form, SIZES["state"]) if size is None else parse_pixels(size)
-    if not all(SMALLEST <= side <= LARGEST for side in pixels):
-        raise QueryError(f"--size {size}: a picture has {SMALLEST} to {LARGEST} pixels a side")
+    pixels = _frame_size(form, size)
     drawing = _Renderer(
         form, state, pixels, columns, speed, bystanders, seed, None if recordings is None else Path(recordings)
     )
     _check_output(Path(output), form)
     require_physics()
-    with open_text(file) as stream:
-        records = list(read_lines(lines_of(stream), file))
-    chosen = tuple(dict.fromkeys(numbers)) or range(1, len(records) + 1)
-    if not records:
-        raise QueryError(f"{file}:1: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
-    for number in chosen:
-        if number > len(records):
-            raise QueryError(f"{file}: it has {plural(len(records), 'task')}, so none has the number {number}")
-    targets = _targets(Path(output), chosen, form)
+    records = _read_chosen(file, numbers)
+    targets = _targets(Path(output), tuple(records), form)
     writers: dict[str, InstructionWriter] = {}
     with progress() as show:
-        for done, number in enumerate(chosen):
-            record = records[number - 1]
+        for done, (number, record) in enumerate(records.items()):
             named = repr((record.task.domain, record.task.constants))
             if named not in writers:
                 domain = request.of(record, Path(file).parent).domain()
@@ -142,11 +130,45 @@ def render(
                     writers[named] = instruction_writer_of(domain)
 
             def tell(share: float, done: int = done) -> None:
-                show("pictures", done + share, len(chosen))
+                show("pictures", done + share, len(records))
 
             drawing.draw(record, number, writers[named], targets[number], tell)
             tell(1.0)
             say(targets[number])
+
+
+def _frame_size(form: str, size: str | None) -> tuple[int, int]:
+    """Return the size of a frame in pixels; `size` is a text such as ``360x320``, or None for the default of the form.
+
+    Raises:
+        QueryError: the text is no size, the size is out of range, or the form has none.
+    """
+    if size is None:
+        return SIZES.get(form, SIZES["state"])
+    if form in SCENES:
+        raise QueryError(f"--size {size} goes with pictures; a 3D scene has no size in pixels")
+    pixels = parse_pixels(size)
+    if not all(SMALLEST <= side <= LARGEST for side in pixels):
+        raise QueryError(f"--size {size}: a picture has {SMALLEST} to {LARGEST} pixels a side")
+    return pixels
+
+
+def _read_chosen(file: str, numbers: Sequence[int]) -> dict[int, Record]:
+    """Return the records of a file by their numbers: those with the given numbers, or all if none is given.
+
+    Raises:
+        QueryError: the file has no tasks, or no task with one of the numbers.
+    """
+    from prag_asp.dataset.jsonl import read_lines
+
+    with open_text(file) as stream:
+        records = list(read_lines(lines_of(stream), file))
+    if not records:
+        raise QueryError(f"{file}:1: no tasks in it; write some with prag-asp sample --format jsonl -o {file}")
+    for number in numbers:
+        if number > len(records):
+            raise QueryError(f"{file}: it has {plural(len(records), 'task')}, so none has the number {number}")
+    return {number: records[number - 1] for number in numbers or range(1, len(records) + 1)}
 
 
 @dataclass(frozen=True)
@@ -172,16 +194,7 @@ class _Renderer:
             OutputError: the file cannot be written.
         """
         from prag_asp.dataset.scenes import scene_of
-        from prag_asp.physics import (
-            Demonstration,
-            Witness,
-            animate,
-            demonstrate,
-            episode_glb,
-            episode_page,
-            film_strip,
-            still,
-        )
+        from prag_asp.physics import film_strip, still
         from prag_asp.physics.pictures.saving import save_picture
 
         domain, task = writer.lexicon.domain, record.task
@@ -190,42 +203,40 @@ class _Renderer:
         with errors_with_place(record, domain):
             captions = writer.captions(task)
             shown = self._shown(record, number, scene)
-            if self.form in (*ANIMATED, *SCENES) and isinstance(shown, Witness):
-                shown = demonstrate(task, shown, scene)
-                if not shown.success:
-                    text = f"the robot fails to execute it: {shown.detail}; draw its states with --as strip"
-                    raise QueryError(text)
+            episode = _executed(task, shown, scene) if self.form in (*ANIMATED, *SCENES) else None
             state = len(task.actions) if self.state is None else self.state
             if state > len(task.actions):
                 raise QueryError(f"--state {state}: the states of the task are 0 to {len(task.actions)}")
         with errors_with_place(record, domain, MEND if self.recordings is None else RECORD):
             drawing: dict[str, Any] = {"size": self.size, "bystanders": self.bystanders}
+            if episode is not None:
+                headings = [heading.partition(". ")[2] for heading, _ in captions[1:]]
+                self._draw_episode(task, episode, scene, number, headings, path, tell)
+                return
             if self.form == "strip":
                 image = film_strip(task, shown, scene, columns=self.columns, captions=captions, **drawing)
-            elif self.form == "state":
-                image = still(task, shown, scene, state, **drawing)
             else:
-                assert isinstance(shown, Demonstration)
-                headings = [heading.partition(". ")[2] for heading, _ in captions[1:]]
-                texts: dict[str, Any] = {"headings": headings, "bystanders": self.bystanders}
-                if self.form == "glb":
-                    replace_file(path, episode_glb(task, shown, scene, **texts))
-                elif self.form == "html":
-                    title = f"{task.domain}, task {number}"
-                    replace_file(path, episode_page(task, shown, scene, title=title, **texts).encode())
-                else:
-                    animate(
-                        task,
-                        shown,
-                        scene,
-                        path,
-                        size=self.size,
-                        speed=self.speed,
-                        progress=lambda done, total: tell(done / total),
-                        **texts,
-                    )
-                return
+                image = still(task, shown, scene, state, **drawing)
         save_picture(image, path, optimize=True)
+
+    def _draw_episode(
+        self, task: Task, episode: Demonstration, scene: Scene, number: int, headings: Sequence[str], path: Path,
+        tell: Callable[[float], None],
+    ) -> None:  # fmt: skip
+        """Write an episode as an animation or a 3D scene."""
+        from prag_asp.physics import animate, episode_glb, episode_page
+
+        texts: dict[str, Any] = {"headings": headings, "bystanders": self.bystanders}
+        if self.form == "glb":
+            replace_file(path, episode_glb(task, episode, scene, **texts))
+        elif self.form == "html":
+            title = f"{task.domain}, task {number}"
+            replace_file(path, episode_page(task, episode, scene, title=title, **texts).encode())
+        else:
+            animate(
+                task, episode, scene, path, size=self.size, speed=self.speed,
+                progress=lambda done, total: tell(done / total), **texts,
+            )  # fmt: skip
 
     def _shown(self, record: Record, number: int, scene: Scene) -> Witness | Demonstration:
         """Return the episode of a task if there is a folder of episodes, or otherwise its witness."""
@@ -251,6 +262,22 @@ class _Renderer:
         if verdict.witness is None:
             raise QueryError(f"{verdict.status.replace('_', ' ')}: {verdict.reason}; only feasible tasks can be drawn")
         return verdict.witness
+
+
+def _executed(task: Task, shown: Witness | Demonstration, scene: Scene) -> Demonstration:
+    """Return an episode of a task; if only a witness is given, the robot executes the task.
+
+    Raises:
+        QueryError: the robot fails to execute it.
+    """
+    from prag_asp.physics import Demonstration, demonstrate
+
+    if isinstance(shown, Demonstration):
+        return shown
+    episode = demonstrate(task, shown, scene)
+    if not episode.success:
+        raise QueryError(f"the robot fails to execute it: {episode.detail}; draw its states with --as strip")
+    return episode
 
 
 def _suffixes(form: str) -> tuple[str, ...]:

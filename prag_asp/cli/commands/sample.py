@@ -24,6 +24,7 @@ from prag_asp.wording import plural
 if TYPE_CHECKING:
     from prag_asp.dataset.jsonl import Record
     from prag_asp.dataset.pass_rates import Tally
+    from prag_asp.domain.load import Domain
     from prag_asp.space.strata.allocation import Stratification
     from prag_asp.space.task_space import TaskSpace
 
@@ -92,24 +93,15 @@ def sample(
     from prag_asp.dataset.stored_scenarios import read_earlier
 
     task_format.check(by)
-    _check_choice(cover, diverse, requested_count, by, over, excluded)
+    _check_choice(cover, diverse, requested_count, by, over, distinct, excluded)
     require_writable(output)
     validation.parse_budget()
     filming.check(validation.demonstrate)
     with progress() as tell:
         space = request.spaces(tell)
-        if physics is None:
-            physics = bool(space.domain.settings.scene)
-        if physics and space.domain.settings.scene:
-            from prag_asp.physics import require_physics
-
-            require_physics(f"the scene of {space.domain.name} needs physics (--no-physics samples without it)")
+        physics = _with_physics(space.domain, physics)
         staging = filming.staging(scene_of(space.domain)) if filming.any else None
         line = task_format.line(space, seed, staging)
-        if distinct and by != "task":
-            raise QueryError(f"--distinct samples tasks without replacement; leave --by {by} out")
-        if excluded is not None and not distinct:
-            raise QueryError(f"--except {excluded} leaves tasks out of a sample without replacement; add --distinct")
         stratification = stratifying.stratification(
             {
                 "--over": over is not None, "--by": by != "task", "--except": excluded is not None,
@@ -131,7 +123,11 @@ def sample(
             requested_count, choose = len(covering.found.tasks), covering.report
         elif diverse is not None:
             choose = partial(far_apart, count=diverse, space=space)
-        if not physics:
+        if physics:
+            drawing |= {"seed": seed, "staging": staging, "keep": keep}
+            drawing["draws"] = max_draws or DRAWS_PER_TASK * requested_count
+            _write_feasible(source, drawing, requested_count, validation, output, line, choose, tell)
+        else:
             validation.refuse_without_physics({"--max-draws": max_draws is not None})
             drawn = source.stream(seed=seed, **drawing) if requested_count else iter(())
             records = map(Record, islice(drawn if keep is None else filter(keep, drawn), requested_count))
@@ -139,12 +135,23 @@ def sample(
             if found < at_least:
                 others = "others of positive weight" if keep is None and space.count() > found else "others"
                 raise NotFound(f"only {found} of {plural(at_least, 'task')}: there are no {others}")
-            _tell_repetition(space, by, 0 if distinct or cover is not None else requested_count)
-            return
-        drawing |= {"seed": seed, "staging": staging, "keep": keep}
-        drawing["draws"] = max_draws or DRAWS_PER_TASK * requested_count
-        _write_feasible(source, drawing, requested_count, validation, output, line, choose, tell)
-        _tell_repetition(space, by, 0 if distinct or cover is not None else requested_count)
+        if not distinct and cover is None:
+            _tell_repetition(space, by, requested_count)
+
+
+def _with_physics(domain: Domain, physics: bool | None) -> bool:
+    """Return whether tasks are checked by physics; by default they are if the domain has a scene.
+
+    Raises:
+        PhysicsMissingError: they are, and physics is not installed.
+    """
+    scene = bool(domain.settings.scene)
+    with_physics = scene if physics is None else physics
+    if with_physics and scene:
+        from prag_asp.physics import require_physics
+
+        require_physics(f"the scene of {domain.name} needs physics (--no-physics samples without it)")
+    return with_physics
 
 
 def _tell_repetition(space: TaskSpace, by: Any, requested_count: int) -> None:
@@ -164,7 +171,9 @@ def _write_all(records: Iterator[Record], output: str | None, line: Callable[[Re
     return found
 
 
-def _check_choice(cover: int | None, diverse: int | None, count: int, by: str, over: Any, excluded: str | None) -> None:
+def _check_choice(
+    cover: int | None, diverse: int | None, count: int, by: str, over: Any, distinct: bool, excluded: str | None
+) -> None:
     """Check that the options for choosing tasks are consistent.
 
     Raises:
@@ -176,6 +185,10 @@ def _check_choice(cover: int | None, diverse: int | None, count: int, by: str, o
         raise QueryError(f"--cover chooses from all tasks of the space; leave {option} out")
     if diverse is not None and diverse > count:
         raise QueryError(f"--diverse {diverse}: chooses from {plural(count, 'sampled task')}; raise --count")
+    if distinct and by != "task":
+        raise QueryError(f"--distinct samples tasks without replacement; leave --by {by} out")
+    if excluded is not None and not distinct:
+        raise QueryError(f"--except {excluded} leaves tasks out of a sample without replacement; add --distinct")
 
 
 def _write_feasible(
@@ -259,4 +272,10 @@ def _remedy(tally: Tally) -> str:
         (_, reason), _ = tally.reasons.most_common(1)[0]
         every = "it is" if tally.seen == 1 else "all are"
         return f"{every} proved infeasible, because {reason}; change the domain or its scene, or see prag-asp learn"
+    from prag_asp.physics.search.attempt import NO_GRASP
+
+    if set(tally.causes) == {NO_GRASP}:
+        return (
+            f"nearest to working: {tally.nearest}; see prag-asp check, which counts the grasps of each body from a file"
+        )
     return f"nearest to working: {tally.nearest}; raise --budget or --max-draws"

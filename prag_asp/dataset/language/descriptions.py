@@ -6,7 +6,7 @@ Therefore, in no state that a task allows does a picture show two objects that t
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cached_property
 from itertools import combinations
 from typing import NamedTuple
@@ -209,6 +209,18 @@ class View:
         if self.context.certain.issuperset(things):
             return ()
         return tuple(each if each.relation is not None else None for each in map(self.describe, things))
+
+    def outdated(self, things: Iterable[str], later: State) -> frozenset[str]:
+        """Return the objects whose descriptions use a relation that other objects have in a later state."""
+        if self.context.settled:
+            return frozenset()
+        found = set()
+        for thing in self.context.certain.symmetric_difference(self.context.entities).intersection(things):
+            relation = self.describe(thing).relation
+            about = [relation.about(each) for each in self.context.entities] if relation is not None else []
+            if any(self.state.get(fluent) != later.get(fluent) for fluent in about):
+                found.add(thing)
+        return frozenset(found)
 
     def _search(self, entity: str) -> Description:
         """Return the best description; a relation counts as much as a property, but comes after all properties."""

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 LONGEST = 100_000
 """The maximum number of characters of an instruction."""
 
+BRACES = re.compile(r"\{[A-Za-z]+\}")
+
 LONGEST_SENTENCE = 1_000
 """The maximum number of characters of a sentence in an instruction."""
 
@@ -47,11 +49,15 @@ class Reading:
 
 
 class ParsedSentence(NamedTuple):
-    """The meaning of a sentence: an action, or a fluent with its value; "it" means the `topic` in the next sentence."""
+    """The meaning of a sentence: an action, or a fluent with its value; "it" means the `topic` in the next sentence.
+
+    The next fact may omit the `subject`.
+    """
 
     atom: Atom
     value: bool
     topic: str | None
+    subject: str = ""
 
 
 class InstructionReader:
@@ -181,12 +187,13 @@ class InstructionReader:
                 if end - begin > LONGEST_SENTENCE or end <= begin:
                     continue
                 for path in paths:
-                    for part in dict.fromkeys((text[begin:end], path.subject + text[begin:end])):
+                    for part in dict.fromkeys(omitted + text[begin:end] for omitted in ("", *path.subjects)):
                         for parsed in self.sentence(view, part, path.topic, of_actions=kind == "sentences"):
                             found = begun.setdefault(after, [])
-                            subject = part[: self.lexicon.words.verb_phrase(part)] if kind == "facts" else ""
+                            verb = self.lexicon.words.verb_phrase(part)
+                            subjects = (parsed.subject, part[:verb]) if kind == "facts" else ()
                             if len(found) <= MOST:
-                                found.append(_Path(parsed, topic if kind == "facts" else parsed.topic, path, subject))
+                                found.append(_Path(parsed, topic if kind == "facts" else parsed.topic, path, subjects))
         yield from (path.sentences() for path in begun.get(len(text), ()))
 
     def sentence(self, view: View, text: str, topic: str | None, *, of_actions: bool) -> frozenset[ParsedSentence]:
@@ -219,7 +226,8 @@ class InstructionReader:
                         else:
                             meant = sentence.meant(arguments)
                         for atom in meant:
-                            found.add(ParsedSentence(atom, sentence.value, self.topic(arguments)))
+                            subject = self.subject(sentence.template, words)
+                            found.add(ParsedSentence(atom, sentence.value, self.topic(arguments), subject))
         known = frozenset(found)
         if not of_state:
             if len(self._parsed) > LONGEST:
@@ -232,6 +240,11 @@ class InstructionReader:
         if topic is not None and text in self.lexicon.phrases.pronouns:
             return frozenset([topic]), False
         return self.lexicon.phrases.read(view, text)
+
+    def subject(self, template: Template, words: Sequence[str]) -> str:
+        """Return the subject with which a sentence begins, and a blank; or an empty text if it begins otherwise."""
+        begins = bool(words) and not template.texts[0] and template.texts[1].startswith(" ")
+        return f"{words[0]} " if begins else ""
 
     def topic(self, arguments: Sequence[str]) -> str | None:
         """Return what "it" means after a sentence: the first movable object in the sentence, or else the first thing.
@@ -281,13 +294,13 @@ class InstructionReader:
 class _Path(NamedTuple):
     """A sentence in a list, the meaning of "it" after this sentence, and the previous sentences.
 
-    The next fact may have the same `subject` and verb, and then omits them: "it is on the table and behind the can".
+    The next fact may omit one of the `subjects`, without or with the verb: "it is on the table and behind the can".
     """
 
     parsed: ParsedSentence | None
     topic: str | None
     before: _Path | None
-    subject: str = ""
+    subjects: tuple[str, ...] = ()
 
     def sentences(self) -> tuple[ParsedSentence, ...]:
         """Return the sentences from the first one to this one."""
@@ -329,11 +342,13 @@ def shortened(text: str, most: int = 60) -> str:
 
 def unnumbered(frame: str) -> str:
     """Return the frame of an exact instruction with a single action, which does not need to be numbered."""
-    return frame[max(frame.find("{action}"), 0) :] if frame.find("{number}") < frame.find("{action}") else frame
+    lower = frame.casefold()
+    return frame[max(lower.find("{action}"), 0) :] if lower.find("{number}") < lower.find("{action}") else frame
 
 
 def _frame(text: str) -> Template:
     """Return a frame as a template, with its slots numbered in order."""
+    text = BRACES.sub(lambda match: match[0].lower(), text)
     names = ["{number}", "{action}", "{actions}", "{facts}"]
     places = sorted((text.find(name), name) for name in names if name in text)
     for index, (_, name) in enumerate(places):

@@ -6,7 +6,7 @@ A `SentenceWriter` writes the sentences; this module chooses, orders and joins t
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from copy import copy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -16,9 +16,10 @@ from prag_asp.dataset.language.descriptions import InstructionContext, View
 from prag_asp.dataset.language.instruction_reader import InstructionReader, Reading, capital, context_of, unnumbered
 from prag_asp.dataset.language.lexicon import Lexicon
 from prag_asp.dataset.language.plain import sentence
-from prag_asp.dataset.language.sentence_writer import PhraseRng, SentenceWriter
+from prag_asp.dataset.language.sentence_writer import ClearSentence, PhraseRng, SentenceWriter
 from prag_asp.errors import QueryError
 from prag_asp.grammar.phrasings import Phrasings
+from prag_asp.grammar.template import Recurrence
 from prag_asp.task import FrozenDict, State, Task
 
 if TYPE_CHECKING:
@@ -26,6 +27,12 @@ if TYPE_CHECKING:
 
 START_FACTS, CAPTION_FACTS = 4, 2
 """The maximum numbers of facts in the caption of the initial state and in the captions of other states."""
+
+STEM = 6
+"""The number of letters in which words with the same stem agree."""
+
+SHORT = 3
+"""The maximum number of letters of words that are not looked for inside other words."""
 
 COLOR = re.compile(r"#[0-9a-fA-F]{6}")
 CACHED = 1 << 16
@@ -92,11 +99,11 @@ class InstructionWriter:
         named: dict[str, None] = {}
         written, frames = self.lexicon.words.contracted, self.lexicon.words.frames
         subgoals = []
-        again = restoring_actions(task)
+        again = recurrences(task)
         for number, action in enumerate(task.actions):
             here = self.lexicon.view(initial.at(task.states[number - 1]) if number else initial)
-            clause, _ = self._sentences.write(here, action, None, each, restores=again[number])
-            subgoals.append(written(capital(str(frames["subgoal"]).format(action=clause))))
+            step = self._sentences.write(here, action, None, each, recurrence=again[number]).text
+            subgoals.append(written(capital(str(frames["subgoal"]).format(action=step))))
             self._note(here, [action], named)
         goal, aims = self.goal(task), []
         for subgoal in task.subgoals:
@@ -107,14 +114,21 @@ class InstructionWriter:
                 self._aims[frozen] = notable_facts(frozen, self.lexicon)
             aims.append(self._aims[frozen])
         self._note(view, [*task.actions, *goal, *(fluent for aim in aims for fluent in aim)], named)
-        clauses, topic = [], None
-        for action, restores in zip(task.actions, again, strict=True):  # "it" is the topic of the previous sentence
-            clause, topic = self._sentences.write(view, action, topic, default, restores=restores)
+        last = task.states[-1] if task.states else task.initial
+        changed = view.outdated({each for fluent in goal for each in fluent.arguments}, last)
+        facts = self._sentences.facts(view, goal, None, vague, changed)
+        clauses, topic = list[ClearSentence](), None
+        states = (task.initial, *task.states)
+        outdated = [view.outdated(action.arguments, state) for action, state in zip(task.actions, states, strict=False)]
+        for action, recurrence, old in zip(task.actions, again, outdated, strict=True):
+            # "it" is the topic of the previous sentence
+            clause = self._sentences.write(view, action, topic, default, recurrence=recurrence, outdated=old)
+            topic = clause.topic
             clauses.append(clause)
         return Instructions(
-            written(self._framed("vague", "facts", self._sentences.facts(view, goal, None, vague), vague)),
+            written(self._framed("vague", "facts", facts, vague)),
             written(self._framed("default", "sentences", clauses, default)),
-            written(self._exact(view, task.actions, aims, again, exact)),
+            written(self._exact(view, task.actions, aims, again, outdated, exact)),
             tuple(subgoals),
             tuple(sorted(named)),
         )
@@ -141,14 +155,14 @@ class InstructionWriter:
         for number, (action, subgoal) in enumerate(zip(task.actions, task.subgoals, strict=True), 1):
             before = self.lexicon.view(context_of(task, number - 1))
             try:
-                heading, topic = self._sentences.write(before, action, None, None)
+                heading, topic, _ = self._sentences.write(before, action, None, None)
             except QueryError:  # all sentences are ambiguous: the plain instruction names the objects
                 heading, topic = sentence(action, self.lexicon.domain.settings.language), None
             made = dict(list(notable_facts(subgoal, self.lexicon).items())[:CAPTION_FACTS])
             moved = topic is not None and before.describe(topic).relation is not None
             captions.append((f"{number}. {heading}", self._sentences.facts(before, made, topic if moved else None)))
         written = self.lexicon.words.contracted
-        return [(written(heading), written(", ".join(facts))) for heading, facts in captions]
+        return [(written(heading), written(", ".join(fact.text for fact in facts))) for heading, facts in captions]
 
     def read(self, start: InstructionContext | Task, text: str) -> Reading:
         """Return the meaning of an instruction at the start of a task, or in another context.
@@ -185,32 +199,49 @@ class InstructionWriter:
                     if argument in self.lexicon.appearance.nouns and view.describe(argument).name:
                         named[argument] = None
 
-    def _framed(self, level: str, kind: str, clauses: Sequence[str], rng: PhraseRng) -> str:
+    def _framed(self, level: str, kind: str, clauses: Sequence[ClearSentence], rng: PhraseRng) -> str:
         """Return sentences joined in the frame of a level, or an empty text if there are none."""
         if not clauses:
             return ""
         frame = rng.pick(self.phrasings.of(self.lexicon.words.frames[level]))
         text = self._joined(clauses, kind, rng)
-        return capital(frame.format(facts=text, actions=text))
+        return capital(frame.format(facts=text, actions=text, Actions=capital(text)))
 
     def _exact(
-        self, view: View, actions: Sequence[Atom], aims: Sequence[State], again: Sequence[bool], rng: PhraseRng
+        self,
+        view: View,
+        actions: Sequence[Atom],
+        aims: Sequence[State],
+        again: Sequence[Recurrence],
+        outdated: Sequence[Set[str]],
+        rng: PhraseRng,
     ) -> str:
-        """Return the exact instruction: the actions and the aim of each."""
+        """Return the exact instruction: the actions, and the aim of each if its sentence does not state it already."""
         words, steps = self.lexicon.words, []
         alone, aimed = words.frames["exact"]
-        for number, (action, aim, restores) in enumerate(zip(actions, aims, again, strict=True), 1):
-            clause, topic = self._sentences.write(view, action, None, rng, restores=restores)
-            facts = self._sentences.facts(view, aim, topic, rng)
+        steps_of = zip(actions, aims, again, outdated, strict=True)
+        for number, (action, aim, recurrence, old) in enumerate(steps_of, 1):
+            clause = self._sentences.write(view, action, None, rng, recurrence=recurrence, outdated=old)
+            facts = self._sentences.facts(view, aim, clause.topic, rng) if recurrence != "repeated" else []
+            said = {*words_of(clause.text), *self._words_for(action)}
+            facts = [fact for fact in facts if not is_stated(fact.text, said, words.function_words)]
             frame = aimed if facts else alone
             frame = unnumbered(frame) if len(actions) == 1 else frame
             step = frame.format(
-                number=words.number(number), action=clause, facts=self._joined(facts, "facts", rng) if facts else ""
+                number=words.number(number),
+                action=clause.text,
+                Action=capital(clause.text),
+                facts=self._joined(facts, "facts", rng) if facts else "",
             )
             steps.append(capital(step))
         return str(words.table["joints"]["steps"]).join(steps)
 
-    def _joined(self, clauses: Sequence[str], kind: str, rng: PhraseRng) -> str:
+    def _words_for(self, action: Atom) -> set[str]:
+        """Return the words of all sentences for an action, apart from its arguments."""
+        templates = self.lexicon.grammar.actions.get((action.name, len(action.arguments)), ())
+        return {word for template in templates for text in template.texts for word in words_of(text)}
+
+    def _joined(self, clauses: Sequence[ClearSentence], kind: str, rng: PhraseRng) -> str:
         """Return sentences joined into one text."""
         words = self.lexicon.words
         joints, latest = self.phrasings.of(words.joints(kind)), -1
@@ -219,24 +250,29 @@ class InstructionWriter:
             if words.many and (len(merged) > 2 or len(merged) < len(clauses)):
                 return words.many[1].join(part for part in (words.many[0].join(merged[:-1]), merged[-1]) if part)
             return joints[0].join(merged)
-        text = clauses[0]
+        text = clauses[0].text
         for clause in clauses[1:]:  # within a sentence, joints occur in the order of their list
             allowed = [place for place, each in enumerate(joints) if place > latest or begins_sentence(each)]
             fresh = [place for place in allowed if place != latest]
             latest = rng.pick(fresh or allowed or range(len(joints)))
-            text += joints[latest] + clause
+            text += joints[latest] + clause.text
         return text
 
-    def _merged(self, facts: Sequence[str], joint: str) -> list[str]:
-        """Return sentences for facts; sentences with the same subject and verb are merged: "it is red and clean"."""
+    def _merged(self, facts: Sequence[ClearSentence], joint: str) -> list[str]:
+        """Return sentences for facts; those with the same subject, and verb if possible, are merged.
+
+        "it is red and clean", "the arm holds it and is over the table"
+        """
         groups: dict[str, list[str]] = {}
         for fact in facts:
-            end = self.lexicon.words.verb_phrase(fact)
-            groups.setdefault(fact[:end] or fact, []).append(fact[end:])
-        return [
-            subject + joint.join(rest) if self.lexicon.words.verb_phrase(subject) else subject
-            for subject, rest in groups.items()
-        ]
+            groups.setdefault(fact.subject or fact.text, []).append(fact.text)
+        merged = []
+        for subject, texts in groups.items():
+            begins = {text[: self.lexicon.words.verb_phrase(text)] for text in texts}
+            shared = begins.pop() if len(begins) == 1 else ""
+            shared = shared if len(shared) > len(subject) else subject
+            merged.append(shared + joint.join(text[len(shared) :] for text in texts))
+        return merged
 
 
 def instruction_writer_of(
@@ -265,20 +301,46 @@ def begins_sentence(joint: str) -> bool:
     return joint.lstrip().startswith(".")
 
 
-def restoring_actions(task: Task) -> list[bool]:
-    """Return, for each action, whether it restores facts of an earlier state.
+def recurrences(task: Task) -> list[Recurrence]:
+    """Return, for each action, whether its facts are new, held in an earlier state, or are made once more.
 
-    An action whose facts all hold just before it counts, too: "carry the can to the bowl, then carry it back to the
-    bowl along a given path".
+    An action that changes nothing repeats an earlier action if it is the same or has the same aim: "carry the can to
+    the bowl, then carry it once more to the bowl along a given path".
     """
-    states, found = [task.initial, *task.states], []
+    states, found = [task.initial, *task.states], list[Recurrence]()
     for number, subgoal in enumerate(task.subgoals):
         changed = {fluent: value for fluent, value in subgoal.items() if states[number].get(fluent) != value}
-        facts = changed or subgoal
-        made = {fluent: value for fluent, value in facts.items() if value} or facts
-        earlier = states[:number] if changed else [states[number]]
-        found.append(bool(made) and any(made.items() <= state.items() for state in earlier))
+        if changed:
+            made = {fluent: value for fluent, value in changed.items() if value} or changed
+            restored = any(made.items() <= state.items() for state in states[:number])
+            found.append("restored" if restored else "new")
+        else:
+            made = {fluent: value for fluent, value in subgoal.items() if value} or dict(subgoal)
+            repeated = task.actions[number] in task.actions[:number] or any(
+                made and made.items() <= dict(earlier).items() for earlier in task.subgoals[:number]
+            )
+            found.append("repeated" if repeated else "new")
     return found
+
+
+def is_stated(fact: str, said: Set[str], function_words: Set[str]) -> bool:
+    """Return whether all words of a fact are already `said`, as in "open the drawer, so that it is open".
+
+    Words count as the same if one begins with the other or has it inside, or if both have the same stem, as "in" and
+    "into", "öffne" and "geöffnet", or "entferne" and "entfernt".
+    """
+
+    def same(one: str, other: str) -> bool:
+        short, long = sorted((one, other), key=len)
+        begins = len(short) > 1 and long.startswith(short[:STEM])
+        return one == other or begins or (len(short) > SHORT and short in long)
+
+    return all(word in function_words or any(same(word, each) for each in said) for word in words_of(fact))
+
+
+def words_of(text: str) -> list[str]:
+    """Return the words of a text in lower case."""
+    return text.casefold().replace(",", " ").split()
 
 
 def notable_facts(facts: State, lexicon: Lexicon) -> Mapping[Atom, bool]:

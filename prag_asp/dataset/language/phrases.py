@@ -38,10 +38,11 @@ class NounPhrases:
         """Return the pronoun for an entity."""
         return self.words.agreeing("it", self.gender(entity), case)
 
-    def write(self, view: View, value: str, case: str, variant: int = 0) -> str:
+    def write(self, view: View, value: str, case: str, variant: int = 0, *, outdated: bool = False) -> str:
         """Return the noun phrase for an entity in a state, or the word for another value.
 
-        If the phrase has a relation, variants after the first are less ambiguous.
+        If the phrase has a relation, variants after the first are less ambiguous. An `outdated` phrase says that the
+        relation held originally.
         """
         if value not in self.appearance.nouns:
             return self.value(value)
@@ -59,6 +60,8 @@ class NounPhrases:
         forms = [each for each in self._modified if not each.genders or gender in each.genders]
         if modifier.template.genders:  # the modifier has a verb
             variant = 0
+        elif outdated and self._formerly is not None:
+            return self._formerly.fill([self.plain(what._replace(relation=None), case), where])
         return forms[min(variant, len(forms) - 1)].fill([self.plain(what._replace(relation=None), case), where])
 
     def value(self, value: str) -> str:
@@ -76,7 +79,10 @@ class NounPhrases:
         the = self.words.agreeing("the", gender, case)
         if what.name:
             name = self.appearance.names.get(what.name, plain(what.name))
-            parts = str(self.words.table["named"]).format(the=the, noun=word, name=name).split()
+            if word and name.endswith(f" {word}"):  # "the left arm", not "arm left arm"
+                parts = f"{the} {name}".split()
+            else:
+                parts = str(self.words.table["named"]).format(the=the, noun=word, name=name).split()
         else:
             by_kind = {"the": the, "noun": word}
             for kind in ("color", "size", "place"):
@@ -110,6 +116,12 @@ class NounPhrases:
                 genders = frozenset([gender] if gender else [])
                 found.append(parse_template(spelled, self.words.cases, 2, verbs, genders))
         return tuple(found)
+
+    @cached_property
+    def _formerly(self) -> Template | None:
+        """The template of a noun phrase followed by a modifier that was true originally, if the language has one."""
+        text = str(self.words.table.get("formerly", "")).replace("{phrase}", "{0}").replace("{where}", "{1}")
+        return parse_template(text, self.words.cases, 2) if text else None
 
     @cached_property
     def _known(self) -> Mapping[str, tuple[Description, ...]]:
@@ -167,7 +179,7 @@ class NounPhrases:
 
     def _modifications(self, text: str) -> Iterator[tuple[tuple[Description, ...], str]]:
         """Yield the descriptions with which a text can begin, each with the modifier that follows."""
-        for template in self._modified:
+        for template in (*self._modified, *([self._formerly] if self._formerly else [])):
             first, between, last = template.texts
             if text.startswith(first) and text.endswith(last):
                 inner = text[len(first) : len(text) - len(last)]

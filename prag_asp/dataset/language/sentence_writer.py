@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field
 from hashlib import blake2b
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 from prag_asp.atom import Atom
 from prag_asp.dataset.language.descriptions import View
@@ -13,6 +13,7 @@ from prag_asp.dataset.language.instruction_reader import InstructionReader
 from prag_asp.dataset.language.sentences import Sentence
 from prag_asp.errors import QueryError
 from prag_asp.grammar.phrasings import Phrasings
+from prag_asp.grammar.template import Recurrence
 
 Option = TypeVar("Option")
 
@@ -22,8 +23,13 @@ VARIANTS = (0, 1)
 CACHED = 1 << 16
 """The maximum number of cached sentences; the tasks of a space share most of them."""
 
-ClearSentence = tuple[str, str | None]
-"""An unambiguous sentence and its topic."""
+
+class ClearSentence(NamedTuple):
+    """An unambiguous sentence, its topic, and its subject, as `InstructionReader.subject` returns it."""
+
+    text: str
+    topic: str | None
+    subject: str
 
 
 class PhraseRng:
@@ -72,7 +78,7 @@ class SentenceWriter:
 
     def __init__(self, reader: InstructionReader, phrasings: Phrasings) -> None:
         self._reader, self._lexicon, self._phrasings = reader, reader.lexicon, phrasings
-        self._paraphrases: dict[tuple[Atom, bool, bool, bool], _Paraphrases] = {}
+        self._paraphrases: dict[tuple[Atom, bool, bool, Recurrence], _Paraphrases] = {}
         self._cached = 0
 
     def write(
@@ -84,27 +90,30 @@ class SentenceWriter:
         *,
         value: bool = True,
         fact: bool = False,
-        restores: bool = False,
+        recurrence: Recurrence = "new",
+        outdated: Set[str] = frozenset(),
     ) -> ClearSentence:
         """Return an unambiguous sentence for an action, or for a `fact` with its value, and the topic of the sentence.
 
-        If the action `restores` earlier facts, its sentence may say so, as in "put it back into the tray".
+        The sentence of an action may state its `recurrence`, as in "put it back into the tray".
+        The relations in the phrases for `outdated` objects no longer hold when the action begins.
 
         Raises:
             QueryError: every sentence of the atom could mean something else.
         """
-        key = (atom, value, fact, restores)
+        key = (atom, value, fact, recurrence)
         sentences = self._paraphrases.get(key)
         if sentences is None:
             sentences = self._paraphrases[key] = self._find_paraphrases(*key)
         first = rng.number(len(sentences.given)) if sentences.given and rng else 0
-        way = (view.context, topic, first, view.related(sentences.things))
+        old = frozenset(each for each in sentences.things if each in outdated)
+        way = (view.context, topic, first, view.related(sentences.things), old)
         try:
             found = sentences.clear[way]
         except KeyError:
             ordered = (*sentences.given[first:], *sentences.given[:first], *sentences.spare)
             shorter = sentences.shorter if self._names_source(view, sentences.shorter, atom, topic) else ()
-            found, of_state = self._search(view, (*shorter, *ordered), key[:3], topic)
+            found, of_state = self._search(view, (*shorter, *ordered), key[:3], topic, old)
             if not of_state:
                 if self._cached > CACHED:
                     for each in self._paraphrases.values():
@@ -133,19 +142,29 @@ class SentenceWriter:
         return thing != topic and relation is not None and relation.about(thing) == shorter[0].sources.get(atom)
 
     def facts(
-        self, view: View, facts: Mapping[Atom, bool], topic: str | None = None, rng: PhraseRng | None = None
-    ) -> list[str]:
+        self,
+        view: View,
+        facts: Mapping[Atom, bool],
+        topic: str | None = None,
+        rng: PhraseRng | None = None,
+        outdated: Set[str] = frozenset(),
+    ) -> list[ClearSentence]:
         """Return a sentence for each fact for which there is an unambiguous one."""
         texts = []
         for fluent, value in facts.items():
             try:
-                texts.append(self.write(view, fluent, topic, rng, value=value, fact=True)[0])
+                texts.append(self.write(view, fluent, topic, rng, value=value, fact=True, outdated=outdated))
             except QueryError:
                 continue
         return texts
 
     def _search(
-        self, view: View, sentences: Sequence[Sentence], meaning: tuple[Atom, bool, bool], topic: str | None
+        self,
+        view: View,
+        sentences: Sequence[Sentence],
+        meaning: tuple[Atom, bool, bool],
+        topic: str | None,
+        outdated: Set[str],
     ) -> tuple[ClearSentence | None, bool]:
         """Return the first unambiguous sentence, and whether the choice depends on the state.
 
@@ -154,22 +173,23 @@ class SentenceWriter:
         (atom, value, fact), of_state, phrases = meaning, False, self._lexicon.phrases
         for variant in VARIANTS:
             for clause in sentences:
-                words = []
+                words = list[str]()
                 for slot in clause.template.slots:
                     thing = atom.arguments[slot.argument]
-                    if thing == topic:
+                    if thing == topic and not (words and thing in self._lexicon.appearance.robots):
                         words.append(phrases.pronoun(thing, slot.case))
                     else:
-                        words.append(phrases.write(view, thing, slot.case, variant))
+                        words.append(phrases.write(view, thing, slot.case, variant, outdated=thing in outdated))
                 text = clause.template.fill(words)
                 meanings, unsure = self._reader.parse_sentence(view, text, topic, of_actions=not fact)
                 of_state |= unsure
                 if {(parsed.atom, parsed.value) for parsed in meanings} == {(atom, value)}:
                     topics = {parsed.topic for parsed in meanings}
-                    return (text, topics.pop() if len(topics) == 1 else None), of_state
+                    subject = self._reader.subject(clause.template, words)
+                    return ClearSentence(text, topics.pop() if len(topics) == 1 else None, subject), of_state
         return None, of_state
 
-    def _find_paraphrases(self, atom: Atom, value: bool, fact: bool, restores: bool) -> _Paraphrases:
+    def _find_paraphrases(self, atom: Atom, value: bool, fact: bool, recurrence: Recurrence) -> _Paraphrases:
         """Return the sentences; if only some phrasings are written, an action has no other sentences."""
         lexicon = self._lexicon
         table = lexicon.sentences.facts if fact else lexicon.sentences.actions
@@ -177,7 +197,7 @@ class SentenceWriter:
         usable, shorter = [], []
         for each in known:
             template = each.template
-            if template.restores not in {None, restores}:
+            if template.recurrence not in {None, recurrence}:
                 continue
             if each.sources:
                 shorter.append(each)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Set
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import replace
 from functools import cached_property
 
 from prag_asp.atom import Atom, atom_of
 from prag_asp.dataset.language.descriptions import Relation
 from prag_asp.grammar.reader import FactForms, Grammar, Where
-from prag_asp.grammar.template import Template
+from prag_asp.grammar.template import Template, admits
 from prag_asp.grammar.ways import Signature, Way
 from prag_asp.program.facts import Facts
 
@@ -101,9 +101,11 @@ class SentenceTable:
     def __init__(self, grammar: Grammar, facts: Facts) -> None:
         actions, fluents = _by_signature(facts.actions), _by_signature(facts.fluents)
         self.fluents = fluents
+        kinds = {(str(entity), str(name)) for entity, name in facts.memberships}
         self.actions: dict[Signature, tuple[Sentence, ...]] = {}
         for signature, atoms in actions.items():
-            given = [Sentence(template, atoms) for template in grammar.actions.get(signature, ())]
+            templates = grammar.actions.get(signature, ())
+            given = [Sentence(template, _admitted(template, templates, atoms, kinds)) for template in templates]
             plain = [
                 Sentence(template, tuple(atom for atom in atoms if not own or str(atom) in own), spare=True)
                 for template, own in grammar.plain.get(signature, ())
@@ -116,10 +118,13 @@ class SentenceTable:
         self.modifiers: dict[Signature, tuple[Modifier, ...]] = {}
         for signature, atoms in fluents.items():
             forms = grammar.facts.get(signature, FactForms())
-            self.facts[signature] = tuple(_of_fluents(forms, atoms))
+            self.facts[signature] = tuple(_of_fluents(forms, atoms, kinds))
             spare = grammar.spare.get(signature, FactForms())
-            self.facts[signature] += tuple(_of_fluents(spare, atoms, {*forms.true, *forms.false}))
-            self.modifiers[signature] = tuple(Modifier(where, atoms) for where in forms.where)
+            self.facts[signature] += tuple(_of_fluents(spare, atoms, kinds, {*forms.true, *forms.false}))
+            modifiers = [where.template for where in forms.where]
+            self.modifiers[signature] = tuple(
+                Modifier(where, _admitted(where.template, modifiers, atoms, kinds)) for where in forms.where
+            )
 
 
 def _from_phrase(sentence: Sentence, sources: Mapping[str, tuple[int, Way]]) -> Iterator[Sentence]:
@@ -137,12 +142,28 @@ def _from_phrase(sentence: Sentence, sources: Mapping[str, tuple[int, Way]]) -> 
         yield Sentence(shorter, sentence.atoms, spare=sentence.spare, moved=slot, sources=fluents)
 
 
-def _of_fluents(forms: FactForms, atoms: tuple[Atom, ...], given: Set[Template] | None = None) -> Iterator[Sentence]:
+def _admitted(
+    template: Template, templates: Sequence[Template], atoms: tuple[Atom, ...], kinds: Set[tuple[str, str]]
+) -> tuple[Atom, ...]:
+    """Return the atoms that a template is for: of several that admit an atom, the last one written counts."""
+    special = list(dict.fromkeys(each.only for each in templates if each.only))
+    if not special:
+        return atoms
+
+    def fitting(atom: Atom) -> tuple[str, ...]:
+        return next((only for only in reversed(special) if admits(only, atom.arguments, kinds)), ())
+
+    return tuple(atom for atom in atoms if fitting(atom) == template.only)
+
+
+def _of_fluents(
+    forms: FactForms, atoms: tuple[Atom, ...], kinds: Set[tuple[str, str]], given: Set[Template] | None = None
+) -> Iterator[Sentence]:
     """Yield the sentences for a fluent; with `given` templates, only the other sentences, as spare ones."""
     for value, templates in ((True, forms.true), (False, forms.false)):
         for template in templates:
             if given is None or template not in given:
-                yield Sentence(template, atoms, value, spare=given is not None)
+                yield Sentence(template, _admitted(template, templates, atoms, kinds), value, spare=given is not None)
 
 
 def _by_signature(terms: Iterable[object]) -> dict[Signature, tuple[Atom, ...]]:

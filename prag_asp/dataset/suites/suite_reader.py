@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from prag_asp.atom import split_terms
-from prag_asp.dataset.suites.suite_spec import HeldOut, Suite, SuitePart
+from prag_asp.dataset.suites.suite_spec import HeldOutCondition, Suite, SuitePart
 from prag_asp.dataset.suites.suite_tables import (
     LONGEST,
     OWN_OF_COPIES,
@@ -185,9 +185,9 @@ class _SuiteReader:
             staging = Staging(tuple(table.cameras), size, vary=tuple(table.vary), **rate)
         return budget, staging, True
 
-    def _held_outs(self) -> dict[str, HeldOut]:
+    def _held_outs(self) -> dict[str, HeldOutCondition]:
         """Map the text of each `unseen` entry of the parts to its conditions."""
-        held: dict[str, HeldOut] = {}
+        held: dict[str, HeldOutCondition] = {}
         for name, table in self._parts.items():
             lengths = self._lengths(name, table) if table.unseen else None
             for what in texts(table.unseen) if lengths else ():
@@ -195,7 +195,7 @@ class _SuiteReader:
                     held[what] = self._held_out(what, TaskSpace(self._domain, max(lengths or ())))
         return held
 
-    def _held_out(self, what: str, space: TaskSpace) -> HeldOut:
+    def _held_out(self, what: str, space: TaskSpace) -> HeldOutCondition:
         """Return the conditions for something to hold out: an initial value, or an argument of `TaskSpace.hold_out`."""
         if what.startswith(STARTS):
             fluent = what.removeprefix(STARTS).strip()
@@ -205,9 +205,9 @@ class _SuiteReader:
             negation = positive if positive != fluent else f"not {fluent}"
             having, lacking = str(Condition.parse(what)), str(Condition.parse(f"{STARTS}{negation}"))
             space.where(having)
-            return HeldOut(what, having, lacking)
+            return HeldOutCondition(what, having, lacking)
         without, with_it = space.hold_out(what)
-        return HeldOut(what, str(with_it.condition), str(without.condition))
+        return HeldOutCondition(what, str(with_it.condition), str(without.condition))
 
     def _lengths(self, name: str, table: PartTable) -> range | None:
         """Return the lengths of a part, by default those of the suite; report invalid ones, and return None."""
@@ -220,7 +220,9 @@ class _SuiteReader:
             return range(found, found + 1) if isinstance(found, int) else found
         return None
 
-    def _part(self, name: str, table: PartTable, held: Mapping[str, HeldOut], *, checked: bool) -> SuitePart | None:
+    def _part(
+        self, name: str, table: PartTable, held: Mapping[str, HeldOutCondition], *, checked: bool
+    ) -> SuitePart | None:
         """Return a part with its own tasks, or None if its lengths or conditions have problems.
 
         `checked` is true if physics checks the tasks.

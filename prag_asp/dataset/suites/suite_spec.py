@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class HeldOut:
+class HeldOutCondition:
     """Something that only some parts contain: the condition that a task has it, and the negation of that condition."""
 
     what: str
@@ -76,7 +76,7 @@ class Suite:
     budget: Budget | None = None
     staging: Staging | None = None
     demonstrate: bool = False
-    held: tuple[HeldOut, ...] = ()
+    held: tuple[HeldOutCondition, ...] = ()
     path: Path = field(default_factory=Path)
     text: str = field(default="", repr=False)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -10,6 +10,7 @@ from typing import Any
 
 from prag_asp.errors import QueryError
 from prag_asp.evaluation.policies.policy import Environment, Policy, PolicyMaker
+from prag_asp.output.digests import files_digest
 
 BASELINES = ("oracle", "random", "zeros")
 """The built-in policies."""
@@ -23,7 +24,8 @@ KINDS: Mapping[str, tuple[Callable[[str], bool], str]] = {
 }
 """Each kind of policy: a test of the text, and the module in this package whose function `maker` accepts the text.
 
-A module may also have a function `environment`, which returns the environment options that a policy determines.
+A module may also have a function `environment`, which returns the environment options that a policy determines, and a
+function `files`, which returns the files that define a policy.
 """
 
 
@@ -53,6 +55,30 @@ def environment_of(text: str) -> dict[str, Any]:
         import_module(f"{__name__}.{_file_of(text)}"), "environment", None
     )
     return {} if options is None else options(text)
+
+
+def content_of(text: str) -> str:
+    """Return a digest of the files that define a policy, or "" if there are none.
+
+    Of a ``module:callable``, this is the file that defines the callable, but not the files that it reads.
+
+    Raises:
+        QueryError: the text matches no kind of policy, or there is no such policy.
+    """
+    files: Callable[[str], list[Path]] | None = getattr(import_module(f"{__name__}.{_file_of(text)}"), "files", None)
+    return "" if files is None else contents_digest(files(text))
+
+
+def contents_digest(files: Sequence[Path]) -> str:
+    """Return a digest of the names and contents of files in one folder, or "" if there are none.
+
+    Raises:
+        QueryError: a file cannot be read.
+    """
+    try:
+        return files_digest(files, files[0].parent) if files else ""
+    except OSError as error:
+        raise QueryError(f"{error.filename}: cannot be read: {error.strerror}") from None
 
 
 def _file_of(text: str) -> str:

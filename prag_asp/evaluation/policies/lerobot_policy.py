@@ -125,6 +125,11 @@ def environment(text: str) -> dict[str, Any]:
     return LeRobotCheckpoint.open(text).options()
 
 
+def files(text: str) -> list[Path]:
+    """Return the files of the policy: all files in the folder of a checkpoint."""
+    return [file for file in Path(text).iterdir() if file.is_file()]
+
+
 def maker(text: str) -> PolicyMaker:
     """Return the maker of the policy in a checkpoint.
 

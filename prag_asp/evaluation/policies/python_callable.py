@@ -48,6 +48,24 @@ def maker(text: str) -> PolicyMaker:
     return partial(CallablePolicy, imported(text, "policy"))
 
 
+def files(text: str) -> list[Path]:
+    """Return the file that defines the callable ``module:callable``, if there is one.
+
+    Raises:
+        QueryError: the module cannot be imported, or has no such callable.
+    """
+    return source_files(imported(text, "policy"))
+
+
+def source_files(function: Callable[..., Any]) -> list[Path]:
+    """Return the file that defines a function or a class, if there is one."""
+    try:
+        file = inspect.getsourcefile(inspect.unwrap(function))
+    except TypeError:  # a builtin, or an object with a method `__call__`
+        file = inspect.getsourcefile(type(function)) if type(function).__module__ != "builtins" else None
+    return [Path(file)] if file is not None and Path(file).is_file() else []
+
+
 def imported(text: str, what: str) -> Callable[..., Any]:
     """Return the callable ``module:callable``; the module may be in the current folder.
 
@@ -58,7 +76,7 @@ def imported(text: str, what: str) -> Callable[..., Any]:
     with _current_folder():
         try:
             found: Any = import_module(module)
-        except Exception as error:  # the module may raise anything
+        except (Exception, SystemExit) as error:  # the module may raise anything
             reason = " ".join(f"{type(error).__name__}: {error}".split())
             raise QueryError(f"{what} {text}: {module} cannot be imported: {reason}; give MODULE:CALLABLE") from None
     for each in name.split("."):

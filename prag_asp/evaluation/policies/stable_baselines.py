@@ -86,6 +86,11 @@ def algorithm_of(path: Path) -> tuple[str, str]:
     )
 
 
+def files(text: str) -> list[Path]:
+    """Return the files of the policy."""
+    return [Path(text)]
+
+
 def maker(text: str) -> PolicyMaker:
     """Return the maker of the policy in a zip.
 

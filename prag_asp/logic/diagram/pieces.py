@@ -16,7 +16,7 @@ from prag_asp.logic.diagram.digits import Digits
 from prag_asp.logic.step.moves import Move
 from prag_asp.logic.step.normal import RuleBody
 from prag_asp.logic.step.packed import unpack
-from prag_asp.logic.step.strata import Stratum
+from prag_asp.logic.step.strata import AtomStratum
 from prag_asp.logic.step.transition import Transition
 
 Read = Callable[[int], Node]
@@ -201,7 +201,7 @@ class _Values:
             return self._diagrams.minus(states, where) if literal > 0 else self._diagrams.within(states, where)
         return self._diagrams.minus(states, self.body(body))
 
-    def evaluate(self, strata: Iterable[Stratum], bodies: Callable[[int], tuple[RuleBody, ...]]) -> None:
+    def evaluate(self, strata: Iterable[AtomStratum], bodies: Callable[[int], tuple[RuleBody, ...]]) -> None:
         """Evaluate atoms in order of their dependencies; recursive ones are iterated to a fixpoint."""
         for stratum in strata:
             if stratum.recursive:

@@ -58,9 +58,12 @@ class Completion:
         return _value(self.values, literal)
 
 
-def complete(rules: Iterable[Rule], *, copied: bool = False) -> Completion:
-    """Return the clauses of a ground program without disjunctions; with `copied`, positive loops have copies."""
-    clauses = ClauseBuilder()
+def complete(rules: Iterable[Rule], *, copied: bool = False, sums_apart: bool = False) -> Completion:
+    """Return the clauses of a ground program without disjunctions; with `copied`, positive loops have copies.
+
+    With `sums_apart`, no clauses define the sums (see `ClauseBuilder`).
+    """
+    clauses = ClauseBuilder(sums_apart=sums_apart)
     rules_of: dict[int, list[Rule]] = {}
     constraints: list[Rule] = []
     for rule in dict.fromkeys(rules):

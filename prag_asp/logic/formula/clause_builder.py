@@ -33,10 +33,15 @@ class ClauseBuilder:
 
     Every method that returns a literal adds clauses that fix its value for each assignment of the given literals, so no
     method changes the number of models.
+
+    With `sums_apart`, no clause defines the output of a sum, unless it is a conjunction or a disjunction: all sums are
+    in `sums` only.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, sums_apart: bool = False) -> None:
         self.variables = 1
+        self._sums_apart = sums_apart
+        self._outputs: dict[tuple[int, tuple[tuple[int, Literal], ...]], Literal] = {}
         self.clauses: list[tuple[Literal, ...]] = [(TRUE,)]
         self.sums: dict[Literal, Sum] = {}
         self.nodes: set[Literal] = set()
@@ -92,6 +97,8 @@ class ClauseBuilder:
         i-th on reach b.
         """
         terms = sorted(zip(weights, literals, strict=True), reverse=True)
+        if self._sums_apart:
+            return self._sum_apart(bound, terms)
         remaining = [0]
         for weight, _ in reversed(terms):
             remaining.append(remaining[-1] + weight)
@@ -125,6 +132,22 @@ class ClauseBuilder:
         elif not self.nodes.isdisjoint(every):
             self.sums[output] = Sum(output, bound, tuple(literals), tuple(weights))
         return output
+
+    def _sum_apart(self, bound: int, terms: Sequence[tuple[int, Literal]]) -> Literal:
+        """Return the output of a sum that no clause defines, or of an equivalent gate."""
+        whole = sum(weight for weight, _ in terms)
+        if bound <= 0 or bound > whole:
+            return TRUE if bound <= 0 else -TRUE
+        if terms[-1][0] >= bound:
+            return self.any_of(literal for _, literal in terms)
+        if whole - terms[-1][0] < bound:
+            return self.all_of(literal for _, literal in terms)
+        key = (bound, tuple(terms))
+        if key not in self._outputs:
+            weights, literals = zip(*terms, strict=True)
+            output = self._outputs[key] = self.fresh()
+            self.sums[output] = Sum(output, bound, literals, weights)
+        return self._outputs[key]
 
     def _reached(self, literal: Literal, high: Literal, low: Literal) -> Literal:
         """Return the literal of a node, given the literals of its `high` and `low` children; `low` implies `high`."""

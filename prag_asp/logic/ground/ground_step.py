@@ -17,7 +17,7 @@ from prag_asp.program.atom_arrays import ground_atoms
 from prag_asp.program.facts import Facts
 from prag_asp.program.finite.checks import BoundReached, measure
 from prag_asp.program.finite.guards import guard_program
-from prag_asp.program.grounding import Grounder, Part
+from prag_asp.program.grounding import Grounder, ProgramPart
 from prag_asp.program.predicates import FINAL, HOLDS, OCCURS, STATE
 from prag_asp.program.sources import Program
 from prag_asp.program.syntax import Signature, spelled
@@ -276,9 +276,9 @@ def ground_plan(program: Program, length: int, reads: StepReads) -> GroundStep:
     return _recorded(started.grounder, started.recorder, reads)
 
 
-def unrolled(length: int) -> list[Part]:
+def unrolled(length: int) -> list[ProgramPart]:
     """Return the program parts of plans of a given length, after the base."""
-    steps: list[Part] = [("step", [clingo.Number(k)]) for k in range(1, length + 1)]
+    steps: list[ProgramPart] = [("step", [clingo.Number(k)]) for k in range(1, length + 1)]
     return [*steps, ("check", [clingo.Number(length)])]
 
 

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from prag_asp.logic.ground.ground_step import timeless, unrolled
 from prag_asp.logic.step.bit_columns import bits_of, columns_of, each_bits
 from prag_asp.logic.step.normal import NormalStep, RuleBody
-from prag_asp.logic.step.strata import Stratum, evaluate, stratify
-from prag_asp.program.grounding import Grounder, Part
+from prag_asp.logic.step.strata import AtomStratum, evaluate, stratify
+from prag_asp.program.grounding import Grounder, ProgramPart
 from prag_asp.program.predicates import OCCURS, STATE
 from prag_asp.program.sources import Program
 
@@ -42,7 +42,7 @@ class Hindsight:
     fluents: tuple[clingo.Symbol, ...]
 
     @cached_property
-    def _forward(self) -> list[Stratum]:
+    def _forward(self) -> list[AtomStratum]:
         return stratify(self.step.ground.now.values(), self.step.bodies)
 
     @cached_property
@@ -65,7 +65,7 @@ class Hindsight:
         ]
 
     @cached_property
-    def _parts(self) -> Mapping[str, tuple[Mapping[int, tuple[RuleBody, ...]], list[Stratum]]]:
+    def _parts(self) -> Mapping[str, tuple[Mapping[int, tuple[RuleBody, ...]], list[AtomStratum]]]:
         """The rules for the final state and for an earlier state, each with the strata to evaluate."""
         roots = {"ending": [atom for atom, *_ in self._rows], "hindsight": [before for _, before, *_ in self._rows]}
         parts = {}
@@ -157,7 +157,7 @@ def solved_states(program: Program, plan: Plan, fluents: Sequence[clingo.Symbol]
     length = len(plan)
     grounder = Grounder(program, "1")
     grounder.ground([("base", [])])
-    hindsight: list[Part] = [("hindsight", [clingo.Number(k)]) for k in range(1, length + 1)]
+    hindsight: list[ProgramPart] = [("hindsight", [clingo.Number(k)]) for k in range(1, length + 1)]
     grounder.ground([*unrolled(length), ("ending", [clingo.Number(length)]), *hindsight])
     atoms = grounder.control.symbolic_atoms
     occurring = [atoms[OCCURS(a, clingo.Number(k))] for k, a in enumerate(plan, 1)]

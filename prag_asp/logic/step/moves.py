@@ -13,7 +13,7 @@ from prag_asp.logic.step.normal import RuleBody
 from prag_asp.logic.step.packed import Rows, mask_of, words_for
 from prag_asp.logic.step.simplify import Constants, simplify
 from prag_asp.logic.step.step_rules import StepRules
-from prag_asp.logic.step.strata import Stratum
+from prag_asp.logic.step.strata import AtomStratum
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Move:
     """
 
     guards: tuple[RuleBody, ...]
-    strata: tuple[Stratum, ...]
+    strata: tuple[AtomStratum, ...]
     bodies: Mapping[int, tuple[RuleBody, ...]]
     constraints: tuple[RuleBody, ...]
     touched: frozenset[int]
@@ -63,7 +63,7 @@ def compile_move(rules: StepRules, action: int) -> Move:
     labels = {place: atom for atom in affected - decided.keys() for place in rules.label_places.get(atom, ())}
     # The strata on which the effects and the constraints still depend after simplification.
     needed = {*changed.values(), *labels.values(), *(abs(literal) for body in later for literal in body.literals)}
-    remaining: list[Stratum] = []
+    remaining: list[AtomStratum] = []
     for stratum in reversed(strata):
         if not needed.isdisjoint(stratum.atoms):
             needed |= {abs(literal) for atom in stratum.atoms for body in bodies[atom] for literal in body.literals}
@@ -79,7 +79,7 @@ def compile_move(rules: StepRules, action: int) -> Move:
 
 def _left_of_rules(
     rules: StepRules, action: int, affected: set[int], constants: Constants
-) -> tuple[dict[int, tuple[RuleBody, ...]], list[Stratum]]:
+) -> tuple[dict[int, tuple[RuleBody, ...]], list[AtomStratum]]:
     """Return the partially evaluated bodies of the affected atoms, and their strata; extend the constants."""
     bodies: dict[int, tuple[RuleBody, ...]] = {}
     strata = []
@@ -95,5 +95,5 @@ def _left_of_rules(
             bodies[atom] = tuple([body for body in simplified if isinstance(body, RuleBody)])
         open_atoms = tuple(atom for atom in stratum.atoms if atom not in constants)
         if open_atoms:
-            strata.append(Stratum(open_atoms, stratum.recursive))
+            strata.append(AtomStratum(open_atoms, stratum.recursive))
     return bodies, strata

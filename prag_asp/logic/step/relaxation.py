@@ -22,7 +22,7 @@ from prag_asp.logic.step.circuit import FALSE, TRUE, Circuit, Gates
 from prag_asp.logic.step.moves import Move
 from prag_asp.logic.step.normal import RuleBody
 from prag_asp.logic.step.packed import Rows, unpack
-from prag_asp.logic.step.strata import Stratum
+from prag_asp.logic.step.strata import AtomStratum
 from prag_asp.logic.step.transition import Transition
 
 MOST_ROUNDS = 16
@@ -141,7 +141,7 @@ class _Relaxed:
 
     def _evaluate(
         self,
-        strata: Iterable[Stratum],
+        strata: Iterable[AtomStratum],
         bodies: Mapping[int, tuple[RuleBody, ...]],
         values: dict[int, May],
         value: Callable[[int], May],

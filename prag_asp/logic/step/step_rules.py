@@ -8,7 +8,7 @@ from functools import cached_property
 
 from prag_asp.logic.step.normal import NormalStep, RuleBody
 from prag_asp.logic.step.simplify import ActionSum, Constants, as_bodies, simplify
-from prag_asp.logic.step.strata import Stratum, stratify
+from prag_asp.logic.step.strata import AtomStratum, stratify
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class StepRules:
     labels: tuple[int, ...]
 
     @cached_property
-    def strata(self) -> list[Stratum]:
+    def strata(self) -> list[AtomStratum]:
         """The rules in order of their dependencies."""
         roots = [abs(literal) for body in self.constraints for literal in body.literals]
         return stratify([*roots, *self.written, *self.labels], self.step.bodies)

@@ -15,7 +15,7 @@ from prag_asp.program.finite.components import components
 
 
 @dataclass(frozen=True)
-class Stratum:
+class AtomStratum:
     """Atoms that are evaluated together: one atom, or several that derive each other."""
 
     atoms: tuple[int, ...]
@@ -34,7 +34,7 @@ def stratified_step(ground: GroundStep) -> NormalStep:
     return step
 
 
-def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[RuleBody, ...]]) -> list[Stratum]:
+def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[RuleBody, ...]]) -> list[AtomStratum]:
     """Return the atoms on which `roots` depend and that rules define, in order of dependency.
 
     Raises:
@@ -50,7 +50,7 @@ def stratify(roots: Iterable[int], bodies: Mapping[int, tuple[RuleBody, ...]]) -
         literals = [literal for atom in members for body in bodies[atom] for literal in body.literals]
         if any(-literal in inside for literal in literals):
             raise EngineError("rules of a step depend on their own negation")
-        strata.append(Stratum(tuple(sorted(members)), any(literal in inside for literal in literals)))
+        strata.append(AtomStratum(tuple(sorted(members)), any(literal in inside for literal in literals)))
     return strata
 
 
@@ -70,7 +70,7 @@ def body_bits(body: RuleBody, read: Callable[[int], int], size: int, every: int)
 
 
 def evaluate(
-    strata: Iterable[Stratum],
+    strata: Iterable[AtomStratum],
     bodies: Mapping[int, tuple[RuleBody, ...]],
     values: dict[int, int],
     size: int,

@@ -21,7 +21,7 @@ from prag_asp.logic.step.moves import Move, compile_move
 from prag_asp.logic.step.normal import NormalStep, RuleBody
 from prag_asp.logic.step.packed import WORD, Rows, pack, unpack
 from prag_asp.logic.step.step_rules import StepRules
-from prag_asp.logic.step.strata import Stratum, body_bits, evaluate, stratify
+from prag_asp.logic.step.strata import AtomStratum, body_bits, evaluate, stratify
 from prag_asp.processes.progress_events import stage
 
 ROOM = 2**25
@@ -144,7 +144,7 @@ class Transition:
         return Needs.of(self.constraints, self._atoms, frozenset(self.step.ground.before.values()))
 
     @cached_property
-    def final_strata(self) -> list[Stratum]:
+    def final_strata(self) -> list[AtomStratum]:
         """The rules on which the check after the last step depends, in order."""
         roots = [abs(literal) for body in self.step.final for literal in body.literals]
         return stratify(roots, self.step.final_bodies)

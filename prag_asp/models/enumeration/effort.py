@@ -65,11 +65,23 @@ SWEPT = 32
 `QUICK`."""
 
 
+SURE_TABLE, LONG_TABLE = 5.0, 20.0
+"""The time, in seconds, up to which a table of partial sums is completed before other engines begin if it certainly
+takes no longer, and the time of a table after the other engines' turns."""
+
+TABLE, HOPELESS_TABLE, HOPELESS = 1.0, 0.2, 1e10
+"""The time of another table before other engines begin, and that of one whose bound is above `HOPELESS`, in seconds.
+
+Most bounds are far too high.
+"""
+
+
 class OwnEngine(Enum):
     """The engines that run in this process."""
 
     CLINGO = "clingo"
     DIAGRAM = "the diagram compiler"
+    TABLE = "a table of partial sums"
 
 
 class Turn(NamedTuple):
@@ -86,6 +98,13 @@ class Turn(NamedTuple):
 def seconds_of_enumeration(predicted: float) -> float:
     """Return the number of seconds after which the predicted time of an enumeration has evidently been wrong."""
     return max(0.8, 3 * predicted)
+
+
+def seconds_of_table(most: float, predicted: float | None) -> float:
+    """Return the time of a table of partial sums before other engines, given a bound and that of an enumeration."""
+    if most <= SURE_TABLE and (predicted is None or predicted > most):
+        return SURE_TABLE
+    return HOPELESS_TABLE if most > HOPELESS else TABLE if predicted is None or predicted > LATER else TABLE / 4
 
 
 def turns_of_engines(predicted: float | None, width: int, *, tight: bool, whole: bool, swept: bool) -> tuple[Turn, ...]:

@@ -13,7 +13,7 @@ from prag_asp.pddl.reading.outcomes import ONE_OF, outcomes, words_of
 from prag_asp.pddl.reading.pddl_source import PddlSource
 from prag_asp.pddl.reading.preferences import without_preferences
 from prag_asp.pddl.reading.scopes import DURATION, Declared, Scope
-from prag_asp.pddl.reading.untimed import untimed_schema
+from prag_asp.pddl.reading.untimed import EarlyCondition, untimed_schema
 from prag_asp.pddl.syntax.expressions import Expression, Word
 from prag_asp.pddl.syntax.sections import UNSUPPORTED, unexpected, unsupported
 
@@ -147,6 +147,7 @@ class ActionReader:
             yield from self._conditional(guard, part, scope, outer, condition, time)
         elif time and time_of(tree):
             if time_of(tree) == time:
+                self._refuse_times_in(tree)
                 yield from self._effects(self._source.list_of(rest[1:], line), scope, outer, condition)
         elif head in ASSIGNMENTS and len(rest) == 2 and head not in self._declared.predicates:
             yield from self._change(tree, scope, outer, condition, time)
@@ -225,13 +226,34 @@ class ActionReader:
             both = (condition, scope.formula(guard))
             yield from self._effects(part, scope, outer, Junction(True, both, guard.line))
             return
-        both = (condition, self._timed_condition(guard, scope, time))
-        effects = [*self._effects(part, scope, outer, Junction(True, both, guard.line), time)]
-        others = (self._timed_condition(guard, scope, each) for each in (START, OVER, END) if each != time)
-        if effects and any(has_parts(each) for each in others):
-            text = "the condition and the effect of this 'when' belong to different times"
-            self._source.refuse(guard.line, f"{text}; give both one time")
+        read = {each: self._timed_condition(guard, scope, each) for each in (START, OVER, END)}
+        if time == START:
+            own = Junction(True, (condition, read[START]), guard.line)
+        else:
+            early = EarlyCondition(True, (read[START],), guard.line)
+            own = Junction(True, (condition, early, read[OVER], read[END]), guard.line)
+        effects = [*self._effects(part, scope, outer, own, time)]
+        if time == START and effects and (has_parts(read[OVER]) or has_parts(read[END])):
+            text = "an effect at the start has a condition over all or at the end, which is only known later"
+            self._source.refuse(
+                guard.line, f"{text}; write (at start ...) in the condition, or (at end ...) in the effect"
+            )
         yield from effects
+
+    def _refuse_times_in(self, tree: Expression) -> None:
+        """Refuse an effect with a time specifier that has another one inside."""
+        waiting = [*tree.parts[2:]]
+        while waiting:
+            each = waiting.pop()
+            if not isinstance(each, Expression):
+                continue
+            if time_of(each):
+                inner, outer = (" ".join(map(str, one.parts[:2])) for one in (each, tree))
+                text = f"({inner} ...) is not expected inside ({outer} ...)"
+                self._source.refuse(
+                    each.line, f"{text}; give the effect one time, as in (when (at start ...) ({outer} ...))"
+                )
+            waiting += each.parts
 
 
 def fixed_duration(tree: Expression) -> Expression | Word | None:

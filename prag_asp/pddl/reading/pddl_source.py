@@ -86,6 +86,9 @@ class PddlSource:
         An unknown type is added to `types` with a warning, unless it seems to be misspelt; if `types` is None, any type
         is valid. A word such as ``-a`` is the type of the names before it, or a name if there are none or if another
         sign follows.
+
+        Raises:
+            DomainError: a sign has no name before it or no type after it, or such a word is not certainly a type.
         """
         waiting: list[Word] = []
         given = tuple(parts)
@@ -96,6 +99,13 @@ class PddlSource:
                     waiting.append(self.name_of(part))
                     continue
                 kind = Word(part[1:], part.line) if part != "-" else next(pairs, (None,))[0]
+                if not waiting and kind is not None:
+                    self.refuse(part.line, f"no name stands before {str(part)!r}; write names before it, or remove it")
+                if part != "-" and not variables and self._is_unknown(kind, types):
+                    text = f"{part} after {waiting[-1]} is neither a type that is declared nor the name before a type"
+                    self.refuse(
+                        part.line, f"{text}; write '- {kind}' for a type, or put the name elsewhere in the list"
+                    )
                 kinds = self.kinds(kind, part.line, types)
                 yield from ((name, kinds) for name in waiting)
                 waiting = []
@@ -120,6 +130,12 @@ class PddlSource:
         for each in names if types is not None else ():
             self._check_type(each, types)
         return tuple(dict.fromkeys(map(str, names)))
+
+    @staticmethod
+    def _is_unknown(kind: Expression | Word | None, types: dict[str, tuple[str, ...]] | None) -> bool:
+        """Return whether a word is no type, and resembles none."""
+        known = isinstance(kind, Word) and (types is None or kind in types or nearest(kind, set(types) - {OBJECT}))
+        return not known
 
     def _check_type(self, kind: Word, types: dict[str, tuple[str, ...]] | None) -> None:
         if types is not None and kind not in types:

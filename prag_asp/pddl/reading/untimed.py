@@ -2,7 +2,7 @@
 
 The effects at the start come first. The conditions over all and at the end are read in the state after these effects,
 so they are regressed over the effects at the start (Reiter 1991). The effects at the end come last, and override the
-other effects.
+other effects. A condition at the start of an effect at the end is read before all effects.
 """
 
 from __future__ import annotations
@@ -21,10 +21,13 @@ from prag_asp.pddl.formulas import (
     function_terms,
     literals,
     negated,
-    replaced,
     subformulas,
 )
 from prag_asp.pddl.reading.pddl_source import PddlSource
+
+
+class EarlyCondition(Junction):
+    """The part of the condition of an effect at the end that is read at the start."""
 
 
 def untimed_schema(
@@ -40,14 +43,14 @@ def untimed_schema(
         DomainError: a condition at the end reads a derived predicate, although there are effects at the start.
     """
     first, last = ([each for each in part if isinstance(each, SchemaEffect)] for part in effects)
-    for literal in literals(Junction(True, (conditions[1], *(effect.condition for effect in last)), schema.line)):
+    ended = [each for each in effects[1] if isinstance(each, NumericEffect)]
+    later = [conditions[1], *(_without_early(each.condition) for each in effects[1])]
+    for literal in literals(Junction(True, tuple(later), schema.line)):
         if first and literal.predicate in derived:
             text = f"{literal.predicate} is derived, and read after effects at the start"
             source.refuse(literal.line, f"{text}; read it at the start, or write its rule out")
 
     started = {each.function.function for each in effects[0] if isinstance(each, NumericEffect)}
-    ended = [each for each in effects[1] if isinstance(each, NumericEffect)]
-    later = [conditions[1], *(each.condition for each in last), *(each.condition for each in ended)]
     quantities = [
         side
         for formula in later
@@ -61,10 +64,8 @@ def untimed_schema(
                 text = f"{term.function} changes at the start, and is read after it"
                 source.refuse(schema.line, f"{text}; read it at the start, or change it at the end")
 
-    def before(formula: Formula) -> Formula:
-        return replaced(formula, lambda part: _regressed(part, first) if isinstance(part, Literal) else part)
-
-    last = [replace(each, condition=before(each.condition)) for each in last]
+    last = [replace(each, condition=_before(each.condition, first)) for each in last]
+    ended = [replace(each, condition=_before(each.condition, first)) for each in ended]
     kept = []
     for each in first:
         opposed = (each.literal.predicate, not each.literal.positive)
@@ -74,10 +75,29 @@ def untimed_schema(
         kept.append(replace(each, condition=Junction(True, guard, each.literal.line)))
     return replace(
         schema,
-        precondition=Junction(True, (conditions[0], before(conditions[1])), schema.line),
+        precondition=Junction(True, (conditions[0], _before(conditions[1], first)), schema.line),
         effects=(*kept, *last),
-        numeric=tuple(each for part in effects for each in part if isinstance(each, NumericEffect)),
+        numeric=(*(each for each in effects[0] if isinstance(each, NumericEffect)), *ended),
     )
+
+
+def _without_early(formula: Formula) -> Formula:
+    """Return a condition without the parts that are read at the start."""
+    if isinstance(formula, Junction):
+        parts = () if isinstance(formula, EarlyCondition) else tuple(map(_without_early, formula.parts))
+        return Junction(formula.every, parts, formula.line)
+    return replace(formula, part=_without_early(formula.part)) if isinstance(formula, Quantified) else formula
+
+
+def _before(formula: Formula, effects: Sequence[SchemaEffect]) -> Formula:
+    """Return the condition before the effects at the start that is equivalent to one after them."""
+    if isinstance(formula, Junction):
+        is_early = isinstance(formula, EarlyCondition)
+        parts = formula.parts if is_early else tuple(_before(each, effects) for each in formula.parts)
+        return Junction(formula.every, parts, formula.line)
+    if isinstance(formula, Quantified):
+        return replace(formula, part=_before(formula.part, effects))
+    return _regressed(formula, effects) if isinstance(formula, Literal) else formula
 
 
 def _made(literal: Literal, effect: SchemaEffect) -> Formula:

@@ -45,11 +45,6 @@ class PadWindow(NamedTuple):
         width, _, height = robot.finger_boxes[0].size
         return PadWindow((-width / 2, width / 2), (robot.fingertip - height, robot.fingertip))
 
-    def covers(self, x: float, z: float) -> bool:
-        """Return whether a point is between the pads, at any y."""
-        (low_x, high_x), (low_z, high_z) = self
-        return low_x - ON_SIDE <= x <= high_x + ON_SIDE and low_z - ON_SIDE <= z <= high_z + ON_SIDE
-
 
 def width_between(shape: Shape, pose: Pose, window: PadWindow, tool: Pose) -> float:
     """Return the width in metres, along the tool's y axis, of the part of a primitive between the pads; or 0.
@@ -65,14 +60,15 @@ def width_between(shape: Shape, pose: Pose, window: PadWindow, tool: Pose) -> fl
         aside = math.dist(nearest, (x, z))
         return whole if aside <= ON_SIDE else 2 * math.sqrt(max(0.0, shape.half[0] ** 2 - aside * aside))
     most = whole if shape.kind == "cylinder" else min(whole, _between_faces(shape, pose, window, opening))
-    low, high = _on_line(shape, place, nearest)
+    way = _direction_across(place)
+    low, high = _on_line(shape, place, way, nearest)
     if high - low >= most - AGREEMENT:
         return most
     ends = list(
         _ends_of_cylinder(shape, place, window) if shape.kind == "cylinder" else _ends_of_box(shape, place, window)
     )
     for line in product(window.x, window.z):
-        low, high = _on_line(shape, place, line)
+        low, high = _on_line(shape, place, way, line)
         if low <= high:
             ends += (place.position[1] + low, place.position[1] + high)
     return max(ends) - min(ends) if ends else 0.0
@@ -90,20 +86,27 @@ def _between_faces(shape: Shape, pose: Pose, window: PadWindow, opening: Vector)
     return (2 * half + (window.x[1] - window.x[0]) * math.sqrt(max(0.0, 1.0 - cosine**2))) / cosine
 
 
-def _on_line(shape: Shape, place: Pose, line: tuple[float, float]) -> Interval:
-    """Return where a line along y, at an x and z relative to a body's centre, is in the body; empty if low > high."""
+def _direction_across(place: Pose) -> Vector:
+    """Return the y axis of the tool in the frame of a body."""
     x, y, z, w = place.quaternion
-    inverse = (-x, -y, -z, w)
-    start = rotate(inverse, (line[0] - place.position[0], 0.0, line[1] - place.position[2]))
-    way = rotate(inverse, AXES[1])
+    return rotate((-x, -y, -z, w), AXES[1])
+
+
+def _on_line(shape: Shape, place: Pose, way: Vector, line: tuple[float, float]) -> Interval:
+    """Return where a line along y, at an x and z relative to a body's centre, is in the body; empty if low > high.
+
+    `way` is the direction of the line in the frame of the body.
+    """
+    half, (x, y, z, w) = shape.half, place.quaternion
+    start = rotate((-x, -y, -z, w), (line[0] - place.position[0], 0.0, line[1] - place.position[2]))
     low, high = -math.inf, math.inf
     straight = (2,) if shape.kind == "cylinder" else (0, 1, 2)
     for k in straight:
-        low, high = _within(start[k], way[k], (-shape.half[k], shape.half[k]), low, high)
+        low, high = _within(start[k], way[k], (-half[k], half[k]), low, high)
     if shape.kind == "cylinder":
         # |start + t way| = radius across the axis: a t² + 2 b t + c = 0.
         a, b = way[0] ** 2 + way[1] ** 2, way[0] * start[0] + way[1] * start[1]
-        c = start[0] ** 2 + start[1] ** 2 - shape.half[0] ** 2
+        c = start[0] ** 2 + start[1] ** 2 - half[0] ** 2
         if a <= PARALLEL**2:
             return (low, high) if c <= 0.0 else NOTHING
         if b * b < a * c:
@@ -123,7 +126,8 @@ def _ends_of_box(shape: Shape, place: Pose, window: PadWindow) -> Iterator[float
         for i, k in product((half[one], -half[one]), (half[two], -half[two])):
             begin_x, begin_z = x + i * bx + k * cx, z + i * bz + k * cz
             low, high = _within(begin_x, ax, window.x, -half[axis], half[axis])
-            low, high = _within(begin_z, az, window.z, low, high)
+            if low <= high:
+                low, high = _within(begin_z, az, window.z, low, high)
             if low <= high:
                 begin = y + i * by + k * cy
                 yield begin + low * ay
@@ -135,7 +139,10 @@ def _within(begin: float, slope: float, ends: Interval, low: float, high: float)
     if abs(slope) <= PARALLEL:
         return (low, high) if ends[0] - ON_SIDE <= begin <= ends[1] + ON_SIDE else NOTHING
     first, last = (ends[0] - begin) / slope, (ends[1] - begin) / slope
-    return (max(low, first), min(high, last)) if slope > 0.0 else (max(low, last), min(high, first))
+    if slope < 0.0:
+        first, last = last, first
+    # An environment calls this about 30 times per step; max() and min() would be slower.
+    return first if first > low else low, last if last < high else high
 
 
 def _ends_of_cylinder(shape: Shape, place: Pose, window: PadWindow) -> Iterator[float]:
@@ -145,20 +152,21 @@ def _ends_of_cylinder(shape: Shape, place: Pose, window: PadWindow) -> Iterator[
     points = chain(
         _extremes(radius, long, axis, place.position), _on_planes(radius, long, axis, place.position, window)
     )
-    yield from (y for x, y, z in points if window.covers(x, z))
+    (low_x, high_x), (low_z, high_z) = ((low - ON_SIDE, high + ON_SIDE) for low, high in window)
+    yield from (y for x, y, z in points if low_x <= x <= high_x and low_z <= z <= high_z)
 
 
 def _extremes(radius: float, long: float, axis: Vector, centre: Vector) -> Iterator[Vector]:
     """Yield the first and last point of each rim along y, or the rim's centre if the axis is parallel to y."""
-    outward = _unit_across(axis, AXES[1])
+    outward = _unit_across(axis, 1)
     for end in (_point(centre, -long, axis), _point(centre, long, axis)):
         yield from (end,) if outward is None else (_point(end, -radius, outward), _point(end, radius, outward))
 
 
-def _unit_across(axis: Vector, direction: Vector) -> Vector | None:
-    """Return the unit vector of a direction's component perpendicular to an axis, or None if they are parallel."""
-    along = sum(a * b for a, b in zip(axis, direction, strict=True))
-    x, y, z = (b - along * a for a, b in zip(axis, direction, strict=True))
+def _unit_across(axis: Vector, k: int) -> Vector | None:
+    """Return the unit vector of the component of axis k perpendicular to an axis, or None if they are parallel."""
+    (ax, ay, az), (bx, by, bz), along = axis, AXES[k], axis[k]
+    x, y, z = bx - along * ax, by - along * ay, bz - along * az
     length = math.hypot(x, y, z)
     return (x / length, y / length, z / length) if length > PARALLEL else None
 
@@ -172,7 +180,7 @@ def _on_planes(radius: float, long: float, axis: Vector, centre: Vector, window:
     """Yield where a cylinder's rims meet the prism's sides, and the ends, along y, of its curve in each side."""
     for k, plane in ((0, window.x[0]), (0, window.x[1]), (2, window.z[0]), (2, window.z[1])):
         left = plane - centre[k]
-        to = _unit_across(axis, AXES[k])
+        to = _unit_across(axis, k)
         if to is not None and to[k] > 0.0:  # 0 because of rounding where rims are almost parallel to the plane
             (a, b, c), (d, e, f) = axis, to
             side = (b * f - c * e, c * d - a * f, a * e - b * d)

@@ -1,14 +1,16 @@
 """A bound on the width of every grasp of a body, for proofs that a gripper cannot hold it.
 
-Theorem. Let each pad touch a face of a body made of convex parts, within the friction cone of the face. Let a be the
-axis along which the pads close and w the distance between them. The angle between a and the outward normal of one face
-is at most the friction angle phi, and so is the angle between -a and the normal of the other face: hence the angle
-between the first normal and the opposite of the second is at most 2 phi. Contact points p and q on the two faces are at
-most w apart along a and, perpendicular to a, at most the diagonal d of a pad apart. Therefore |p - q|² <= w² + d². If
-all pairs of faces that are opposite to within 2 phi are farther apart than sqrt(o² + d²), no grasp has w <= o.
+Theorem. Let each pad touch a face, an edge or a corner of a body made of convex parts. The normal of the contact
+is then in the normal cone of this feature. Let a be the axis along which the pads close and w the distance between
+them. By Coulomb's law, the angle between a and the normal at one pad is at most the friction angle phi, and so is the
+angle between -a and the normal at the other pad: hence the angle between the first normal and the opposite of the
+second is at most 2 phi. Contact points p and q on the two features are at most w apart along a and, perpendicular to a,
+at most the diagonal d of a pad apart. Therefore |p - q|² <= w² + d². If all pairs of features whose cones contain
+normals that are opposite to within 2 phi are farther apart than sqrt(o² + d²), no grasp has w <= o.
 
-The distance between two triangles is at least the distance between their centroids minus both radii. Triangles are
-divided until this bound is decisive, which takes few steps unless the body is close to the limit.
+The distance between two triangles is at least the gap between them along any line, such as the line through their
+centroids. Triangles are divided until this bound is decisive, which takes few steps unless the body is close to the
+limit.
 """
 
 from __future__ import annotations
@@ -20,6 +22,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.physics.grasps.normal_cones import Feature, angle_between, caps, edges_and_corners, unit_normals
 from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.scene.scene import Shape
 from prag_asp.scene.surfaces import mesh_states, part_surfaces
@@ -28,6 +31,9 @@ Floats = NDArray[np.float64]
 
 MOST_PAIRS = 100_000
 """The maximum number of pairs of faces to examine; a body that needs more remains undecided."""
+
+MOST_CONES = 4_000
+"""The maximum number of pairs of normal cones to compare, which takes about a second."""
 
 FLAT = 1e-6
 """The distance in metres by which a corner of a convex part may be outside a face, because numbers in files are
@@ -59,19 +65,52 @@ def exceeds_opening(parts: Sequence[Floats], gripper: ParallelGripper, friction:
     if not all(map(_is_convex, parts)):
         return False
     limit = math.hypot(gripper.opening, 2 * gripper.half_x, gripper.high_z - gripper.low_z)
+    angle = min(2 * math.atan(friction), math.pi)
     triangles = np.concatenate(parts)
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    normals /= np.linalg.norm(normals, axis=1)[:, None]
     if len(triangles) ** 2 > MOST_PAIRS:
         return False
-    angle = 2 * math.atan(friction)
-    facing = -normals @ normals.T >= math.cos(min(angle, math.pi)) - FLAT
-    one, two = (triangles[index] for index in np.nonzero(np.triu(facing)))
+    normals = unit_normals(triangles)
+    facing = -normals @ normals.T >= math.cos(angle) - FLAT
+    one, two = np.nonzero(np.triu(facing))
+    return _all_apart(triangles[one], triangles[two], limit) and _edges_apart(
+        [Feature(*face) for face in zip(triangles, normals[:, None], strict=True)],
+        [feature for part in parts for feature in edges_and_corners(part)],
+        limit,
+        angle,
+    )
+
+
+def _edges_apart(faces: list[Feature], edges: list[Feature], limit: float, angle: float) -> bool:
+    """Return whether each edge and corner is farther than a limit from every feature that is opposite to it."""
+    features = edges + faces
+    places = np.array([feature.place for feature in features])
+    centres, radii, (axes, widths) = places.mean(1), _radii(places), caps(features)
+    one, two = np.triu_indices(len(edges), 0, len(features))
+    # Cheap bounds exclude most pairs, so that few cones must be compared.
+    near = np.linalg.norm(centres[one] - centres[two], axis=1) - radii[one] - radii[two] <= limit
+    one, two = one[near], two[near]
+    opposite = -np.einsum("ij,ij->i", axes[one], axes[two])
+    facing = np.arccos(np.clip(opposite, -1, 1)) - widths[one] - widths[two] <= angle + FLAT
+    one, two = one[facing], two[facing]
+    if len(one) > MOST_CONES:
+        return False
+    return all(
+        _all_apart(places[i][None], places[j][None], limit)
+        for i, j in zip(one, two, strict=True)
+        if angle_between(features[i].normals, -features[j].normals) <= angle + FLAT
+    )
+
+
+def _all_apart(one: Floats, two: Floats, limit: float) -> bool:
+    """Return whether the triangles of each pair are proved to be farther apart than a limit in metres."""
     while len(one):
-        apart = np.linalg.norm(one.mean(1) - two.mean(1), axis=1)
+        lines = two.mean(1) - one.mean(1)
+        apart = np.linalg.norm(lines, axis=1)
         if (apart <= limit).any():
             return False
-        undecided = apart - _radii(one) - _radii(two) <= limit
+        lines /= apart[:, None]
+        gaps = np.einsum("ijk,ik->ij", two, lines).min(1) - np.einsum("ijk,ik->ij", one, lines).max(1)
+        undecided = gaps <= limit
         one, two = one[undecided], two[undecided]
         if 4 * len(one) > MOST_PAIRS:
             return False
@@ -84,8 +123,7 @@ def exceeds_opening(parts: Sequence[Floats], gripper: ParallelGripper, friction:
 
 def _is_convex(part: Floats) -> bool:
     """Return whether no corner of a part is outside any of its faces."""
-    normals = np.cross(part[:, 1] - part[:, 0], part[:, 2] - part[:, 0])
-    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    normals = unit_normals(part)
     corners = np.unique(part.reshape(-1, 3), axis=0)
     offsets = np.einsum("ij,ij->i", normals, part[:, 0])
     return all(bool((corners @ normal <= offset + FLAT).all()) for normal, offset in zip(normals, offsets, strict=True))

@@ -256,7 +256,7 @@ def _holding_impossible(scene: Scene, arguments: Arguments) -> Iterator[str]:
     opens, heavy = f"{gripper} opens only to {able.opening * 1000:.0f} mm", weight(scene, entity)
     if shape.model is not None:
         if is_never_spanned(shape, ParallelGripper.of(able), pad_friction(scene, entity)):
-            yield f"all sides of {words(entity)} that face each other are too far apart: {opens}"
+            yield f"all opposite sides, edges and corners of {words(entity)} are too far apart: {opens}"
     else:
         # Bodies stand upright and are grasped from above, so their height does not count as a width.
         narrowest, height = shape.breadth(widest=False), shape.size[2]

@@ -49,7 +49,7 @@ def _faults(scene: Scene, name: str, entity: str) -> Iterator[tuple[str, str, st
     if shapes[0].model is not None:
         gripper = ParallelGripper.of(robot)._replace(opening=robot.opening - CLEARANCE)
         if is_never_spanned(shapes[0], gripper, pad_friction(scene, entity)):
-            wide = f"wider than {limit:.3g} mm between all sides that face each other"
+            wide = f"wider than {limit:.3g} mm between all opposite sides, edges and corners"
             yield "too-wide", "shapes", f"{wide}, but {closes}; make it narrower"
         elif not body_grasps(shapes[0], ParallelGripper.of(robot), pad_friction(scene, entity)):
             text = "not held by any grasp that was found (two flat pads on opposite sides)"

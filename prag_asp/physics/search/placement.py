@@ -330,9 +330,11 @@ def parts_meet(
 def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> Iterator[float]:
     """Yield yaws in radians: in required ranges or else random, then axis-aligned or aligned with the support.
 
-    For a body with a model, the sides are aligned or, if the body then does not fit into a container, the diagonals.
+    For a box or a body with a model, the sides are aligned or, if the body then does not fit into a container, the
+    diagonals.
     """
-    own = side_yaw(situation.shape(request.entity))
+    shape = situation.shape(request.entity)
+    own = side_yaw(shape)
     ranges = yaw_ranges(situation, request.entity, request.facts)
     if ranges is not None:
         yield from sample_yaws(search, ranges)
@@ -345,5 +347,5 @@ def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> It
     quarter = int(search.rng.integers(4)) * math.pi / 2 - own
     aligned = yaw_of(situation.pose(request.support).quaternion) + quarter
     yield aligned + search.uniform(-JITTER, JITTER)
-    if situation.shape(request.entity).model is not None and situation.shape(request.support).hollow:
+    if (shape.model is not None or shape.kind == "box") and situation.shape(request.support).hollow:
         yield from (aligned + turn * math.pi / 4 for turn in (0, 2, 1, 3))

@@ -30,6 +30,9 @@ iterations cost a sixth more time."""
 POSITION_GAIN = 0.2
 """The share of a joint's position error that its motor corrects in one step."""
 
+POSITION_GAINS = (POSITION_GAIN,) * 9
+"""The gains of seven joints and two fingers."""
+
 RESTING, RESTING_TURN = 0.005, 0.05
 """Speeds below which a body counts as at rest, in m/s and rad/s, because held objects tremble a little."""
 
@@ -174,7 +177,7 @@ class Dynamics:
             targetPositions=[*command.joints, command.opening / 2, command.opening / 2],
             targetVelocities=[*speeds, 0.0, 0.0],
             forces=[*arm.robot.torques, squeeze, squeeze],
-            positionGains=[POSITION_GAIN] * len(arm.driven),
+            positionGains=POSITION_GAINS,
             physicsClientId=self.client,
         )
 
@@ -182,6 +185,8 @@ class Dynamics:
         """Return the largest force of each finger in newtons, which depends on the bodies between both fingers."""
         arm, forces = self._arms[robot], self._gentle[robot]
         most = arm.robot.grip_force
+        if not forces:
+            return most
         light = [entity for entity, force in forces.items() if force < most]
         if not any(self._is_between(arm, entity) for entity in light):
             return most
@@ -218,21 +223,26 @@ class Dynamics:
 
     def at_rest(self) -> bool:
         """Return whether nothing moves; objects at rest for `SLEEP_FRAMES` consecutive calls are put to sleep."""
-        still = True
-        for arm in self._arms.values():
-            states = pybullet.getJointStates(arm.body, arm.driven, physicsClientId=self.client)
-            still = still and all(abs(state[1]) < RESTING for state in states)
+        return self.settle() and all(
+            abs(state[1]) < RESTING
+            for arm in self._arms.values()
+            for state in pybullet.getJointStates(arm.body, arm.driven, physicsClientId=self.client)
+        )
+
+    def settle(self) -> bool:
+        """Return whether no object moves; objects at rest for `SLEEP_FRAMES` consecutive calls are put to sleep."""
+        still, client, quiet = True, self.client, self._quiet
         for entity, body in self._bodies.items():
             if entity in self._furniture:
-                speed = turn = abs(pybullet.getJointState(body, JOINT, physicsClientId=self.client)[1])
+                speed = turn = abs(pybullet.getJointState(body, JOINT, physicsClientId=client)[1])
             else:
-                velocities = pybullet.getBaseVelocity(body, physicsClientId=self.client)
-                speed, turn = (math.hypot(*velocity) for velocity in velocities)
+                velocity, spin = pybullet.getBaseVelocity(body, physicsClientId=client)
+                speed, turn = math.hypot(*velocity), math.hypot(*spin)
             resting = speed < RESTING and turn < RESTING_TURN
             still = still and resting
-            self._quiet[entity] = self._quiet[entity] + 1 if resting else 0
-            if self._quiet[entity] == SLEEP_FRAMES:
-                pybullet.changeDynamics(body, -1, activationState=ASLEEP, physicsClientId=self.client)
+            quiet[entity] = quiet[entity] + 1 if resting else 0
+            if quiet[entity] == SLEEP_FRAMES:
+                pybullet.changeDynamics(body, -1, activationState=ASLEEP, physicsClientId=client)
         return still
 
     @property

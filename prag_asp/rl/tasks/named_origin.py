@@ -44,6 +44,8 @@ class SplitOptions:
             return None
         if isinstance(self.seed, bool) or not isinstance(self.seed, int):
             raise QueryError(f"split_seed {self.seed!r:.80}: give a whole number")
+        if self.shares is not None and not isinstance(self.shares, Mapping):
+            raise QueryError(f"shares {self.shares!r:.80}: give the share of each part, such as {SHARES}")
         shares = self.shares or (SHARES if self.hold_out is None else None)
         return Split(self.part, Division.parse(shares, skeletons=self.skeletons, hold_out=self.hold_out), self.seed)
 

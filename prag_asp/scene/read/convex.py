@@ -93,6 +93,26 @@ def is_closed(triangles: Floats) -> bool:
     return len(np.unique(keys)) == len(keys) and bool(np.array_equal(np.sort(keys), np.sort(back)))
 
 
+def separate_solids(triangles: Floats) -> list[Floats]:
+    """Return the triangles of each solid of a mesh whose surface consists of several closed surfaces.
+
+    The solids may overlap. The result is empty if a surface is open or faces inwards, as that of a hollow space does.
+    """
+    points, numbers = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    faces = numbers.reshape(-1, 3)
+    # Each corner takes the smallest number of its faces' corners until all corners of a solid have the same number.
+    labels, before = np.arange(len(points)), np.zeros(0)
+    while not np.array_equal(labels, before):
+        before = labels.copy()
+        np.minimum.at(labels, faces, labels[faces].min(1, keepdims=True))
+        labels = labels[labels]
+    if len(np.unique(labels)) == 1:
+        return []
+    solids = [triangles[labels[faces[:, 0]] == label] for label in np.unique(labels)]
+    volumes = [np.einsum("ij,ij->", solid[:, 0], np.cross(solid[:, 1], solid[:, 2])) for solid in solids]
+    return solids if min(volumes) > 0 and all(map(is_closed, solids)) else []
+
+
 def is_convex(triangles: Floats) -> bool:
     """Return whether triangles (n, 3, 3) bound their convex hull, apart from small dents.
 

@@ -30,6 +30,9 @@ LARGEST = 32_000_000
 FLATTEST = 0.0005
 """The smallest thickness of a mesh part in metres; simulators do not collide with the hull of a flatter part."""
 
+MOST_SOLIDS = 64
+"""The maximum number of solids into which a part is divided; each solid is at least one part for collisions."""
+
 HEADER, TRIANGLE = 84, 50
 """The sizes in bytes of the header of a binary .stl, and of each triangle."""
 
@@ -42,14 +45,14 @@ GROUPS = ("o", "g")
 
 Point = tuple[float, float, float]
 Triangle = tuple[Point, Point, Point]
-Part = tuple[Triangle, ...]
+MeshPart = tuple[Triangle, ...]
 
 
-def mesh_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
+def mesh_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[MeshPart, ...]:
     """Return the triangles of the convex parts of a mesh, multiplied by a scale along each axis.
 
-    A convex part of the file is kept as it is; a concave part is decomposed if CoACD is installed. For collision
-    checks, each part is replaced by its convex hull.
+    A convex part of the file is kept as it is. A concave part is divided into its separate solids, and solids that are
+    concave are decomposed if CoACD is installed. For collision checks, each part is replaced by its convex hull.
 
     Raises:
         SceneError: as for `file_parts`.
@@ -58,13 +61,13 @@ def mesh_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
 
 
 @lru_cache(maxsize=64)
-def _convex_parts(path: str, scale: Point, _state: tuple[int, int]) -> tuple[Part, ...]:
+def _convex_parts(path: str, scale: Point, _state: tuple[int, int]) -> tuple[MeshPart, ...]:
     """Return the convex parts of a mesh; the state of the file is part of the cache key."""
     from prag_asp.scene.read.decomposition import can_decompose, decomposed  # noqa: PLC0415 - few domains have meshes
 
-    parts: list[Part] = []
-    for part in file_parts(path, scale):
-        if can_decompose() and _concave(part):
+    parts: list[MeshPart] = []
+    for part, concave in chain.from_iterable(map(_solids, file_parts(path, scale))):
+        if concave and can_decompose():
             try:
                 found = decomposed(np.array(part, dtype=float))
             except LimitReached as error:
@@ -84,17 +87,32 @@ def is_concave(path: str, scale: Point = (1.0, 1.0, 1.0)) -> bool:
     Raises:
         SceneError: as for `file_parts`.
     """
-    return any(map(_concave, file_parts(path, scale)))
+    return any(concave for part in file_parts(path, scale) for _, concave in _solids(part))
 
 
-def _concave(part: Part) -> bool:
+def _solids(part: MeshPart) -> list[tuple[MeshPart, bool]]:
+    """Return the separate solids of a concave part, or the part itself, and whether each of them is concave."""
+    from prag_asp.scene.read.convex import separate_solids  # noqa: PLC0415 - few domains have meshes
+
+    if not _concave(part):
+        return [(part, False)]
+    solids = separate_solids(np.array(part, dtype=float))
+    if not 1 < len(solids) <= MOST_SOLIDS:
+        return [(part, True)]
+    divided = tuple(tuple((_point(a), _point(b), _point(c)) for a, b, c in solid.tolist()) for solid in solids)
+    if min(thickness(_corners(solid)) for solid in divided) < FLATTEST:
+        return [(part, True)]
+    return [(solid, _concave(solid)) for solid in divided]
+
+
+def _concave(part: MeshPart) -> bool:
     """Return whether a part is concave; a part that is too thin for a hull is not."""
     from prag_asp.scene.read.convex import is_convex  # noqa: PLC0415 - few domains have meshes
 
     return thickness(_corners(part)) >= FLATTEST and not is_convex(np.array(part, dtype=float))
 
 
-def file_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[Part, ...]:
+def file_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[MeshPart, ...]:
     """Return the triangles of each part of a mesh in its file, multiplied by a scale along each axis.
 
     The parts of an .obj file are its objects and groups, and those of a .glb, .gltf or .dae file are its nodes. If one
@@ -137,7 +155,7 @@ def _scaled(point: Point, scale: Point) -> Point:
     return (point[0] * scale[0], point[1] * scale[1], point[2] * scale[2])
 
 
-def _parts(path: str) -> tuple[Part, ...]:
+def _parts(path: str) -> tuple[MeshPart, ...]:
     """Return the parts of a mesh in the unit of its file, which is read again only after a change."""
     if Path(path).suffix.lower() not in SUFFIXES:
         raise SceneError(f"{path}: a mesh of unknown format; known are {', '.join(SUFFIXES)}")
@@ -158,10 +176,12 @@ def state_of(path: str) -> tuple[int, int]:
 
 
 @lru_cache(maxsize=32)
-def _read(path: str, modified: int, size: int) -> tuple[Part, ...]:
+def _read(path: str, modified: int, size: int) -> tuple[MeshPart, ...]:
     """Return the parts of a mesh in the unit of its file; the state of the file is part of the cache key."""
     try:
         content = read_bytes(path, at_most=LARGEST)
+        if not content:
+            raise ValueError("the file is empty")
         parts = _triangles(path, content)
     except OSError as error:
         raise SceneError(f"{path}: cannot be read: {error.strerror}") from error

@@ -93,7 +93,8 @@ def _from_file(entry: TableEntry, folder: Path) -> tuple[Shape, ...]:
     if shape is None:
         return ()
     if max(shape.size) > MAX_LENGTH:
-        path.add(f"is {max(shape.size):g} m long; give its lengths in metres (at most {MAX_LENGTH:g})")
+        remedy = f"give its lengths in metres (at most {MAX_LENGTH:g}), or give a mesh a smaller scale"
+        path.add(f"is {max(shape.size):g} m long; {remedy}")
         return ()
     return (shape,)
 

@@ -45,6 +45,12 @@ MOST_SOLIDS = 1000
 PROLOGUE = re.compile(rb"((?:\xef\xbb\xbf|\s|<!--.*?-->)+)(<\?xml\s.*?\?>)", re.DOTALL)
 """Characters that some files contain before the XML declaration, where XML allows none."""
 
+BARE_AMPERSAND = re.compile(rb"&(?!(?:#[0-9]+|#x[0-9a-fA-F]+|amp|lt|gt|quot|apos);)")
+"""An ampersand that begins no reference; XML forbids it, but simulators read it as a character."""
+
+OTHER_AMPERSANDS = (b"<!ENTITY", b"<![CDATA[", b"\0")
+"""Signs of a file in which ampersands have other meanings or another encoding."""
+
 INERTIA = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 """The attributes of ``<inertia>``: the upper triangle of the matrix, row by row."""
 
@@ -212,6 +218,8 @@ def _parsed(path: Path, folder: Path) -> tuple[ElementTree.Element, dict[Element
     before = PROLOGUE.match(content)
     if before is not None:
         content = before[2] + before[1].replace(b"\xef\xbb\xbf", b"") + content[before.end() :]
+    if not any(sign in content for sign in OTHER_AMPERSANDS):
+        content = BARE_AMPERSAND.sub(b"&amp;", content)
     builder, parser = ElementTree.TreeBuilder(), expat.ParserCreate()
     lines: dict[ElementTree.Element, int] = {}
     solids = count(1)

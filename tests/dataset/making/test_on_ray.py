@@ -70,8 +70,8 @@ def test_places_that_there_are_not_are_refused(monkeypatch: pytest.MonkeyPatch, 
 def test_a_node_that_is_lost_half_way_costs_nothing_but_time(
     cluster: subprocess.Popen[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    spaces, tasks = TaskSpace(load_domain("tabletop"), range(2, 4)), 30
-    asked: dict[str, Any] = {"tasks": tasks, "seed": 2, "starts": 2, "shard": 12}
+    spaces, tasks = TaskSpace(load_domain("tabletop"), range(2, 4)), 15
+    asked: dict[str, Any] = {"tasks": tasks, "seed": 2, "starts": 2, "shard": 6}
     assert cluster.stdin is not None and cluster.stdout is not None
     monkeypatch.setenv("RAY_ADDRESS", cluster.stdout.readline().strip())
     lost: list[int] = []

@@ -126,7 +126,7 @@ def test_an_arm_that_presses_on_another_on_a_plank_or_on_a_drawer_fails_with_the
     # All that is known of the states holds: nothing but the contact is wrong.
     assert not any("does not hold" in fault for fault in check_demonstration(waiting, shown, scene))
     assert check_demonstration(waiting, shown, scene)[0].startswith("action 1, wait: ")
-    assert list(unwanted(shown, ["wait"], ["is_closed(drawer)", "on_top(plank,table)"]))
+    assert list(unwanted(shown, ["wait"], ["is_closed(drawer)", "on_top(plank,table)"], {}))
 
 
 def test_an_arm_that_stops_short_of_a_body_does_not_press_on_it(scene, planner, performer, waiting, start):
@@ -134,7 +134,7 @@ def test_an_arm_that_stops_short_of_a_body_does_not_press_on_it(scene, planner, 
     shown = performer.perform(physical_task(waiting, scene), _there_and_back(start, path[: -round(0.012 / STEP)]))
     assert shown.success, shown.detail
     assert check_demonstration(waiting, shown, scene) == []
-    assert list(unwanted(shown, ["wait"], ["is_closed(drawer)", "on_top(plank,table)"])) == []
+    assert list(unwanted(shown, ["wait"], ["is_closed(drawer)", "on_top(plank,table)"], {})) == []
 
 
 def test_an_arm_that_presses_on_itself_is_reported(scene, start):

@@ -240,3 +240,15 @@ def test_what_rests_sleeps_and_what_tips_slowly_does_not(tabletop, witness, beyo
     else:
         assert places[-1].position[2] < cube.position[2] - 0.01
         assert not all(rested)
+
+
+def test_objects_settle_while_an_arm_moves_but_the_world_is_not_at_rest(tabletop, witness):
+    poses = {"cube_1": Pose((0.5, 0.2, tabletop.shapes["cube_1"].half[2]))}
+    with dynamics.open_dynamics(tabletop) as world:
+        world.begin(list(poses), replace(witness.moments[0], poses=poses))
+        arm = witness.moments[0].arms["panda"]
+        for i in range(4 * FRAME_STEPS):
+            world.drive("panda", dynamics.ArmCommand((arm.joints[0] - 0.005 * i, *arm.joints[1:]), arm.width))
+            world.step()
+        assert world.settle()
+        assert not world.at_rest()

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -81,7 +82,7 @@ def test_most_witnesses_of_random_tasks_are_performed_within_the_limits_of_joint
                 weights = {entity: weight(scene, entity) for entity in shown.objects}
                 assert [*loosened(shown, arms), *overloaded(shown, weights)] == []
                 known = [str(fluent) for fluent, value in task.initial.items() if value]
-                assert list(unwanted(shown, list(map(str, task.actions)), known)) == []
+                assert list(unwanted(shown, list(map(str, task.actions)), known, weights)) == []
                 done += 1
     assert done >= 0.8 * len(tasks) - 0.6
 
@@ -100,3 +101,17 @@ def test_a_joint_that_is_too_fast_or_gathers_speed_too_fast_is_seen():
     assert [text.split(": ")[1].split()[0] for text in above_limits(frames, ["panda"])] == ["acceleration"] * 2
     frames[:, 0, 5] = np.arange(9) * 0.14  # 2.8 rad/s, where 2.61 are allowed
     assert sum("speed 2.80 of joint 6" in text for text in above_limits(frames, ["panda"])) == 8
+
+
+@pytest.mark.parametrize(
+    "forces, fault",
+    [((0.85, 1.57), None), ((1.2, 1.9), "right finger of arm and bar, 1.2 N"), ((0.85, 2.4), "table and bar, 2.4 N")],
+)
+def test_the_weight_that_a_table_bears_is_no_unwanted_contact(forces, fault):
+    """A finger presses on a bar of 0.12 kg (1.18 N), and the bar on the table."""
+    shown = SimpleNamespace(
+        bodies=["table", "right finger of arm", "bar"], contacts=np.array([[3, 1, 2], [3, 0, 2]]),
+        forces=np.array(forces), ends=np.array([5]),
+    )  # fmt: skip
+    faults = list(unwanted(shown, ["place(arm,plank)"], [], {"bar": 0.12}))
+    assert faults == ([] if fault is None else [f"frame 3: {fault}"])

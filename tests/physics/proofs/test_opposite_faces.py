@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from prag_asp.physics.grasps.normal_cones import angle_between
 from prag_asp.physics.grasps.opposite_faces import exceeds_opening
 from prag_asp.physics.grasps.pads import ParallelGripper
 from prag_asp.physics.predicates import PREDICATES
@@ -62,8 +63,44 @@ KNOWN = {
 @pytest.mark.parametrize("name", KNOWN)
 def test_a_body_with_a_model_is_proved_too_wide_by_its_faces_alone(name: str) -> None:
     shape, proved = KNOWN[name]
-    expected = "all sides of thing 1 that face each other are too far apart: the gripper opens only to 80 mm"
+    expected = "all opposite sides, edges and corners of thing 1 are too far apart: the gripper opens only to 80 mm"
     assert reasons(shape) == ([expected] if proved else [])
+
+
+def prism(corners: int, radius: float, height: float) -> NDArray[np.float64]:
+    """Return the triangles of an upright prism over a regular polygon."""
+    turns = 2 * math.pi * np.arange(corners) / corners
+    return convex_hull(
+        np.array([(radius * math.cos(a), radius * math.sin(a), z) for a in turns for z in (0.0, height)])
+    )
+
+
+@pytest.mark.parametrize("friction", [0.07, 0.42, FRICTION])
+def test_a_prism_that_pads_hold_between_an_edge_and_a_side_is_not_proved_too_wide(friction: float) -> None:
+    # A floating hand in MuJoCo lifts the triangular prism with each of these coefficients; no two of its sides are
+    # opposite to each other.
+    assert not exceeds_opening([prism(3, 0.0404, 0.12)], GRIPPER, friction)
+    assert not exceeds_opening([prism(5, 0.038, 0.12)], GRIPPER, friction)
+
+
+def test_a_prism_that_is_too_wide_between_edges_and_sides_is_proved_too_wide() -> None:
+    assert exceeds_opening([prism(3, 0.07, 0.12)], GRIPPER, 0.42)
+    assert exceeds_opening([prism(5, 0.06, 0.12)], GRIPPER, 0.07)
+
+
+def test_the_angle_between_normal_cones_is_that_of_a_dense_search(chance: Chance) -> None:
+    rng = np.random.default_rng(chance.seed(4))
+    for _ in range(chance.examples(60)):
+        cones = []
+        for count in rng.integers(1, 5, 2):
+            axis, spread = rng.normal(size=3), rng.uniform(0.1, 0.9)
+            normals = axis / np.linalg.norm(axis) + spread * rng.normal(size=(count, 3)) / 2
+            cones.append(normals / np.linalg.norm(normals, axis=1)[:, None])
+        samples = [np.concatenate([rng.dirichlet(np.full(len(c), 0.4), 3000), np.eye(len(c))]) @ c for c in cones]
+        samples = [each / np.linalg.norm(each, axis=1)[:, None] for each in samples]
+        found = math.acos(min(1.0, float((samples[0] @ samples[1].T).max())))
+        least = angle_between(*cones)
+        assert found - 0.15 <= least <= found + 1e-6
 
 
 def test_a_body_of_parts_that_are_not_convex_is_not_decided() -> None:

@@ -86,6 +86,15 @@ def test_what_stands_before_the_declaration_does_not_matter(tmp_path, before):
         read(tmp_path, broken)
 
 
+def test_a_bare_ampersand_is_a_character_as_in_pybullet(tmp_path):
+    (tmp_path / "nut & bolt.obj").write_text(BOX)
+    for name in ("nut & bolt.obj", "nut &amp; bolt.obj", "nut &#38; bolt.obj"):
+        text = MESH.format(name).replace('name="a"', 'name="a&b &lt; &c;"')
+        assert read(tmp_path, text).size == pytest.approx((0.05, 0.04, 0.03))
+    entity = '<!DOCTYPE robot [<!ENTITY file "nut &#38;#38; bolt.obj">]>' + MESH.format("&file;")
+    assert read(tmp_path, entity).size == pytest.approx((0.05, 0.04, 0.03))
+
+
 def test_links_with_fixed_joints_are_one_body_like_that_of_pybullet(tmp_path):
     tip = '<link name="tip"/>' + FIXED.format("k", "fixed", "0 0 1", "0 0 0").replace('"b"', '"tip"')
     text = (

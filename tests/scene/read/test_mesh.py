@@ -72,3 +72,11 @@ def test_a_part_is_one_as_long_as_its_hull_has_a_thickness(tmp_path: Path, thin:
     thick = "o one\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
     flat = f"o two\nv 2 0 0\nv 3 0 0\nv 2 1 0\nv 2 0 {thin * 2}\nf 5 7 6\nf 5 6 8\nf 6 7 8\nf 7 5 8\n"
     assert len(file_parts(written(tmp_path, thick + flat))) == parts
+
+
+@pytest.mark.parametrize("suffix", ["obj", "stl", "ply", "glb"])
+def test_an_empty_file_is_named_as_empty(tmp_path, suffix):
+    path = tmp_path / f"empty.{suffix}"
+    path.write_bytes(b"")
+    with pytest.raises(SceneError, match=r"empty\.\w+: not a mesh: the file is empty; export it anew"):
+        mesh_parts(str(path))

@@ -14,6 +14,7 @@ from prag_asp.errors import SceneError
 from prag_asp.physics.world.simulator import open_simulator
 from prag_asp.scene.geometry import Pose
 from prag_asp.scene.read import mesh_body
+from prag_asp.scene.read.convex import separate_solids
 from prag_asp.scene.read.mesh import file_parts, mesh_parts
 from prag_asp.scene.read.stability import falls, settle
 from prag_asp.scene.scene import Scene, Shape
@@ -133,6 +134,29 @@ def test_a_concave_mesh_consists_of_convex_parts_and_the_same_ones_from_the_cach
             assert (min(point[8] for point in points) > -0.0015) == apart
 
 
+def crossed() -> trimesh.Trimesh:
+    """Return two boxes that cross each other, as one mesh."""
+    return trimesh.util.concatenate([trimesh.creation.box((0.04, 0.04, 0.1)), trimesh.creation.box((0.1, 0.03, 0.03))])
+
+
+def test_closed_convex_solids_in_one_object_are_parts_without_a_decomposition(tmp_path, monkeypatch):
+    monkeypatch.setattr("prag_asp.scene.read.decomposition.decomposed", lambda _: pytest.fail("decomposed"))
+    write(tmp_path, crossed(), "cross.stl")
+    parts = [np.array(part).reshape(-1, 3) for part in mesh_parts(str(tmp_path / "cross.stl"))]
+    extents = sorted(tuple(np.ptp(part, axis=0).round(6)) for part in parts)
+    assert extents == [pytest.approx((0.04, 0.04, 0.1)), pytest.approx((0.1, 0.03, 0.03))]
+    assert body(tmp_path, path="cross.stl", mass=0.2).size == pytest.approx((0.1, 0.04, 0.1))
+
+
+def test_a_hollow_space_and_an_open_surface_are_no_solids() -> None:
+    outer, inner, boxes = trimesh.creation.box((0.1,) * 3), trimesh.creation.box((0.08,) * 3), crossed()
+    assert len(separate_solids(boxes.triangles)) == 2
+    inner.invert()
+    assert separate_solids(trimesh.util.concatenate([outer, inner]).triangles) == []
+    assert separate_solids(boxes.triangles[:-1]) == []
+    assert separate_solids(outer.triangles) == []
+
+
 def test_without_the_extra_a_concave_mesh_is_refused_with_the_remedy(tmp_path, monkeypatch):
     monkeypatch.setattr(mesh_body, "can_decompose", lambda: False)
     name = write(tmp_path, angled(), "l.obj")
@@ -149,7 +173,10 @@ def test_without_the_extra_a_concave_mesh_is_refused_with_the_remedy(tmp_path, m
         ({"path": "../b.stl"}, "lies outside the domain"),
         ({"path": "b.stl", "scale": -1}, "cube.scale: "),
         ({"path": "b.stl", "scale": [1, 2]}, "cube.scale: "),
-        ({"path": "b.stl", "scale": 100}, "m long; give its lengths in metres"),
+        (
+            {"path": "b.stl", "scale": 100},
+            "m long; give its lengths in metres (at most 2), or give a mesh a smaller",
+        ),
         ({"path": "b.stl", "scale": 0.001}, "m thin; make it at least"),
         ({"path": "b.stl", "up": "w"}, "cube.up: "),
         ({"path": "b.stl", "rotation": 90}, "cube.rotation: "),

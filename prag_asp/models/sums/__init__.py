@@ -1,0 +1,1 @@
+"""Counting programs whose difficulty lies in sums over many atoms."""
