@@ -15,7 +15,7 @@ from prag_asp.physics.search.allowed_region import relevant_facts, sample_yaws, 
 from prag_asp.physics.search.attempt import ARM_COLLIDES, OBJECTS_COLLIDE, Failure, Search, Snapshot
 from prag_asp.physics.search.grasping import LIFT, CollisionQuery, configure, descend
 from prag_asp.physics.search.moving import move_object, moved_arm, raise_arm, require_free, with_riders
-from prag_asp.physics.search.packing import ROWS, Corner, Filling, Hand, fill, requested_pose, resting_pose
+from prag_asp.physics.search.packing import ROWS, Corner, Filling, OpenHand, fill, requested_pose, resting_pose
 from prag_asp.physics.search.placement import PlacementRequest, known_support
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import ActionEffect
@@ -143,7 +143,7 @@ def _fillings(search: Search, entity: str, arm: Arm | None, least: float) -> Ite
     room = search.robot.opening / 2 + outside + FINGER_MARGIN - least
     first = int(search.rng.integers(2))
     for axis in (first, 1 - first):
-        hand = Hand(axis, 0.0, search.robot.opening - CLEARANCE, entity, math.atan2(y, x))
+        hand = OpenHand(axis, 0.0, search.robot.opening - CLEARANCE, entity, math.atan2(y, x))
         yield [
             Filling(corner, (room, row) if axis == 0 else (row, room), hand._replace(wall=wall))
             for wall, row in ((0.0, ROWS[-1]), *product((room, 0.0), ROWS))

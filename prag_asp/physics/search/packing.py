@@ -102,7 +102,7 @@ class Corner(NamedTuple):
         return ordered
 
 
-class Hand(NamedTuple):
+class OpenHand(NamedTuple):
     """A hand that puts objects down, with its fingers along one axis of their support: 0 for x, 1 for y.
 
     `wall` is the room in metres for fingers between an object and the ends of the allowed region. Objects up to `width`
@@ -122,7 +122,7 @@ class Filling(NamedTuple):
 
     corner: Corner
     spacing: tuple[float, float]
-    hand: Hand | None = None
+    hand: OpenHand | None = None
 
     @property
     def tight(self) -> bool:
@@ -330,7 +330,7 @@ def _turned_rows(rows: list[tuple[float, float, float, float]], frame: float) ->
 
 
 def _orientations(
-    situation: Situation, entity: str, about: Iterable[Fact], frame: float, hand: Hand | None
+    situation: Situation, entity: str, about: Iterable[Fact], frame: float, hand: OpenHand | None
 ) -> Iterator[Quaternion]:
     """Yield orientations along a frame, or in the middle of the yaw ranges that facts allow.
 
