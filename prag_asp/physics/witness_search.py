@@ -16,8 +16,9 @@
 
 Tasks that only move primitive bodies restart instead of step 3, which is faster because they have few grasps. If no
 restart within the budget finds a witness, there are a few further ones. They return as in step 3 if a held object could
-not be put down, and pack objects tightly if only room was lacking. If a witness fails a more expensive check, the next
-restart begins with other grasps of bodies with a model.
+not be put down, and pack objects tightly if only room was lacking. If a held object lacked room and the task puts
+several objects into one body, each put leaves room for the later ones and for the hand. If a witness fails a more
+expensive check, the next restart begins with other grasps of bodies with a model.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ from prag_asp.physics.search.attempt import (
     Snapshot,
 )
 from prag_asp.physics.search.failures import FailureLog
-from prag_asp.physics.search.foresight import foresee
+from prag_asp.physics.search.foresight import foresee, foresee_puts
 from prag_asp.physics.search.initial_state import sample_initial_state
 from prag_asp.physics.symbolic_facts import PhysicalTask
 from prag_asp.physics.verdict import Budget
@@ -71,7 +72,8 @@ def witnesses(
             crowded = not (causes.isdisjoint(CROWDED) or (begun and not causes <= CROWDED))
             if not (crowded or log.grasp_to_blame):
                 return
-            search = replace(search, packs=crowded, returns=True)
+            later_puts = {} if causes.isdisjoint(CROWDED) else foresee_puts(physical, scene)
+            search = replace(search, packs=crowded, returns=True, later_puts=later_puts)
         drawn = {entity: shapes[int(search.rng.integers(len(shapes)))] for entity, shapes in ranges.items()}
         if drawn:
             sized = scene.with_shapes(drawn)

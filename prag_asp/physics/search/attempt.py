@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from prag_asp.physics.search.foresight import Foresight
+from prag_asp.physics.search.foresight import Foresight, LaterPuts
 from prag_asp.physics.search.spans import Spans
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.symbolic_facts import Fact
@@ -96,7 +96,7 @@ class Search:
     If `packs` is true, objects are placed tightly, for tasks that random placement does not solve. If `returns` is
     true, actions are undone, back to an action that may be the cause, when all attempts at an action fail. Of the
     grasps of bodies with a model, the best `passed_over` are tried last, because witnesses with these grasps failed a
-    later check.
+    later check. Objects put on one body are placed so that the `later_puts` on it find room.
     """
 
     simulator: Simulator
@@ -107,6 +107,7 @@ class Search:
     packs: bool = False
     returns: bool = False
     passed_over: int = 0
+    later_puts: LaterPuts = field(default_factory=dict)
 
     @property
     def scene(self) -> Scene:

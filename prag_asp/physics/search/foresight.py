@@ -1,6 +1,7 @@
-"""Keep an object away from the border of the workspace if another object will be placed beside it later.
+"""Leave room for objects that are placed later: beside an object, or on the same support.
 
-This only guides sampling; all checks remain the same.
+An object is kept away from the border of the workspace if another object will be placed beside it later. This only
+guides sampling; all checks remain the same.
 """
 
 from __future__ import annotations
@@ -17,6 +18,10 @@ Foresight = Mapping[tuple[int, str], tuple[Volume, ...]]
 """For each state and object, the volumes in which the object, placed in the state, leaves ample room or just enough
 room."""
 
+LaterPuts = Mapping[tuple[int, str], tuple[tuple[str, tuple[Fact, ...]], ...]]
+"""For each state and object put on or into a body on which a task puts several: the objects that it puts there later,
+with the facts of the states in which it does."""
+
 Rooms = dict[Direction, float]
 
 
@@ -32,6 +37,30 @@ def foresee(physical: PhysicalTask, scene: Scene) -> Foresight:
                 if any(volume != Volume() for volume in volumes):
                     volumes_by_object[k, entity] = tuple(volumes)
     return volumes_by_object
+
+
+def foresee_puts(physical: PhysicalTask, scene: Scene) -> LaterPuts:
+    """Return the later puts of a task on the same body; there are none for the table and for bodies put on alone.
+
+    Puts after the next put of an object already listed are left out, because the object makes room before.
+    """
+    puts: dict[str, list[tuple[int, str]]] = {}
+    for effect in physical.effects:
+        for fact in effect.fresh:
+            entity, place = fact.arguments[0], fact.arguments[-1]
+            bounded = place in scene.shapes and not scene.shapes[place].traits.surface
+            if fact.value and fact.predicate.places and entity in effect.moved and bounded:
+                puts.setdefault(place, []).append((effect.number, entity))
+    later: dict[tuple[int, str], tuple[tuple[str, tuple[Fact, ...]], ...]] = {}
+    for there in puts.values():
+        for i, (number, entity) in enumerate(there if len(there) > 1 else ()):
+            listed = {entity: physical.effects[number - 1].after}
+            for then, comer in there[i + 1 :]:
+                if comer in listed:
+                    break
+                listed[comer] = physical.effects[then - 1].after
+            later[number, entity] = tuple(listed.items())[1:]
+    return later
 
 
 def _named(facts: Iterable[Fact]) -> set[str]:

@@ -4,6 +4,9 @@ Objects are placed in order of size, axis-aligned or aligned with their support,
 random corner. Places to try are vertices of the allowed region, places next to a neighbour with some spacing, and a
 lattice. If there is no place for an object, the search backtracks to the object before it. Several spacings are tried;
 the largest that succeeds is used.
+
+Objects that a hand puts down one after another stand in rows, with room for fingers between them along one axis and
+closer together along the other. The held object is turned so that the fingers open along the first axis.
 """
 
 from __future__ import annotations
@@ -37,10 +40,22 @@ from prag_asp.physics.world.simulator import COLLISION
 from prag_asp.physics.world.support import TABLE
 from prag_asp.scene.boxes import Vector, box_of
 from prag_asp.scene.furniture import swept
-from prag_asp.scene.geometry import Pose, Quaternion, compose, multiply, rotate, yaw_of, yaw_quaternion
+from prag_asp.scene.geometry import (
+    Pose,
+    Quaternion,
+    compose,
+    multiply,
+    rotate,
+    width_along,
+    yaw_of,
+    yaw_quaternion,
+)
 
 SPACINGS = (FINGER_ROOM, FINGER_ROOM / 2, SPACING, 0.005, 0.002, 0.0)
 """The spacings between objects to try, in metres, largest first; with the last, they touch."""
+
+ROWS = SPACINGS[:-1]
+"""The spacings between rows of objects that a hand puts down, in metres: rows never touch."""
 
 TIGHT = 0.002
 """The largest spacing, in metres, with which objects also touch the walls of a container."""
@@ -87,6 +102,34 @@ class Corner(NamedTuple):
         return ordered
 
 
+class OpenHand(NamedTuple):
+    """A hand that puts objects down, with its fingers along one axis of their support: 0 for x, 1 for y.
+
+    `wall` is the room in metres for fingers between an object and the ends of the allowed region. Objects up to `width`
+    metres wide fit between the fingers. The hand holds the object `held`, in whose frame the fingers open along the
+    yaw `across`, in radians.
+    """
+
+    axis: int
+    wall: float
+    width: float
+    held: str
+    across: float
+
+
+class Filling(NamedTuple):
+    """How a region is filled: from a corner, with spacings in metres along both axes of the support, by a hand."""
+
+    corner: Corner
+    spacing: tuple[float, float]
+    hand: OpenHand | None = None
+
+    @property
+    def tight(self) -> bool:
+        """Whether objects touch the walls of a container."""
+        return self.hand is None and max(self.spacing) <= TIGHT
+
+
 def pack(
     search: Search, still: Situation, order: Sequence[str], about: Callable[[str, Situation], Iterable[Fact]]
 ) -> Situation:
@@ -98,10 +141,10 @@ def pack(
     if not order:
         return still
     corner, (*ample, least) = Corner.sample(search), SPACINGS
-    tight = _fill(search, still, order, about, (corner, least))
+    tight = fill(search, still, order, about, Filling(corner, (least, least)))
     for spacing in ample:
         with suppress(Failure):
-            return _fill(search, still, order, about, (corner, spacing))
+            return fill(search, still, order, about, Filling(corner, (spacing, spacing)))
     return tight
 
 
@@ -129,34 +172,39 @@ def requested_pose(search: Search, situation: Situation, request: PlacementReque
             raise
         corner = Corner.sample(search)
         for spacing in SPACINGS:
-            for pose in packed_poses(situation, request, (corner, spacing)):
+            for pose in packed_poses(situation, request, Filling(corner, (spacing, spacing))):
                 return pose
         raise
 
 
-def packed_poses(situation: Situation, request: PlacementRequest, filling: tuple[Corner, float]) -> Iterator[Pose]:
-    """Yield free poses for a request, from a corner, with a spacing in metres."""
-    corner, spacing = filling
+def packed_poses(situation: Situation, request: PlacementRequest, filling: Filling) -> Iterator[Pose]:
+    """Yield free poses for a request, in the order in which a region is filled."""
+    corner, spacing, hand = filling
     request, situation = request.isolated(situation)
     entity, support, about, *_ = request
     checked = [fact for fact in about if not shapes_volume(fact, entity)]
     for frame in _frames(situation, entity, support, about):
-        for quaternion in _orientations(situation, entity, about, frame):
-            volume = placement_volume(situation, request, quaternion, spacing <= TIGHT)
+        for quaternion in _orientations(situation, entity, about, frame, hand):
+            volume = placement_volume(situation, request, quaternion, filling.tight)
             floor = volume.floor()
             if floor is None:
                 continue
             z = volume.low[2]
             taken, touching, close = _taken(situation, request, quaternion, z, frame)
-            corners = np.array([point for patch in floor for point in patch.polygon])
-            places = _places(turned(corners, -frame), taken, touching, spacing)
+            corners = turned(np.array([point for patch in floor for point in patch.polygon]), -frame)
+            if hand is not None and hand.wall > 0.0:
+                low, high = corners[:, hand.axis].min() + hand.wall, corners[:, hand.axis].max() - hand.wall
+                if low > high:
+                    continue
+                corners[:, hand.axis] = np.clip(corners[:, hand.axis], low, high)
+            places = _places(corners, taken, touching, spacing)
             ordered = turned(corner.order(places), frame).tolist()
             # Alternate between the corner and the opposite one: the order of the objects may require both.
             for x, y in chain.from_iterable(zip(ordered, reversed(ordered), strict=True)):
                 pose = Pose((x, y, z), quaternion)
                 if volume.miss_distance(pose.position) > ROUNDING:
                     continue
-                if any(meet(pose.position, spacing - ROUNDING) for meet in close):
+                if any(meet(pose.position, min(spacing) - ROUNDING) for meet in close):
                     continue
                 trial = situation.with_pose(entity, pose)
                 if all(fact.is_satisfied(trial) for fact in checked):
@@ -178,14 +226,17 @@ def _frames(situation: Situation, entity: str, support: str, about: Iterable[Fac
                 yield yaw
 
 
-def _fill(
+def fill(
     search: Search,
     still: Situation,
     order: Sequence[str],
     about: Callable[[str, Situation], Iterable[Fact]],
-    filling: tuple[Corner, float],
+    filling: Filling,
+    branches: int = BRANCHES,
 ) -> Situation:
-    """Place all objects from a corner with a spacing, backtracking if necessary, and return the situation.
+    """Place all objects as a region is filled, backtracking if necessary, and return the situation.
+
+    `branches` is the number of places to try for an object before the previous object is moved.
 
     Raises:
         Failure: there is no room for an object, or too many places were tried; the error names the last object that
@@ -197,7 +248,7 @@ def _fill(
         facts = list(about(entity, situation))
         support = choose_support(search, situation, entity, facts)
         request = PlacementRequest(entity, support, facts, 0)
-        options.append(islice(packed_poses(situation, request, filling), BRANCHES))
+        options.append(islice(packed_poses(situation, request, filling), branches))
         farthest = max(farthest, len(options) - 1)
         while (pose := next(options[-1], None)) is None:
             options.pop()
@@ -211,16 +262,19 @@ def _fill(
 
 
 def _places(
-    corners: NDArray[np.float64], taken: NDArray[np.float64], touching: NDArray[np.float64], spacing: float
+    corners: NDArray[np.float64],
+    taken: NDArray[np.float64],
+    touching: NDArray[np.float64],
+    spacing: tuple[float, float],
 ) -> NDArray[np.float64]:
-    """Return the places in the bounding box of corners, shape (n, 2), that keep a spacing from `taken` places.
+    """Return the places in the bounding box of corners, shape (n, 2), that keep spacings from `taken` places.
 
     They are on lines through the corners, on lines through `touching` places, and on the lines of a lattice.
     """
     lines = []
     for axis in range(2):
         low, high = corners[:, axis].min(), corners[:, axis].max()
-        centre, reach = touching[:, axis], touching[:, axis + 2] + spacing
+        centre, reach = touching[:, axis], touching[:, axis + 2] + spacing[axis]
         lattice = np.linspace(low, high, LATTICE)
         values = np.concatenate([corners[:, axis], centre - reach, centre + reach, lattice])
         lines.append(np.unique(values[(low <= values) & (values <= high)]))
@@ -275,8 +329,13 @@ def _turned_rows(rows: list[tuple[float, float, float, float]], frame: float) ->
     return found
 
 
-def _orientations(situation: Situation, entity: str, about: Iterable[Fact], frame: float) -> Iterator[Quaternion]:
-    """Yield orientations along a frame, or in the middle of the yaw ranges that facts allow."""
+def _orientations(
+    situation: Situation, entity: str, about: Iterable[Fact], frame: float, hand: OpenHand | None
+) -> Iterator[Quaternion]:
+    """Yield orientations along a frame, or in the middle of the yaw ranges that facts allow.
+
+    With a hand, its fingers open along its axis of the frame, and the object is no wider there than they open.
+    """
     try:
         ranges = yaw_ranges(situation, entity, about)
     except Failure:
@@ -286,8 +345,20 @@ def _orientations(situation: Situation, entity: str, about: Iterable[Fact], fram
         return
     shape = situation.shape(entity)
     own = side_yaw(shape)
-    yield yaw_quaternion(frame - own)
+    turns = [0.0]
     if shape.model is not None:
-        yield from (yaw_quaternion(frame - own + turn * math.pi / 2) for turn in (2, 1, 3))
+        turns += (math.pi, math.pi / 2, 3 * math.pi / 2)
     elif not shape.traits.round and shape.half[0] != shape.half[1]:
-        yield yaw_quaternion(frame + math.pi / 2)
+        turns.append(math.pi / 2)
+    if hand is None:
+        yield from (yaw_quaternion(frame - own + turn) for turn in turns)
+        return
+    fingers = frame + hand.axis * math.pi / 2
+    if entity == hand.held:
+        yield from (yaw_quaternion(fingers - hand.across + turn) for turn in (0.0, math.pi))
+        return
+    direction = (math.cos(fingers), math.sin(fingers), 0.0)
+    for turn in turns:
+        quaternion = yaw_quaternion(frame - own + turn)
+        if shape.model is not None or width_along(shape, quaternion, direction) <= hand.width:
+            yield quaternion
