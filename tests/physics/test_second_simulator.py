@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -21,14 +22,14 @@ DRAWER = {"kind": "drawer", "size": [0.3, 0.3, 0.15]}
 def test_doors_and_drawers_move_as_far_as_in_the_scene(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(str(BENCHMARKS))
     sys.modules.pop("second_simulator", None)
-    from second_simulator import Change, _xml  # noqa: PLC0415 - MuJoCo may be missing
+    second = importlib.import_module("second_simulator")
 
     shapes = {"panda": {"kind": "robot"}, "table": {"kind": "table"}, "cupboard": CUPBOARD, "drawer": DRAWER}
     fixed = {"cupboard": [0.6, 0.3, 180], "drawer": [0.6, -0.3, 180]}
     scene = parse_scene({"shapes": shapes, "fixed": fixed}, {}, {name: name for name in shapes})
     world = world_of(scene)
     shown = SimpleNamespace(objects=("cupboard", "drawer"), robots=("panda",))
-    model = mujoco.MjModel.from_xml_string(_xml(world, scene, shown, Change(1.0, 1.0)))
+    model = mujoco.MjModel.from_xml_string(second._xml(world, scene, shown, second.Change(1.0, 1.0)))
     for name in shown.objects:
         limit = world.furniture[name].limit
         np.testing.assert_allclose(model.joint(f"part:{name}").range, (0.0, limit), rtol=1e-6)
