@@ -465,11 +465,39 @@ def test_an_exact_instruction_does_not_say_that_what_is_taken_is_held() -> None:
             assert verb not in writer(name, language).instructions(task).exact
 
 
-def test_it_in_an_aim_is_not_one_of_several_things_of_the_action() -> None:
+def test_it_in_an_aim_is_not_one_of_several_things_of_the_action(tmp_path: Path) -> None:
+    text = """
+    class((food; spice; arm)). entity(cake, food). entity(mint, spice). entity(rob, arm).
+    fluent((sweet(O); cut(O))) :- is_a(O,food).
+    action((dress(O,S); slice(O))) :- is_a(O,food), is_a(S,spice).
+    postcondition(dress(O,S), sweet(O), true) :- action(dress(O,S)).
+    postcondition(slice(O), cut(O), true) :- action(slice(O)).
+    """
+    tables = tmp_path / "domain.toml"
+    tables.write_text('[language]\ndress = "dress {0} with {1}"\nslice = "slice {0}"\n')
+    space = TaskSpace(load_domain(text=text, settings=tables), 2)
+    exact = (
+        instruction_writer_of(space.domain).instructions(space[space.index(["dress(cake,mint)", "slice(cake)"])]).exact
+    )
+    assert "dress the food with the spice, so that the food is sweet." in exact
+    assert "slice the food, so that it is cut." in exact
+
+
+def test_what_stands_on_the_table_is_put_down_there() -> None:
     space = TaskSpace(load_domain("examples/own_predicates"), 2)
     plan = ["pick(panda,camera_1,table_1)", "set(panda,camera_1,brick_1,cup_2)"]
     words = instruction_writer_of(space.domain).instructions(space[space.index(plan)])
-    assert "on the table between the brick and the blue cup." in words.exact and " it " not in words.exact
+    assert "on the table between the brick and the blue cup." in words.exact and "so that" not in words.exact
+
+
+def test_the_motions_of_prag_have_verbs_and_angles_of_their_own() -> None:
+    carried = "transform(panda,can_1,bowl_1)", "follow(panda,can_1,crate_1)"
+    task = task_of("prag", *carried, "rotate(panda,can_1,quarter_turn)", "move(panda,can_1,bowl_1)")
+    for seed in range(4):
+        first, second, third, fourth = writer("prag").instructions(task, seed).subgoals
+        assert "along the preset path" in first and "along the guide" in second and "to 90 degrees" in third
+        assert "along" not in fourth
+        assert "the can is at the bowl" in writer("prag").instructions(task, seed).vague
 
 
 def test_an_arm_is_moved_and_used() -> None:
