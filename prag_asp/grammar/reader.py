@@ -193,12 +193,14 @@ class GrammarReader:
             )
             if not any(common[index].word == "to" for index in common):
                 agent += str(defaults.get("again", ""))
+            resting = _below(defaults, "rest")
+            rest = resting if verbs.get(name, plain(name)) in listed(resting.get("verbs")) else {}
             actions_of: dict[str, set[str]] = {text: set()} if not led else {}
             for action, ways in ways_of.items() if led else ():
                 vague = any(ways[i].word == "to" and ways[i].predicate not in defaults["to"] for i in led)
                 whole = carry if vague else text
                 for index in led:
-                    by_predicate = defaults[ways[index].word]
+                    by_predicate = {**defaults[ways[index].word], **(rest if ways[index].word == "to" else {})}
                     phrase = by_predicate.get(ways[index].predicate, by_predicate["any"])
                     whole += str(phrase).replace("{0}", f"{{{index}}}")
                 actions_of.setdefault(whole, set()).add(action)
@@ -295,7 +297,8 @@ class GrammarReader:
                         template = parse_template(text, self.words.cases, arity, {"is": form}, frozenset(genders))
                     except QueryError:
                         continue
-                    yield replace(template, phrasing=phrasing, recurrence=recurrence)
+                    phrasal = listed(_below(self.words.table, "defaults").get("phrasal"))
+                    yield replace(template, phrasing=phrasing, recurrence=recurrence, phrasal=phrasal)
 
     def nouns(self) -> dict[str, Noun]:
         """Return the noun for each class, and for each entity with a separate noun."""

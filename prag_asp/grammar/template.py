@@ -35,7 +35,8 @@ class Template:
 
     If a word agrees with the first argument, `genders` are the genders of arguments for which this sentence is used.
     `phrasing` is its index, from 0, among the paraphrases. With a `recurrence`, the sentence is only for such
-    actions; `only` holds the class or the value that each argument must have, or "_".
+    actions; `only` holds the class or the value that each argument must have, or "_". The particle of a verb in
+    `phrasal` comes before its object unless this is a pronoun: "pick up the can", "pick it up".
     """
 
     texts: tuple[str, ...]
@@ -44,36 +45,55 @@ class Template:
     phrasing: int = field(default=0, compare=False)
     recurrence: Recurrence | None = field(default=None, compare=False)
     only: tuple[str, ...] = field(default=(), compare=False)
+    phrasal: tuple[str, ...] = field(default=(), compare=False)
 
-    def fill(self, words: Sequence[str]) -> str:
-        """Return the sentence with words in its slots, in order."""
-        parts = [self.texts[0]]
-        for word, text in zip(words, self.texts[1:], strict=True):
+    def fill(self, words: Sequence[str], pronouns: Set[int] = frozenset()) -> str:
+        """Return the sentence with words in its slots, in order; `pronouns` are the indices of slots with pronouns."""
+        early = self._early
+        texts = early[1] if early and early[0] not in pronouns else self.texts
+        parts = [texts[0]]
+        for word, text in zip(words, texts[1:], strict=True):
             parts += (word, text)
         return "".join(parts)
 
     def find(self, text: str, fits: Callable[[str], bool] = bool) -> Iterator[tuple[str, ...]]:
         """Yield every assignment of fitting words to the slots with which this sentence equals the text."""
-        first, last = self.texts[0], self.texts[-1]
         if not self.slots:
-            if text == first:
+            if text == self.texts[0]:
                 yield ()
-        elif text.startswith(first) and text.endswith(last) and len(text) > len(first) + len(last):
-            yield from self._split(text[len(first) : len(text) - len(last)], 1, fits)
+            return
+        for texts in (self.texts, self._early[1]) if self._early else (self.texts,):
+            first, last = texts[0], texts[-1]
+            if text.startswith(first) and text.endswith(last) and len(text) > len(first) + len(last):
+                yield from self._split(texts, text[len(first) : len(text) - len(last)], 1, fits)
 
-    def _split(self, text: str, number: int, fits: Callable[[str], bool]) -> Iterator[tuple[str, ...]]:
+    def _split(
+        self, texts: Sequence[str], text: str, number: int, fits: Callable[[str], bool]
+    ) -> Iterator[tuple[str, ...]]:
         """Yield the ways to split a text at the texts between slots, starting at a given slot."""
         if number == len(self.slots):
             if fits(text):
                 yield (text,)
             return
-        between = self.texts[number]
+        between = texts[number]
         at = text.find(between, 1)
         while at >= 0:
             if fits(text[:at]):
-                for rest in self._split(text[at + len(between) :], number + 1, fits):
+                for rest in self._split(texts, text[at + len(between) :], number + 1, fits):
                     yield (text[:at], *rest)
             at = text.find(between, at + 1)
+
+    @cached_property
+    def _early(self) -> tuple[int, tuple[str, ...]] | None:
+        """The slot of the object of a phrasal verb, and the texts with the particle before it, or None."""
+        for index in range(len(self.slots) if self.phrasal else 0):
+            before, (particle, *_) = self.texts[index], (*self.texts[index + 1].split(), "")
+            after = self.texts[index + 1][1 + len(particle) :]
+            verb = before.rstrip().rpartition(" ")[2]
+            last = index + 1 == len(self.slots)
+            if f"{verb} {particle}" in self.phrasal and before.endswith(" ") and (after.startswith(" ") or last):
+                return index, (*self.texts[:index], f"{before}{particle} ", after, *self.texts[index + 2 :])
+        return None
 
     @cached_property
     def arguments(self) -> tuple[int, ...]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
@@ -84,6 +84,32 @@ class Words:
     def many(self) -> tuple[str, ...]:
         """The texts that join three or more facts: between facts, and before the last; empty if not defined."""
         return tuple(self.table["joints"].get("many", ()))
+
+    @cached_property
+    def both(self) -> tuple[str, ...]:
+        """The texts before and after the first of two subjects with the same predicate; empty if not defined."""
+        return tuple(self.table["joints"].get("both", ())) if "plural" in self.table else ()
+
+    def in_plural(self, predicate: str) -> str:
+        """Return a predicate with its verb in the plural, or "" if it has no verb "is": "is open" gives "are open"."""
+        return self._with_verb(predicate, self.agreeing("is", str(self.table["plural"])))
+
+    def in_singular(self, predicate: str) -> list[str]:
+        """Return a predicate with its verb in each form: "are open" gives "is open" and "are open"."""
+        verbs = dict.fromkeys(self.agreeing("is", gender) for gender in self.genders)
+        return list(filter(None, (self._with_verb(predicate, verb) for verb in verbs)))
+
+    def _with_verb(self, predicate: str, verb: str) -> str:
+        """Return a predicate whose verb "is", its first or its last word, is replaced; or "" if there is none."""
+        verbs, words = {self.agreeing("is", gender) for gender in self.genders}, predicate.split(" ")
+        if words[0] in verbs:
+            return " ".join([verb, *words[1:]])
+        return " ".join([*words[:-1], verb]) if words[-1] in verbs else ""
+
+    def implications(self, text_words: Iterable[str]) -> set[str]:
+        """Return the words that the verbs among some words state too: "take" states that the gripper is "holding"."""
+        means = self.table.get("means", {})
+        return {word for each in text_words for word in means.get(each, ())}
 
     @cached_property
     def _contractions(self) -> Mapping[str, str]:
@@ -188,6 +214,9 @@ def _replaced(text: str, words: Mapping[str, str]) -> str:
 
 
 OPTIONAL = frozenset(
-    ["name", "defaults", "facts", "sizes", "places", "colors", "forms", "repeated", "formerly", "fluents", "implied"]
+    [
+        *("name", "defaults", "facts", "sizes", "places", "colors", "forms", "repeated", "formerly", "fluents"),
+        *("implied", "plural", "means"),
+    ]
 )
 """The optional keys of a word table."""

@@ -4,7 +4,7 @@
 >>> from prag_asp.dataset.language import instruction_writer_of
 >>> space = TaskSpace(load_domain("tabletop"), length=2)
 >>> instruction_writer_of(space.domain).instructions(space[100], seed=0).default
-'Please pick the yellow brick up from the table, and then set it down to the right of the tray.'
+'Please pick up the yellow brick from the table, and then set it down on the table to the right of the tray.'
 """
 
 from __future__ import annotations

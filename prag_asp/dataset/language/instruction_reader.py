@@ -132,7 +132,7 @@ class InstructionReader:
                     yield Reading((action,), aims=(aims,))
         for frame in self._vague:
             for (inner,) in frame.find(text):
-                for parsed in self._list(view, inner, "facts", None):
+                for parsed in self._fact_lists(view, inner, None):
                     yield Reading(goal=FrozenDict({each.atom: each.value for each in parsed}))
         for frame in self._default:
             for (inner,) in frame.find(text):
@@ -166,8 +166,30 @@ class InstructionReader:
         for parsed in self.sentence(view, action, None, of_actions=True):
             if not aims:
                 yield parsed.atom, FrozenDict()
-            for facts in self._list(view, aims[0], "facts", parsed.topic) if aims else ():
+            for facts in self._fact_lists(view, aims[0], parsed.topic) if aims else ():
                 yield parsed.atom, FrozenDict({each.atom: each.value for each in facts})
+
+    def _fact_lists(self, view: View, text: str, topic: str | None) -> Iterator[tuple[ParsedSentence, ...]]:
+        """Yield the lists of facts that a text can mean, including a predicate of both of two subjects."""
+        yield from self._list(view, text, "facts", topic)
+        words = self.lexicon.words
+        if not words.both or not text.startswith(words.both[0]):
+            return
+        inner = text[len(words.both[0]) :]
+        for joint in re.finditer(re.escape(words.both[1]), inner):
+            after = inner[joint.end() :]
+            for blank in re.finditer(" ", after):
+                subjects = inner[: joint.start()], after[: blank.start()]
+                predicates = words.in_singular(after[blank.end() :])
+                meanings = [
+                    {
+                        parsed
+                        for predicate in predicates
+                        for parsed in self.sentence(view, f"{subject} {predicate}", topic, of_actions=False)
+                    }
+                    for subject in subjects
+                ]
+                yield from product(*meanings)
 
     def _list(self, view: View, text: str, kind: str, topic: str | None) -> Iterator[tuple[ParsedSentence, ...]]:
         """Yield the lists of sentences that a text can mean; "it" refers to the topic of the previous sentence.

@@ -31,6 +31,9 @@ START_FACTS, CAPTION_FACTS = 4, 2
 STEM = 6
 """The number of letters in which words with the same stem agree."""
 
+SEVERAL = 2
+"""The number of things from which on "it" could mean any of them, and of clauses that one conjunction joins."""
+
 SHORT = 3
 """The maximum number of letters of words that are not looked for inside other words."""
 
@@ -222,8 +225,11 @@ class InstructionWriter:
         steps_of = zip(actions, aims, again, outdated, strict=True)
         for number, (action, aim, recurrence, old) in enumerate(steps_of, 1):
             clause = self._sentences.write(view, action, None, rng, recurrence=recurrence, outdated=old)
-            facts = self._sentences.facts(view, aim, clause.topic, rng) if recurrence != "repeated" else []
+            movable = {*action.arguments} & self.lexicon.appearance.nouns.keys() - self.lexicon.appearance.seen
+            topic = clause.topic if len(movable) < SEVERAL else None  # "it" could be any of several
+            facts = self._sentences.facts(view, aim, topic, rng, old) if recurrence != "repeated" else []
             said = {*words_of(clause.text), *self._words_for(action)}
+            said |= words.implications(said)
             facts = [fact for fact in facts if not is_stated(fact.text, said, words.function_words)]
             frame = aimed if facts else alone
             frame = unnumbered(frame) if len(actions) == 1 else frame
@@ -246,8 +252,8 @@ class InstructionWriter:
         words = self.lexicon.words
         joints, latest = self.phrasings.of(words.joints(kind)), -1
         if kind == "facts":
-            merged = self._merged(clauses, joints[0])
-            if words.many and (len(merged) > 2 or len(merged) < len(clauses)):
+            merged = self._both(clauses) or self._merged(clauses, words.joints(kind)[0])
+            if words.many and (len(merged) > SEVERAL or joints[0] == words.joints(kind)[0]):
                 return words.many[1].join(part for part in (words.many[0].join(merged[:-1]), merged[-1]) if part)
             return joints[0].join(merged)
         text = clauses[0].text
@@ -271,8 +277,31 @@ class InstructionWriter:
             begins = {text[: self.lexicon.words.verb_phrase(text)] for text in texts}
             shared = begins.pop() if len(begins) == 1 else ""
             shared = shared if len(shared) > len(subject) else subject
-            merged.append(shared + joint.join(text[len(shared) :] for text in texts))
+            rest = [text[len(shared) :] for text in texts]
+            if not begins and len(rest) > 1:
+                rest.sort(key=self._names_no_place)
+            merged.append(shared + joint.join(rest))
         return merged
+
+    def _names_no_place(self, predicate: str) -> bool:
+        """Return whether a predicate does not begin with a place, as "on the table" does, which comes first."""
+        words = self.lexicon.words
+        preposition, article, *_ = (*predicate.split(), "", "")
+        return preposition not in words.table.get("implied", ()) or article not in words.articles
+
+    def _both(self, facts: Sequence[ClearSentence]) -> list[str]:
+        """Return one sentence for two facts with the same predicate about different subjects, or nothing.
+
+        "both the drawer and the cupboard are open"
+        """
+        words = self.lexicon.words
+        if len(facts) != SEVERAL or not words.both or not all(fact.subject for fact in facts):
+            return []
+        one, other = (fact.text[len(fact.subject) :] for fact in facts)
+        first, second = (fact.subject for fact in facts)
+        plural = words.in_plural(one)
+        same = words.in_plural(other) == plural and first != second
+        return [f"{words.both[0]}{first.rstrip()}{words.both[1]}{second}{plural}"] if plural and same else []
 
 
 def instruction_writer_of(

@@ -78,7 +78,7 @@ class NounPhrases:
         word = noun.forms[case] if noun else ""
         the = self.words.agreeing("the", gender, case)
         if what.name:
-            name = self.appearance.names.get(what.name, plain(what.name))
+            name = self._displayed(self.appearance.names.get(what.name, plain(what.name)))
             if word and name.endswith(f" {word}"):  # "the left arm", not "arm left arm"
                 parts = f"{the} {name}".split()
             else:
@@ -91,6 +91,11 @@ class NounPhrases:
             parts = [by_kind[kind] for kind in self.words.table["phrase"] if by_kind[kind]]
         self._written[what, case] = " ".join(parts)
         return self._written[what, case]
+
+    def _displayed(self, name: str) -> str:
+        """Return the name of an entity as phrases spell it: "block A", unless another entity has this name."""
+        upper = name.upper()
+        return upper if len(name) == 1 and upper not in self.appearance.names.values() else name
 
     def _modifiers(self, relation: Relation, gender: str = "") -> Iterator[Modifier]:
         """Yield the modifiers that mean only this relation, for subjects of a given gender."""

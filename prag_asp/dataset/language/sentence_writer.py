@@ -173,14 +173,15 @@ class SentenceWriter:
         (atom, value, fact), of_state, phrases = meaning, False, self._lexicon.phrases
         for variant in VARIANTS:
             for clause in sentences:
-                words = list[str]()
+                words, pronouns = list[str](), set[int]()
                 for slot in clause.template.slots:
                     thing = atom.arguments[slot.argument]
                     if thing == topic and not (words and thing in self._lexicon.appearance.robots):
+                        pronouns.add(len(words))
                         words.append(phrases.pronoun(thing, slot.case))
                     else:
                         words.append(phrases.write(view, thing, slot.case, variant, outdated=thing in outdated))
-                text = clause.template.fill(words)
+                text = clause.template.fill(words, pronouns)
                 meanings, unsure = self._reader.parse_sentence(view, text, topic, of_actions=not fact)
                 of_state |= unsure
                 if {(parsed.atom, parsed.value) for parsed in meanings} == {(atom, value)}:

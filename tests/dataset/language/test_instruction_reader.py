@@ -29,8 +29,9 @@ def task() -> Task:
         "  Please grab the red block from the table, and then\n stack it on the yellow block. ",
         "Your task: grab the red cube that is on the table from the table, then stack it on the yellow brick.",
         "First, grab the red cube from the table. Second, stack the red cube on the yellow brick.",
-        "FIRST, grab the red cube from the table, so that the gripper holds it. Second, stack the cube on the table "
-        "on the yellow brick, so that the red cube is on the yellow brick and that the gripper does not hold it.",
+        "FIRST, grab the red cube from the table, so that the gripper is holding it. Second, stack the cube on "
+        "the table on the yellow brick, so that the red cube is on the yellow brick and that the gripper is not "
+        "holding it.",
     ],
 )
 def test_other_words_for_the_same_are_read(writer: InstructionWriter, task: Task, text: str) -> None:
@@ -59,7 +60,7 @@ def test_other_words_for_the_same_are_read(writer: InstructionWriter, task: Task
         ("Grab the can from the table, then dance.", "^'dance' is not a sentence of tabletop in English; write one as"),
         ("Grab it from the table.", "^'Grab it from the table' is not a sentence"),
         ("Grab the red cube from the table", "is not an instruction"),
-        ("First, grab the red cube from the table, so that the robot does not hold it.", "does not make holding"),
+        ("First, grab the red cube from the table, so that the robot is not holding it.", "does not make holding"),
         ("x" * 200_000, "at most 100,000 characters"),
     ],
 )
