@@ -72,8 +72,9 @@ def _convex_parts(path: str, scale: Point, _state: tuple[int, int]) -> tuple[Mes
                 found = decomposed(np.array(part, dtype=float))
             except LimitReached as error:
                 remedy = "simplify it, or make it of convex objects or groups of an .obj"
+                why = f"it was stopped by {error.reason.prose()}"
                 raise SceneError(
-                    f"{path}: dividing the mesh into convex parts is too costly: {error}; {remedy}"
+                    f"{path}: dividing the mesh into convex parts is too costly: {why}; {remedy}"
                 ) from error
             parts += (tuple((_point(a), _point(b), _point(c)) for a, b, c in each.tolist()) for each in found)
         else:
