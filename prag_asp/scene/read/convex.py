@@ -117,11 +117,10 @@ def separate_solids(triangles: Floats) -> list[Floats]:
         np.minimum.at(labels, pairs[:, 0], least)
         np.minimum.at(labels, pairs[:, 1], least)
         labels = labels[labels]
-    numbers = np.unique(labels)
-    if len(numbers) == 1:
+    members = [labels == label for label in np.unique(labels)]
+    if len(members) == 1:
         return []
-    numbers = sorted(numbers.tolist(), key=lambda number: int(faces[labels == number].min()))
-    solids = [triangles[labels == number] for number in numbers]
+    solids = [triangles[own] for own in sorted(members, key=lambda own: int(faces[own].min()))]
     volumes = [np.einsum("ij,ij->", solid[:, 0], np.cross(solid[:, 1], solid[:, 2])) for solid in solids]
     return solids if min(volumes) > 0 else []
 
