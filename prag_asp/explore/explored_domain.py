@@ -90,7 +90,7 @@ class ExploredDomain:
         return prefix
 
     def following(self, state: PageState, prefix: Letters) -> dict[str, int]:
-        """Return each action that may follow a canonical prefix in a page's space, with the number of words left."""
+        """Return each action that may follow a canonical prefix in a page's space, with the number of words for it."""
         key = (state.length, state.where, state.by, prefix)
         space = self.space_of(state)
         return self._following.get(key, lambda: space.next_actions(prefix, state.by))
