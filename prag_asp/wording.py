@@ -27,7 +27,7 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 
 
 def is_misspelt(name: str, known: Iterable[str]) -> bool:
-    """Return whether a name misspells a known name: it is similar, has the same numbers, and adds or omits no words."""
+    """Return whether a name misspells a known one: similar, with the same numbers, and not just more or fewer words."""
     near = nearest(name, known)
     if near is None:
         return False
