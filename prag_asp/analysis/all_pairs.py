@@ -37,7 +37,7 @@ STRIPE = 1 << 23
 
 @dataclass(frozen=True)
 class Images:
-    """The images of all features under each renaming that matters to a group of rows."""
+    """The images of all features under the renamings that matter to a group of rows; `starts` has the first of each."""
 
     numbers: Numbers
     starts: Numbers
