@@ -57,7 +57,7 @@ class AuditedProblem:
 
     @cached_property
     def goal_facts(self) -> tuple[Relation, ...]:
-        """The conjuncts of the goal as relations of objects; the label of a conjunct that is not a fact is its form."""
+        """The conjuncts of the goal as relations of objects; a conjunct other than a fact has its form as the label."""
         structure = _Structure(self.problem)
         rows = []
         for each in conjuncts(self.problem.goal):

@@ -72,7 +72,7 @@ def audit(
 
 
 def _suite_name(path: Path, names: Mapping[str, Path]) -> str:
-    """Return the name of a folder, preceded by parent folders as far as needed to distinguish it from other suites."""
+    """Return the name of a folder, preceded by as many parent folders as distinguish it from other suites."""
     parts = path.resolve().parts
     return next(name for depth in range(1, len(parts) + 1) if (name := "/".join(parts[-depth:])) not in names)
 
