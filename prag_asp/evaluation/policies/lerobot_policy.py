@@ -155,9 +155,7 @@ def _loaded(checkpoint: LeRobotCheckpoint) -> tuple[Any, Any, Any, Any]:
         with redirect_stdout(sys.stderr):
             config = configs.PreTrainedConfig.from_pretrained(path)
             if hasattr(config, "pretrained_backbone_weights"):
-                config.pretrained_backbone_weights = (
-                    None  # the checkpoint contains these weights, which would be downloaded otherwise
-                )
+                config.pretrained_backbone_weights = None  # not downloaded, because the checkpoint contains them
             policy = factory.get_policy_class(checkpoint.config.type).from_pretrained(path, config=config)
             device = {"device_processor": {"device": str(policy.config.device)}}
             moved = any(step.registry_name == "device_processor" for step in checkpoint.steps)
