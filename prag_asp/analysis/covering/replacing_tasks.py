@@ -67,7 +67,7 @@ class CoveringRounds:
         )
 
     def following(self, feasible: Sequence[Sequence[str]]) -> list[int]:
-        """Return the ranks of the tasks in the next round, given the feasible plans so far, or nothing at the end."""
+        """Return the ranks of the tasks in the next round, given all feasible plans; empty if all rounds are over."""
         self._round += 1
         if self._round == 1 and self._first:
             self._used.update(self._first)
