@@ -103,7 +103,7 @@ class _Skeletons:
         self.size = sum(size for _, size in self._stretches)
 
     def word(self, number: int, seed: int) -> tuple[Word, Fraction]:
-        """Return a sampled task whose skeleton has a given number, and its probability among the tasks of that skeleton."""
+        """Return a sampled task whose skeleton has a given number, and its probability given this skeleton."""
         length, rank = _found(self._stretches, number)
         letters, probability = self._samplers[length].of_rank(rank, SeededBits(seed), number)
         names = self._pool.at(length).action_texts()
