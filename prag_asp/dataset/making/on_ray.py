@@ -26,17 +26,16 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.processes.workers import WorkerEnded, WorkerGroup, uninterrupted
 
 AHEAD = 2
-"""The number of Ray tasks submitted per processor: the running one and one more, so that no processor has to wait."""
+"""The number of Ray tasks submitted per processor: one running and one waiting, so that no processor is idle."""
 
 SECONDS = 0.5
-"""The intended duration of a Ray task: much longer than its submission, yet cheap to repeat.
+"""The intended duration of a Ray task in seconds: much longer than its submission, yet cheap to repeat.
 
 While the last tasks run, some processors are idle, but for no longer than this.
 """
 
 LARGEST, GROWTH = 512, 2
-"""The maximum number of draws in a Ray task, and the largest factor by which their number grows from one task to the
-next."""
+"""The maximum number of draws in a Ray task, and the maximum factor by which this number grows from task to task."""
 
 LOST = 20
 """The number of retries of a Ray task whose node was lost."""
