@@ -66,9 +66,9 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     """The request for a dataset, as passed to `generate` and stored in dataset.json.
 
     `split` holds the exact share of each part. `weights` and `temperature` are exact numbers as text. Without a
-    `budget`, tasks are not validated by physics. Unless `trivial` is set, tasks whose final state is the initial state
-    are left out. `part`, such as ``3/64``, selects every 64th draw from the third on; other machines generate the rest.
-    `excluded` holds the length and rank of each task to leave out. With `over`, a skeleton or a goal is sampled
+    `budget`, tasks are not validated by physics. Unless `trivial` is set, tasks whose final state equals the initial
+    state are left out. `part`, such as ``3/64``, selects every 64th draw from the third on; other machines generate the
+    rest. `excluded` holds the length and rank of each task to leave out. With `over`, a skeleton or a goal is sampled
     uniformly before a task. With `strata`, the parts are the strata of a sample. With `cover`, the first tasks cover
     all combinations of that many factors; all of these are included, even if `tasks` is smaller. With `candidates`,
     tasks that are far apart are chosen from that many sampled ones. With `apart`, all tasks are far from other sets of

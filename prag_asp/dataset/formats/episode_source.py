@@ -87,7 +87,7 @@ class ExportEpisode:
 
     @property
     def subgoal(self) -> NDArray[np.int64]:
-        """The index of the current action, shape (N,): that of the first action that has not ended before the step."""
+        """The index of the current action at each step, shape (N,): the first one that has not ended before it."""
         over = np.searchsorted(self.demonstration.ends[1:], self.frames)
         return np.minimum(over, max(0, len(self.demonstration.ends) - 2))
 
@@ -208,7 +208,7 @@ class EpisodeSource:
                 raise QueryError(f"{name}: does not show the states of its task; copy the dataset once more")
             sizes = {camera: video.size for camera, video in footage.videos.items()} if footage else {}
             if sizes != dict(self.cameras):
-                raise QueryError(f"{name}: is not of the cameras that dataset.json names; copy the dataset once more")
+                raise QueryError(f"{name}: is not from the cameras in dataset.json; copy the dataset once more")
             frames = footage.frames if footage else np.arange(len(demonstration.times))
             yield ExportEpisode(entry, start, self.instruction(entry), demonstration, frames.astype(np.int64))
         if empty:
@@ -241,7 +241,7 @@ class EpisodeSource:
         return tools
 
     def objects_of(self, episode: ExportEpisode) -> Floats:
-        """Return the poses of objects, shape (N, objects, 8): 1 and the pose, or zeros for objects not in the task."""
+        """Return the poses of objects, shape (N, objects, 8): 1 and the pose, or zeros if the object is absent."""
         demonstration = episode.demonstration
         poses = np.zeros((episode.length, len(self.objects), 1 + len(POSE)), dtype=np.float32)
         for number, entity in enumerate(demonstration.objects):
@@ -250,7 +250,7 @@ class EpisodeSource:
         return poses
 
     def openings_of(self, episode: ExportEpisode) -> Floats:
-        """Return the openings of furniture in metres or radians, shape (N, furniture); 0 if it is not in the task."""
+        """Return the openings of furniture in metres or radians, shape (N, furniture), or 0 if a piece is absent."""
         demonstration = episode.demonstration
         openings = np.zeros((episode.length, len(self.furniture)), dtype=np.float32)
         for number, entity in enumerate(demonstration.furniture):

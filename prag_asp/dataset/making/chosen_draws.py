@@ -51,7 +51,7 @@ class DrawChoice(Protocol):
         ...
 
     def figures(self, rows: Iterable[Row]) -> CoverFigures | DiverseFigures:
-        """Return what the tasks of a part achieve, given their rows with the columns `draw` and `plan`."""
+        """Return the coverage or distances of the tasks of a part, given rows with the columns `draw` and `plan`."""
         ...
 
 
@@ -154,7 +154,7 @@ class DiverseChoices:
         return len(self._chosen) > begun
 
     def figures(self, rows: Iterable[Row]) -> DiverseFigures:
-        """Return how far apart the tasks are, and how near the other candidates are to them."""
+        """Return the smallest distance between tasks, and the largest distance of a candidate from its nearest task."""
         chosen = self._passed({row["draw"] for row in rows})
         separation = 0.0
         for place, number in enumerate(chosen[1:], 1):
