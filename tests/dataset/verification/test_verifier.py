@@ -98,7 +98,7 @@ def told_otherwise(words: list[dict[str, str]]) -> list[dict[str, str]]:
 
 
 FILES: dict[str, tuple[Change, str]] = {
-    "a changed byte": (with_bytes(TRAIN, flipped), rf"{TRAIN}: is not the file that was written"),
+    "a changed byte": (with_bytes(TRAIN, flipped), rf"{TRAIN}: differs from the file that was written"),
     "a file cut off": (with_bytes(TEST, lambda content: content[:-9]), rf"{TEST}: has [\d,]+ bytes; dataset.json says"),
     "a file missing": (lambda folder: (folder / TEST).unlink(), rf"{TEST}: cannot be read: No such file"),
     "a file too many": (
@@ -107,8 +107,8 @@ FILES: dict[str, tuple[Change, str]] = {
     ),
     "a link out of the folder": (linked, rf"{TEST}: leads out of the dataset"),
     "an edited domain": (with_bytes("domain/domain.lp", lambda text: text + b"\n"), r"domain/domain.lp: has"),
-    "an edited encoding": (with_bytes("encodings/step.lp", flipped), r"encodings/step.lp: is not the file"),
-    "another picture": (with_bytes("pictures/000.png", flipped), r"pictures/000.png: is not the file"),
+    "an edited encoding": (with_bytes("encodings/step.lp", flipped), r"encodings/step.lp: differs from the file"),
+    "another picture": (with_bytes("pictures/000.png", flipped), r"pictures/000.png: differs from the file"),
     "an edited card": (with_bytes("README.md", lambda text: text + b"more\n"), r"README.md: does not match"),
 }
 FIGURES: dict[str, tuple[Change, str]] = {
@@ -257,7 +257,7 @@ def test_recordings_are_the_files_that_were_written_and_show_their_tasks(
     other.write_bytes(b"none")
     monkeypatch.setattr(row_checks.RowChecks, "wrong", lambda *_: iter(()))
     found = [str(finding) for finding in verify(folder)]
-    assert any("demonstrations/train/000001.npz: is not the file" in line for line in found)
+    assert any("demonstrations/train/000001.npz: differs from the file" in line for line in found)
     assert any("demonstrations/train/000002.npz: is not a recording" in line for line in found)
 
 
