@@ -43,9 +43,9 @@ class DomainLogic:
     `bare` is the logic of the domain without conditions, for a domain under conditions. Conditions may distinguish
     entities, so renamings must preserve the rules of both logics.
 
-    `part_of` is another logic, whose plans include those of this one; the choice of these plans is invariant under the
-    renamings of its tasks. Plans are counted up to the renamings of `part_of`, so that the tasks of all parts together
-    are its tasks.
+    `part_of` is a logic whose plans include all plans of this one, as a subset that is closed under the renamings of
+    `part_of`. Plans are then counted up to these renamings, so that the tasks of all parts together are the tasks of
+    `part_of`.
     """
 
     domain: Domain
@@ -103,9 +103,10 @@ class DomainLogic:
         return stratified_step(ground)
 
     def symmetries(self, length: int) -> Symmetries:
-        """Return which entities are interchangeable in plans of a given length; in most domains, any length will do.
+        """Return which entities are interchangeable in plans of a given length.
 
-        Pruned actions count as well: two entities are interchangeable only if the whole program treats them the same.
+        In most domains, the result is the same at all lengths. Pruned actions are also considered: two entities are
+        interchangeable only if the whole program treats them alike.
         """
         if self.part_of is not None:
             return self.part_of.symmetries(length)
@@ -130,7 +131,8 @@ class DomainLogic:
     def _find_symmetries(self, ground: Callable[[DomainLogic], GroundStep]) -> Symmetries:
         """Return which entities are interchangeable, found on the program that `ground` grounds.
 
-        If some entities have stated invariants that are only entailed for others, all entailed ones are added first.
+        If the domain states invariants for some entities that are only entailed for others, all entailed invariants are
+        added first.
         """
         from prag_asp.logic.symmetry.symmetry import find_symmetries  # noqa: PLC0415 - plans and skeletons need none
 
@@ -147,7 +149,7 @@ class DomainLogic:
         return symmetries if closed is None else alike(closed)
 
     def _closed(self, groups: Collection[Sequence[clingo.Symbol]] = ()) -> DomainLogic | None:
-        """Return the logic with all entailed invariants if more entities than those in `groups` may be alike in it."""
+        """Return the logic with all entailed invariants, or None if it cannot have more symmetries than `groups`."""
         from prag_asp.logic.ground.program import closed_program  # noqa: PLC0415 - plans and skeletons need none
         from prag_asp.logic.symmetry.asymmetric_invariants import states_unevenly  # noqa: PLC0415
 
@@ -203,7 +205,7 @@ class DomainLogic:
         return read_step(Program(tuple(source for source in program.sources if source.path != ADDED)))
 
     def task_program(self, length: int) -> Program:
-        """Return the program whose answer sets are tasks of a given length: plans that name entities in order."""
+        """Return the program whose answer sets are tasks of a given length: plans with canonical names of entities."""
         symmetries = self.symmetries(length)
         if not symmetries:
             return self.program

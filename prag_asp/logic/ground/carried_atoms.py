@@ -22,10 +22,12 @@ from prag_asp.program.syntax import Signature, Statement, with_replaced
 def carried_atoms(
     program: Program, time: clingo.Symbol, open_atoms: Iterable[clingo.Symbol], carried: Collection[Signature]
 ) -> set[clingo.Symbol]:
-    """Return atoms of the predicates `carried` that steps may derive, without their time; `open_atoms` may be true.
+    """Return the atoms of the predicates `carried`, without their time, that steps may derive.
+
+    `open_atoms` are the atoms that are assumed to be either true or false.
 
     Raises:
-        BoundReached: a rule derives too many values from one another.
+        BoundReached: the atoms of a rule derive too many further values.
     """
     grounder = Grounder(Program(tuple(map(_onto_itself, program.sources))))
     grounder.ground([("base", [])])
