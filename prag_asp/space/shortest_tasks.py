@@ -1,8 +1,8 @@
 """The engine for the condition ``shortest``: its words are the tasks whose goal no shorter plan reaches.
 
-Whether there is a shorter plan depends on the whole plan, but only through what the plan makes known about its initial
-state and its final state. The states of the automaton are refined by both (``encodings/conditions/shortest.lp``), so
-that a state by itself determines whether the plans of one length that end in it are accepted.
+Whether there is a shorter plan depends on the whole plan, but only through the known values of its initial and its
+final state. The states of the automaton are refined by both (``encodings/conditions/shortest.lp``), so that a state by
+itself determines whether the plans of one length that end in it are accepted.
 """
 
 from __future__ import annotations

@@ -124,7 +124,7 @@ class SpacePart:
 
 
 def space_part(space: TaskSpace, division: Division, name: str, *, seed: int) -> SpacePart:
-    """Return the tasks that this part has in a dataset with the same division and seed, in no particular order.
+    """Return the tasks of the part `name`, as in a dataset with the same division and seed, in no particular order.
 
     Raises:
         QueryError: there is no such part, or there is nothing to sample.
@@ -152,7 +152,7 @@ def ordered_parts(
     Without weights, lengths have their exact shares or, with `evenly`, alternate. With `over`, a skeleton or a goal of
     the space is sampled uniformly first; draws that are in other parts, or not new, are repeated. A `deal` selects the
     tasks of one of several workers. The `excluded` tasks, given as pairs of a length and a rank, are left out; parts
-    keep their other tasks. With `among`, all tasks except these are left out, and shares refer to these tasks.
+    keep their other tasks. With `among`, only these tasks are used, and the shares refer to them.
 
     Raises:
         QueryError: a part is empty, there is nothing to sample, an excluded rank has no task, or weights or `over` are
@@ -261,14 +261,14 @@ def _acceptance(
 
 
 def _is_in(order: RankOrder, place: int, rank: int | None) -> bool:
-    """Return whether the order contains the word with a given rank, if there is one, in the set at a place."""
+    """Return whether the order contains the word with a given rank, if any, in the set with index `place`."""
     return rank is not None and order.number(place, rank) is not None
 
 
 def _excluded_words(
     whole: Sequence[WordSet], excluded: Collection[tuple[int, int]]
 ) -> list[tuple[int, tuple[str, ...]]]:
-    """Return the place and the word of each excluded task whose length occurs in `whole`.
+    """Return the index in `whole` and the word of each excluded task whose length occurs in `whole`.
 
     Raises:
         QueryError: there is no task with a given rank.

@@ -1,4 +1,4 @@
-"""Divide a task space into parts that share no skeleton, with shares as close to the requested ones as possible."""
+"""The division of a task space into parts that share no skeleton, with shares close to the requested ones."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ SPELLABLE = re.compile(r"\w+")
 """The pattern of names that can be written in a regular expression."""
 
 Count = Callable[[Condition], int]
-"""Return the number of tasks that satisfy a condition."""
+"""A function that returns the number of tasks that satisfy a condition."""
 
 Skeletons = Mapping[tuple[str, ...], int]
 """The number of tasks with each skeleton."""

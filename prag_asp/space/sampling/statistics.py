@@ -273,7 +273,7 @@ def _factors(automaton: Automaton) -> Objects:
 
 
 def _summed(values: Sequence[int] | Objects, places: NDArray[np.int64], size: int) -> list[int]:
-    """Return, for each place, the sum of the values there."""
+    """Return, for each index below `size`, the sum of the values at whose position `places` has this index."""
     sums = [0] * size
     for place, value in compress(zip(places.tolist(), values, strict=True), values):
         sums[place] += value

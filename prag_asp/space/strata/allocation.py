@@ -22,7 +22,7 @@ PROPORTIONAL, EQUAL = "proportional", "equal"
 
 
 class NamedSize(Protocol):
-    """What an allocation has to know about a stratum: its name and its size."""
+    """The data about a stratum that an allocation needs: its name and its size."""
 
     @property
     def name(self) -> str:
@@ -40,7 +40,7 @@ class Stratification:
     """The criterion that divides tasks into strata, and how a sample is allocated to them.
 
     `allocation` is ``proportional`` or ``equal``, or maps names of strata to the standard deviation of a result in
-    them; a stratum without one gets the largest of them.
+    each; a stratum without a standard deviation gets the largest one.
     """
 
     by: StratifiedBy

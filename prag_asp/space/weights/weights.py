@@ -231,7 +231,7 @@ class Weighed:
 
 
 def edge_weights(actions: Sequence[clingo.Symbol], weights: Weights) -> tuple[list[Fraction], list[Fraction]]:
-    """Return the weight of an edge with a letter, and the factor for each true label of `weighing_facts`."""
+    """Return the weight of an edge for each action, and the factor for each true label of `weighing_facts`."""
     by_label = [weights.pairs[pair] for pair in sorted(weights.pairs)]
     by_label += [weights.entities[entity] for entity in sorted(weights.entities)]
     return [weights.of_action(action) for action in actions], by_label
@@ -242,7 +242,8 @@ def weigh(
 ) -> tuple[Automaton, int]:
     """Return the automaton with integer edge weights, and the factor by which these exceed the exact weights.
 
-    `actions` are its letters; the columns of `labels`, shape (edges, labels), are the atoms of `weighing_facts`.
+    `actions` are the letters of the automaton; the columns of `labels`, shape (edges, labels), are the atoms of
+    `weighing_facts`.
     """
     by_letter, by_label = edge_weights(actions, weights)
     kinds = automaton.letters.astype(np.int64)  # a kind is a letter with labels
