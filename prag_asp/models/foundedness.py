@@ -1,4 +1,4 @@
-"""Search for one or all models of a completion that are answer sets, with a SAT solver and loop formulas.
+"""The search for one or all models of a completion that are answer sets, with a SAT solver and loop formulas.
 
 If a model of the completion has an unfounded set, the loop formula of this set, which all answer sets satisfy, is added
 to the solver, and the search is repeated (Lin and Zhao 2004).
@@ -19,7 +19,7 @@ Loop = Mapping[int, tuple[Rule, ...]]
 
 
 class FoundednessOracle:
-    """Searches for answer sets under assumptions, and keeps its loop formulas between searches."""
+    """A search for answer sets under assumptions, which keeps its loop formulas between calls."""
 
     def __init__(self, completion: Completion) -> None:
         self._completion = completion

@@ -82,7 +82,7 @@ def test_a_graph_that_has_to_be_acyclic_is_left_to_clingo_and_that_is_reported()
     notes: list[str] = []
     found = answer_sets(text="{e(1,2); e(2,1)}. #edge (X,Y) : e(X,Y).", tell=notes.append)
     assert found.count() == 3 and len(list(found.sample(5))) == 5
-    assert notes == ["#edge wants a graph without cycles: clingo enumerates, which takes time for each answer set"]
+    assert notes == ["#edge requires a graph without cycles: clingo enumerates, which takes time for each answer set"]
     with pytest.raises(QueryError, match="choose the engine clingo"):
         answer_sets(text="{e(1,2); e(2,1)}. #edge (X,Y) : e(X,Y).", engine="ganak").count()
 

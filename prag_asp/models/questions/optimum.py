@@ -71,7 +71,7 @@ def find_optimum(given: GivenProgram, ground: GroundModels) -> Optimum | None:
 
 
 def only_optimal(ground: GroundModels, optimum: Optimum) -> GroundModels:
-    """Return a ground program whose only answer sets are the optimal ones; its control gets the same constraints."""
+    """Return a ground program with only the optimal answer sets; add the same constraints to its control."""
     rules = tuple(_optimal_rules(ground, optimum))
     with ground.grounder.control.backend() as backend:
         for rule in rules:
