@@ -44,7 +44,7 @@ class BoundReached(DomainError):
 
 @dataclass(frozen=True)
 class Site:
-    """The place of a check in the files, and the expression that is checked."""
+    """The file and line of a check, and the expression that is checked."""
 
     path: Path
     line: int
@@ -54,7 +54,7 @@ class Site:
     certain: bool = False
 
     def error(self, what: str) -> BoundReached:
-        """Return the error at this place."""
+        """Return the error at this file and line."""
         return BoundReached(Problem(self.path, self.line, what))
 
 
