@@ -73,7 +73,8 @@ def write(domain: Domain, task: Task | None = None, *, negative: bool = True, co
     name, facts = domain.name, domain.facts
     if task is None and not facts.closed:
         problem = "its world is open, so it has no initial state that PDDL can express"
-        raise DomainError(f"{name}: {problem}; add --rule closed_world, state one with initially(...), or export a task")
+        hint = "add --rule closed_world, state one with initially(...), or export a task"
+        raise DomainError(f"{name}: {problem}; {hint}")
     stated = known_values(facts.initially) if task is None else values_of(task.initial)
     if broken_invariant(facts, stated):
         raise DomainError(f"{name}: its initial state breaks an invariant, so there is no plan; change either")
