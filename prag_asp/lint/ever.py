@@ -1,4 +1,4 @@
-"""Check the statements of ``ever``: if a fluent that may be true lacks one, actions whose rules read it are lost.
+"""The checks of ``ever``: if it is not stated for a fluent that may be true, actions whose rules read it are lost.
 
 Actions are also lost if their rules read a fluent that the action does not require.
 
@@ -64,7 +64,7 @@ def ever_problems(
 
 
 def _unknown(facts: Facts, statements: Sequence[Statement]) -> Callable[[clingo.Symbol], bool]:
-    """Return a test for fluents that the initial state, an action or a user rule may make true."""
+    """Return a test of whether the initial state, an action or a user rule may make a fluent true."""
     false = {fluent for fluent, value in facts.initially if value == "false"}
     set_by_actions = {
         fluent for values in facts.postconditions.values() for fluent, value in values if value != "false"

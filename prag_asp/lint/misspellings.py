@@ -1,4 +1,4 @@
-"""Find misspelled predicates, which clingo does not report, and reserved names."""
+"""Misspelled predicates, which clingo does not report, and reserved names."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def _unread_heads(
 
 
 def _takes(name: str, defined: Iterable[Signature]) -> str:
-    """Return as text the arities of the predicates with a name, or an empty text if there are none."""
+    """Return as text the arities of the predicates with the given name, or an empty text if there are none."""
     return " or ".join(str(arity) for other, arity in sorted(defined) if other == name)
 
 
