@@ -1,4 +1,4 @@
-"""Check that the word table of a language is complete: types of values, braces, and a form for each gender and case."""
+"""The check that the word table of a language is complete: types, braces, and a form for each gender and case."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def check_forms(entry: TableEntry, words: Words) -> None:
         if not isinstance(short, str) or not short.strip() or not long.strip():
             entry.at("contractions").add(f'what {long!r} becomes is not a word; write "zu dem" = "zum"')
         elif list(contractions.values()).count(short) > 1 or short in contractions:
-            entry.at("contractions").add(f"{short} stands for several; nobody could read it back: leave one out")
+            entry.at("contractions").add(f"{short} stands for several texts, so it is ambiguous; leave one out")
     _check_texts(entry, table)
     _check_agreement(entry, words)
 

@@ -1,4 +1,4 @@
-"""Read a domain's tables for a language: ``[language.en]`` with its actions, facts, nouns and values."""
+"""The reader of a domain's tables for a language: ``[language.en]`` with its actions, facts, nouns and values."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ class Grammar:
 
     `values` are the words for other arguments. `plain` are the default sentences for actions, and `spare` those for
     fluents, which every domain has. `sources` holds, for each action that moves an object away from a place, the
-    position of the place in its arguments and the `Way`.
+    position of the place among the action's arguments, and the `Way`.
     """
 
     words: Words
@@ -102,7 +102,7 @@ AGENTS = frozenset(["agent", "arm", "gripper", "hand", "robot"])
 
 
 class GrammarReader:
-    """Reads a domain's tables for a language; ignores wrong entries, which the linter reports."""
+    """A reader of a domain's tables for a language, which ignores wrong entries, because the linter reports them."""
 
     def __init__(self, settings: Settings, facts: Facts, code: str) -> None:
         """Read the settings and the facts of a domain.

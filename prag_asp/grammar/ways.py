@@ -1,4 +1,4 @@
-"""Find, from an action's effects, the arguments that are the source and the destination of an object."""
+"""The arguments of an action that are the source and the destination of an object, inferred from the effects."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Signature = tuple[str, int]
 
 
 PLACES_OF_ROBOT = frozenset(["robot_at", "at_robot"])
-"""Unary fluents that say where the robot is: an action that changes their place moves the robot."""
+"""Unary fluents that state where the robot is: an action that changes their argument moves the robot."""
 
 
 class Way(NamedTuple):
