@@ -82,9 +82,9 @@ class PlainSentence(NamedTuple):
 class Grammar:
     """All sentences of a domain in one language, and its nouns by the names of classes and entities.
 
-    `values` are the words for other arguments. `plain` are the default sentences for actions, and `spare` those for
-    fluents, which every domain has. `sources` holds, for each action that moves an object away from a place, the
-    position of the place among the action's arguments, and the `Way`.
+    `values` are the words for other arguments. `plain` and `spare` are the default sentences for actions and for
+    fluents, which need no tables. `sources` holds, for each action that moves an object away from a place, the position
+    of the place among the action's arguments, and the `Way`.
     """
 
     words: Words

@@ -1,4 +1,4 @@
-"""The checks of ``ever``: if it is not stated for a fluent that may be true, actions whose rules read it are lost.
+"""The checks of ``ever``: actions are lost if their rules read it for a fluent that may be true but is not stated.
 
 Actions are also lost if their rules read a fluent that the action does not require.
 

@@ -92,7 +92,7 @@ def _hint(name: str, defined: Iterable[Signature], vocabulary: Iterable[str], ot
 def _undefined_atoms(
     statements: Iterable[Statement], contract: set[Signature]
 ) -> dict[Signature, tuple[Statement, AtomNode]]:
-    """Return the atoms in the author's bodies that no head and no contract defines, each where it first occurs."""
+    """Return the author's body atoms that neither a head nor the contract defines, each at its first occurrence."""
     defined = set(contract)
     for statement in statements:
         defined |= {atom.signature for atom in statement.heads}

@@ -122,7 +122,7 @@ def _problem(demand: NameDemand, control: clingo.Control, derivable: set[str]) -
 def _demands(
     rules: Iterable[Statement], stated: Collection[Signature], defined: Collection[Signature]
 ) -> Iterator[NameDemand]:
-    """Yield the names in the bodies of user rules; names in predicates `stated` only in the base have a place.
+    """Yield the names in the bodies of user rules; only those in predicates `stated` in the base have a place.
 
     Undefined predicates are skipped: they are reported elsewhere, or declared with ``#defined``.
     """

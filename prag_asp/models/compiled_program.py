@@ -57,7 +57,7 @@ class CompiledProgram:
 
     @cached_property
     def formula(self) -> ModelFormula:
-        """The formula whose models without open copies are the answer sets."""
+        """The formula with copies of atoms; its models without open copies are the answer sets."""
         return model_formula(self.ground, project=self.project, copied=True)
 
     @property

@@ -53,7 +53,7 @@ class FoundednessOracle:
             return (model[abs(value) - 1] > 0) == (value > 0)
 
         def supports(rule: Rule) -> bool:
-            """Return whether the body is true without the atoms that remain."""
+            """Return whether the body is true without the atoms in `left`."""
             if not rule.weights:
                 return all(literal not in left and true(literal) for literal in rule.body)
             pairs = zip(rule.body, rule.weights, strict=True)

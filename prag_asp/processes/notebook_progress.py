@@ -1,4 +1,4 @@
-"""Show the progress of long calls in a notebook: a line below the cell, updated while code of this package runs.
+"""The progress of long calls in a notebook: a line below the cell, updated while code of this package runs.
 
 A thread inspects the stack of the thread that runs the cell: if a call to this package has taken two seconds, the line
 appears, with the last progress event. Calls therefore need no argument, and the line appears even during native code

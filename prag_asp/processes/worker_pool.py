@@ -1,4 +1,4 @@
-"""Apply a function to numbered items in several worker processes, and yield the results in the order of the items.
+"""A pool of worker processes that apply a function to numbered items, with the results in the order of the items.
 
 `concurrent.futures.ProcessPoolExecutor` does not suffice, because it cannot replace a worker: a killed worker breaks
 the whole executor, which does not report the item at fault. Moreover, its processes receive Ctrl-C, print tracebacks

@@ -114,7 +114,7 @@ def _reached(automaton: Automaton, length: int) -> NDArray[np.bool_]:
 
 
 class ShortestEngine:
-    """The engine for one level of tasks without detours, with one automaton for each length.
+    """The engine for one level of the tasks whose goal no shorter plan reaches, with one automaton for each length.
 
     Raises:
         EngineError: another engine is requested, or the step is not a function of the state and the action.

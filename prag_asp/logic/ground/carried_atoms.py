@@ -40,7 +40,7 @@ def carried_atoms(
 def _onto_itself(source: Source) -> Source:
     """Return a source without constraints, in which the rules of a step read this step instead of the previous one.
 
-    The rules of encodings are bounded like those of authors, unless there is a file named like the contract.
+    The contract gets another path, so that no folder counts as encodings, and the rules of all files are bounded.
     """
     replaced: dict[Statement, str] = {}
     for statement in parse_sources([(source, True)])[0]:

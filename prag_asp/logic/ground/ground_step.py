@@ -165,9 +165,9 @@ def _bounds(program: Program, reads: StepReads) -> _Bounds:
 
 
 def _ground_until_closed(grounder: Grounder, seeds: Seeds, program: Program, reads: StepReads) -> Signature | None:
-    """Ground a step, and further steps while they carry atoms that `seeds` lacks; these are added to `seeds`.
+    """Ground a step, and further steps as long as they carry new atoms, which are added to `seeds`.
 
-    Return a predicate that exceeds the bounds, if there is one. The atoms are tested after 1, 2, 4, ... steps.
+    Return a predicate that exceeds the bounds, or None. The atoms are tested after 1, 2, 4, ... steps.
     """
     atoms = grounder.control.symbolic_atoms
     carried = sorted(reads.previous - CONTRACT)

@@ -41,7 +41,7 @@ DEPENDING = re.compile(
     r"\b_(propagates|impossible_with|ruled_out|barred|goal_fluent|forces|never_without|some_impossible|never_possible"
     r"|impossible_matters)\b"
 )
-"""A pattern for predicates that depend on how invariants are stated, or that only `closed_invariants.lp` has."""
+"""A pattern for predicates that depend on how invariants are stated, or that only `closed_invariants.lp` defines."""
 
 CANONICAL = (SUCCESSOR, JOINT_UNIT, NEXT_UNIT, INTRODUCED, UNIT_INTRODUCED)
 """The predicates that the programs of tasks add."""

@@ -23,7 +23,7 @@ _Stated = tuple[str, Shaped, Shaped]
 def states_unevenly(facts: Facts, groups: Collection[Sequence[clingo.Symbol]]) -> bool:
     """Return whether some entities lack invariants that others of their class have but that may be entailed for them.
 
-    The answer is no if the `groups` of interchangeable entities already are whole classes.
+    The result is False if the `groups` of interchangeable entities already are whole classes.
     """
     # A goal with the value false also follows from the invariants if its fluent is false in every state.
     negative = [fluent for fluent, value in facts.goal if value == "false"]

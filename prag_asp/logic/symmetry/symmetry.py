@@ -155,8 +155,8 @@ class _Rules:
     def kept_by(self, first: int, second: int) -> bool:
         """Return whether the swap of two entities maps the rules onto themselves, up to entailed rules.
 
-        The test is cheap because most pairs differ in one of the first atoms, or in a rule like one in which an earlier
-        pair differs.
+        The test is cheap because most pairs differ in one of the first atoms, or in a rule similar to one in which an
+        earlier pair differs.
         """
         names = {first: second, second: first}
         if self._differ_as_before(first, second) or next(self._terms.lacking(names, names), None) is not None:
@@ -204,7 +204,7 @@ class _Rules:
         return image is not None and (image in self._deriving or self._entails(image))
 
     def _entails(self, rule: SpelledRule) -> bool:
-        """Return whether the rules of every step or, for a rule of the final check, all rules entail a rule."""
+        """Return whether other rules entail a rule: the rules of every step or, for the final check, all rules."""
         if rule.last not in self._consequences:
             rules = (each for each in self.atoms.rules if rule.last or not each.last)
             self._consequences[rule.last] = Consequences([*rules, *self.atoms.definitions])

@@ -24,7 +24,7 @@ WIDEST = 1_000_000
 """The maximum number of values in an interval; each takes a few hundred bytes in an atom."""
 
 MOST_KNOWN = 100_000
-"""The maximum number of operations and inputs in range that are remembered, which take about ten megabytes."""
+"""The maximum number of cached results of range checks, which take about 10 MB."""
 
 ZERO = clingo.Number(0)
 

@@ -1,4 +1,4 @@
-"""The clingo engine, which unrolls all steps and enumerates answer sets; the reference, and it supports all rules."""
+"""The clingo engine, the reference: it unrolls all steps and enumerates answer sets, and supports all rules."""
 
 from __future__ import annotations
 

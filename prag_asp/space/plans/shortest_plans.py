@@ -92,7 +92,7 @@ class Start:
 
     @classmethod
     def of(cls, program: Program, initial: Iterable[tuple[object, bool]]) -> Start:
-        """Return the initial state, for the plans of a program, in which fluents have these values.
+        """Return the initial state of a program's plans in which fluents have the given values.
 
         Raises:
             DomainError: clingo cannot ground the program.

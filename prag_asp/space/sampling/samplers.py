@@ -274,8 +274,8 @@ class SkeletonSampler:
     ) -> tuple[list[int], int]:
         """Return the edges of a word with a skeleton, chosen by random bits, and the weight of all such words.
 
-        Sums are cached because short skeletons are sampled often. The cache is limited by an upper bound on their
-        memory, which follows from the last running total, because it is the largest.
+        Sums are cached because short skeletons are sampled often. The cache is limited by a bound on the memory of the
+        sums, computed from the last running totals, which are the largest.
         """
         known = self._known.get(skeleton)
         if known is None:

@@ -126,9 +126,9 @@ def allocate(sizes: Sequence[int], count: int, shares: Sequence[Fraction]) -> li
 def _quotas(
     fewest: Sequence[int], sizes: Sequence[int], count: int, shares: Sequence[Fraction]
 ) -> list[Fraction] | None:
-    """Return multiples of `shares`, each clipped to its bounds, that sum to `count`, or None if there are none.
+    """Return a multiple of `shares`, clipped to the bounds of each share, that sums to `count`, or None.
 
-    The sum grows with the multiple, and is linear between the multiples at which a share reaches a bound.
+    The sum grows with the factor, and is linear between the factors at which a share reaches a bound.
     """
     bounds = list(zip(fewest, shares, sizes, strict=True))
 

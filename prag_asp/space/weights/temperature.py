@@ -15,7 +15,8 @@ from prag_asp.space.weights.weights import Weights
 INFINITE = "inf"
 LARGEST_DENOMINATOR = 10_000
 DIGITS = 40
-"""Digits after the decimal point: far more than are needed to distinguish fractions with such denominators."""
+"""Digits after the decimal point: far more than are needed to distinguish fractions with denominators of at most
+`LARGEST_DENOMINATOR`."""
 
 LARGEST_EXPONENT = 1000
 """Largest decimal exponent of a weight."""

@@ -29,9 +29,10 @@ from prag_asp.space.automaton.walks import Choice
 from prag_asp.wording import unknown
 
 MOST_BITS, FEW_BITS = 1 << 19, 64
-"""Maximum number of bits of an exact total, about 158,000 digits, unless weights take at most 64 bits per step.
+"""Maximum number of bits of an exact total; it does not apply to weights of at most `FEW_BITS` bits per step.
 
-Each state has a total for each number of remaining steps. In the domain `prag`, totals of this size take minutes.
+The maximum is about 158,000 digits. Each state has a total for each number of remaining steps. In the domain `prag`,
+totals of this size take minutes.
 """
 
 MANY_KINDS = 1 << 61
