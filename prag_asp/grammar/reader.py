@@ -227,7 +227,7 @@ class GrammarReader:
 
     def facts(self) -> dict[Signature, FactForms]:
         """Return the sentences for each fluent, from the language's table, its spatial predicate, or its name."""
-        from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
+        from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - not needed for counting
 
         table, scene = self._table("facts"), self.settings.scene
         usual = {} if scene else _below(self.words.table, "fluents")

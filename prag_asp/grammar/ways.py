@@ -42,7 +42,7 @@ def ways_of_actions(
     earlier argument of the action. The first argument is not a robot, and the fluent's predicate is not about a robot,
     unless the action makes the fluent false for one place and true for another: then the robot moves itself.
     """
-    from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
+    from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - not needed for counting
 
     found: dict[Signature, dict[str, dict[int, Way]]] = {}
     atom = cache(atom_of)  # actions share their effects

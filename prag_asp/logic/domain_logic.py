@@ -55,7 +55,7 @@ class DomainLogic:
     @cached_property
     def program(self) -> Program:
         """The program whose answer sets are plans."""
-        from prag_asp.logic.ground.program import whole_program  # noqa: PLC0415 - counts from a cached automaton need none
+        from prag_asp.logic.ground.program import whole_program  # noqa: PLC0415 - not needed for counts from a cached automaton
 
         return whole_program(self.domain)
 
@@ -71,7 +71,7 @@ class DomainLogic:
     @cached_property
     def reads(self) -> StepReads:
         """The predicates of the previous step that a step reads."""
-        from prag_asp.logic.ground.stationary import read_step  # noqa: PLC0415 - counts from a cached automaton need none
+        from prag_asp.logic.ground.stationary import read_step  # noqa: PLC0415 - not needed for counts from a cached automaton
 
         return read_step(self.domain.program)
 
@@ -84,7 +84,7 @@ class DomainLogic:
         """
         if self.reads.obstacles:
             raise self.reads.obstacles[0].error()
-        from prag_asp.logic.ground.ground_step import ground_step  # noqa: PLC0415 - counts from a cached automaton need none
+        from prag_asp.logic.ground.ground_step import ground_step  # noqa: PLC0415 - not needed for counts from a cached automaton
 
         return ground_step(self.program, self.domain.facts, self.reads)
 
@@ -96,7 +96,7 @@ class DomainLogic:
     @cached_property
     def step(self) -> NormalStep:
         """One step in normal form."""
-        from prag_asp.logic.step.strata import stratified_step  # noqa: PLC0415 - counts from a cached automaton need none
+        from prag_asp.logic.step.strata import stratified_step  # noqa: PLC0415 - not needed for counts from a cached automaton
 
         ground = self.ground
         stage("preparing the step")
@@ -111,12 +111,12 @@ class DomainLogic:
         if self.part_of is not None:
             return self.part_of.symmetries(length)
         if self.whole is not self:
-            from prag_asp.logic.symmetry.symmetry import may_interchange  # noqa: PLC0415 - plans and skeletons need none
+            from prag_asp.logic.symmetry.symmetry import may_interchange  # noqa: PLC0415 - not needed for plans and skeletons
 
             return self.whole.symmetries(length) if may_interchange(self.domain.facts) else Symmetries()
         if not self._without_loops.obstacles:
             return self._without_loops._symmetries
-        from prag_asp.logic.ground.ground_step import ground_plan  # noqa: PLC0415 - counts from a cached automaton need none
+        from prag_asp.logic.ground.ground_step import ground_plan  # noqa: PLC0415 - not needed for counts from a cached automaton
 
         return self._find_symmetries(lambda model: ground_plan(model.program, length, model.reads))
 
@@ -134,7 +134,7 @@ class DomainLogic:
         If the domain states invariants for some entities that are only entailed for others, all entailed invariants are
         added first.
         """
-        from prag_asp.logic.symmetry.symmetry import find_symmetries  # noqa: PLC0415 - plans and skeletons need none
+        from prag_asp.logic.symmetry.symmetry import find_symmetries  # noqa: PLC0415 - not needed for plans and skeletons
 
         bare = self.bare
         beside = None if bare is None else lambda: ground(bare._closed() or bare)
@@ -150,7 +150,7 @@ class DomainLogic:
 
     def _closed(self, groups: Collection[Sequence[clingo.Symbol]] = ()) -> DomainLogic | None:
         """Return the logic with all entailed invariants, or None if it cannot have more symmetries than `groups`."""
-        from prag_asp.logic.ground.program import closed_program  # noqa: PLC0415 - plans and skeletons need none
+        from prag_asp.logic.ground.program import closed_program  # noqa: PLC0415 - not needed for plans and skeletons
         from prag_asp.logic.symmetry.asymmetric_invariants import states_unevenly  # noqa: PLC0415
 
         if not states_unevenly(self.domain.facts, groups) or (program := closed_program(self.domain)) is None:

@@ -142,7 +142,7 @@ class AnswerSets:
 
     def _repr_html_(self) -> str:
         """Return what is known about the answer sets, for a notebook; nothing is counted or solved."""
-        from prag_asp.html import element, fragment, scroll_table  # noqa: PLC0415 - counting needs no page
+        from prag_asp.html import element, fragment, scroll_table  # noqa: PLC0415 - not needed for counting
 
         rows = [("engine", self.engine), ("counts", "shown symbols once" if self.project else "every answer set")]
         rows += [("optimum", str(self.optimum))] if self.optimum is not None else []
