@@ -108,7 +108,7 @@ def needless_problems(grounder: Grounder, facts: Facts, statements: Sequence[Sta
         needed = entailed(((each, value == "true") for each, value in facts.preconditions.get(action, ())), graph)
         if number.number not in warned and (fluent, True) not in needed:
             warned.add(number.number)
-            problem = f"{action} is made only where {fluent} may be true at some time, but does not need it"
+            problem = f"{action} is derived only if {fluent} may be true at some time, but does not require it"
             advice = f"state precondition({action},{fluent},true), or leave ever({fluent}) out"
             yield asking[number.number].problem(f"{problem}, so plans may be missing; {advice}", name="asks-more")
 

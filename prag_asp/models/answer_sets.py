@@ -69,7 +69,7 @@ def answer_sets(
         QueryError: the engine does not exist, or the program has no weights or nothing to optimise.
     """
     if engine not in ENGINES:
-        raise QueryError(f"engine {engine!r}: there is none; choose {', '.join(ENGINES)}")
+        raise QueryError(f"no engine {engine!r}; choose {', '.join(ENGINES)}")
     program = read_program(
         [*files, *([] if text is None else [text_source("text", text)])], constants or {}, optimal=optimal
     )

@@ -115,7 +115,7 @@ def _ground_program(sources: Sequence[Source], constants: Mapping[str, Constant]
     if len(sources) > 1:
         raise DomainError(f"{source.path}:1: a ground program in aspif has to be the only file; leave the others out")
     for name in constants:
-        raise DomainError(f"constant {name}: {source.path} is ground already; set it where the program is ground")
+        raise DomainError(f"constant {name}: {source.path} is already ground; set it where the program is grounded")
     raise_problems(aspif_problems(source, optimal=optimal))
     return GivenProgram(Program((source,)), ())
 

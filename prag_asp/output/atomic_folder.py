@@ -68,7 +68,7 @@ def make_folder(folder: str | Path) -> Path:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OutputError(f"{path}: the folder cannot be made: {error.strerror}; choose another") from None
+        raise OutputError(f"{path}: the folder cannot be created: {error.strerror}; choose another") from None
     return path
 
 

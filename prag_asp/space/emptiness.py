@@ -148,7 +148,7 @@ def _occurring(space: TaskSpace, action: str | Atom | None, step: int | None) ->
     """
     if action is None:
         if step is not None:
-            raise QueryError(f"step {step} of which action? name the action, too")
+            raise QueryError(f"step {step} of which action? name the action as well")
         return None
     if step is not None and not 1 <= step <= space.length:
         steps_text = f"its steps are 1 to {space.length}" if space.length else "it has none"

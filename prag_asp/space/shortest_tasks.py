@@ -95,7 +95,7 @@ class ShortestExplorer(Explorer):
         begun = [[values[place] for place in np.flatnonzero(kind)] for kind in kinds]
         different = [np.unique(goals[own], axis=0, return_inverse=True) for own in members]
         if self.tell:
-            self.tell(f"searching shorter plans from {len(kinds):,} initial states")
+            self.tell(f"searching for shorter plans from {len(kinds):,} initial states")
         found = search.solvable(begun, [each for each, _ in different], self.length - 1, clock)
         for own, (_, goal_of), solved in zip(members, different, found, strict=True):
             accepting[into[own[solved[goal_of.ravel()]]]] = False

@@ -79,9 +79,9 @@ class Division:
             QueryError: the shares do not add up to 1, or do not fit the other options.
         """
         if hold_out is not None and skeletons:
-            raise QueryError("tasks are split by whole skeletons, or by what is held out; leave one of them out")
+            raise QueryError("tasks are split by whole skeletons or by a held-out feature; leave one of them out")
         if strata is not None and (skeletons or hold_out is not None):
-            raise QueryError("strata are the parts of a sample; leave whole skeletons and what is held out, out")
+            raise QueryError("strata cannot be combined with whole skeletons or held-out features; choose one of them")
         if shares is None and skeletons:
             raise QueryError("whole skeletons need shares, such as train=0.8,test=0.2")
         parsed = parse_shares(shares or ({WHOLE: 1} if hold_out is None else {WHOLE: "4/5", "test": "1/5"}))
@@ -166,7 +166,7 @@ def ordered_parts(
         raise QueryError("lengths come evenly only with uniform sampling; add --uniform (weights={})")
     if over and evenly:
         raise QueryError(
-            f"lengths come evenly only with uniform sampling of tasks; leave --over {over} or --evenly out"
+            f"lengths come evenly only with uniform sampling of tasks; leave out --over {over} or --evenly"
         )
     own = _sets(space, whole, division, seed)
     sets: Mapping[str, Sequence[RankedWords]] = own

@@ -133,10 +133,10 @@ def test_clingo_tells_on_the_way_how_many_answer_sets_there_are_at_least() -> No
     ("more", "note"),
     [
         ("", ""),
-        ("weight(heads(3),3).", "no rule derives heads(3), so that its weight counts for nothing; did you"),
+        ("weight(heads(3),3).", "no rule derives heads(3), so its weight has no effect; did you"),
         (
             "weight(x,3). weight(y,3). weight(z,0).",
-            "no rule derives x, so that its weight counts for nothing, and 2 other ",
+            "no rule derives x, so its weight has no effect, and 2 other ",
         ),
     ],
 )

@@ -333,7 +333,9 @@ def _recorded(grounder: Grounder, recorder: GroundRecorder, reads: StepReads) ->
                 initial.add(untimed)
                 if not is_fact:
                     spelled_atom = clingo.Function(name, arguments)
-                    obstacles.append(Obstacle(f"{spelled_atom} depends on a choice: plans do not begin in one state"))
+                    obstacles.append(
+                        Obstacle(f"{spelled_atom} depends on a choice, so the initial state is not unique")
+                    )
                 continue
             if time == NOW and is_fact and (name, arity) in reads.timed & (reads.last | CONTRACT):
                 always.append(untimed)

@@ -180,7 +180,7 @@ def _numbered(rules: Mapping[str, Sequence[_TimedRule]], timed: Collection[Signa
     for rule in rules["base"]:
         for atom in rule.heads:
             if atom.signature in at or (atom.signature in before and _time_of(atom) != START):
-                yield rule.obstacle(f"{spelled(atom.signature)} is stated by the number of a step")
+                yield rule.obstacle(f"{spelled(atom.signature)} is derived for a fixed step number")
 
 
 def _obstacle(rule: _TimedRule, part: str, timed: Collection[Signature], previous: set[Signature]) -> Obstacle | None:

@@ -47,7 +47,7 @@ def find_optimum(given: GivenProgram, ground: GroundModels) -> Optimum | None:
         if sum(abs(weight) for _, weight in literals) > LARGEST:
             place = next(places_of_costs(given.program))
             raise DomainError(
-                f"{place} the weights of priority {priority} sum to more than {LARGEST}, which clingo does not add up "
+                f"{place} the weights of priority {priority} sum to more than {LARGEST}, which clingo does not add "
                 "exactly; state smaller weights"
             )
     stage("searching the optimum")

@@ -88,7 +88,7 @@ class ProblemReader:
             return
         if changed.head != "=":
             scope.literal(self._source.list_of(changed.rest, tree.line) if changed.head == "not" else changed)
-        text = "what changes at a time is ignored; state in :init what is true all along"
+        text = "literals that change at a time are ignored; state in :init what is always true"
         self._source.warn(tree.line, text, "ignored")
 
     def _read_value(self, tree: Expression, scope: Scope) -> None:

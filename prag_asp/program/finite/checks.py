@@ -155,7 +155,7 @@ class Checks:
         made_of = self._values.setdefault((number.number, time), set())
         made_of.add(values)
         if len(made_of) > MOST_VALUES:
-            raise site.error(f"this rule made terms of {site.text} from one another {MOST_VALUES:,} times; {BOUND}")
+            raise site.error(f"this rule derived terms of {site.text} from each other {MOST_VALUES:,} times; {BOUND}")
         if any(measure(value, self._depths, _depth) > DEEPEST for value in values):
             raise site.error(f"this rule makes terms of {site.text} nested more than {DEEPEST:,} deep; {BOUND}")
         return clingo.Number(0)
@@ -187,7 +187,7 @@ def ever_larger(name: str) -> str:
 
 def out_of_range(operation: str) -> str:
     """Return the message about an operation whose result is out of range."""
-    return f"{operation} makes a number that is out of range; keep it from -{LARGEST} to {LARGEST}"
+    return f"{operation} is out of range; keep it from -{LARGEST} to {LARGEST}"
 
 
 def too_wide(interval: str, low: int, high: int) -> str:

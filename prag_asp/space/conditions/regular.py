@@ -208,7 +208,7 @@ class _ExpressionParser:
         while text[position:].strip():
             token = TOKEN.match(text, position)
             if token is None:
-                raise self._wrong(f"{text[position:].strip()[0]!r} is not part of it")
+                raise self._wrong(f"{text[position:].strip()[0]!r} cannot occur in one")
             self._tokens.append(token)
             position = token.end()
 
@@ -272,7 +272,7 @@ class _ExpressionParser:
                 raise self._wrong("a parenthesis is not closed")
             self._tokens.pop(0)
             return inside
-        raise self._wrong(f"nothing stands before {token[0].strip()!r}")
+        raise self._wrong(f"nothing precedes {token[0].strip()!r}")
 
     def _wrong(self, what: str) -> QueryError:
         return QueryError(

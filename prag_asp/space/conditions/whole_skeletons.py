@@ -104,7 +104,7 @@ def _warn(shares: Mapping[str, Fraction], sizes: Sequence[int]) -> None:
     percentages = {name: float(Fraction(100 * size, total)) for name, size in zip(shares, sizes, strict=True)}
     actual = ", ".join(f"{name} has {share:.1f} %" for name, share in percentages.items())
     requested = ", ".join(f"{float(100 * share):.4g} %" for share in shares.values())
-    why = "no choice of whole skeletons comes nearer; choose other shares or lengths"
+    why = "no choice of whole skeletons comes closer; choose other shares or lengths"
     warnings.warn(f"{actual} of the tasks, not {requested}: {why}", SharesWarning, stacklevel=4)
 
 

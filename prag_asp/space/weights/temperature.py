@@ -50,7 +50,7 @@ def tempered(weights: Weights, temperature: Temperature) -> Weights:
     if temperature != INFINITE:
         number = parse_number("temperature", temperature)
         if number <= 0:
-            raise QueryError(f"temperature {temperature}: it is above 0, or {INFINITE} for a uniform draw")
+            raise QueryError(f"temperature {temperature}: write a number above 0, or {INFINITE} for uniform sampling")
         exponent = 1 / number
 
     def powers(stated: Mapping[Key, Fraction]) -> dict[Key, Fraction]:

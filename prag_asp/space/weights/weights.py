@@ -125,7 +125,7 @@ def parse_weight(key: str, number: Number) -> Fraction:
     """
     weight = parse_number(f"weight of {key!r}", number)
     if weight < 0:
-        raise QueryError(f"weight of {key!r}: {number} is below 0; weights start at 0, which means never")
+        raise QueryError(f"weight of {key!r}: {number} is below 0; the smallest weight is 0, which means never")
     return weight
 
 
@@ -171,7 +171,7 @@ def refuse_unequal(weights: Weights, groups: Sequence[Sequence[clingo.Symbol]]) 
             if weights.entities.get(entity, Fraction(1)) != first:
                 raise QueryError(
                     f"{group[0]} and {entity} are interchangeable, so a task cannot prefer one of them; "
-                    "weigh their class, or draw plans"
+                    "give a weight to their class, or sample plans"
                 )
         named = {str(entity) for entity in group}
         for action in weights.actions:
