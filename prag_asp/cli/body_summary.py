@@ -46,7 +46,7 @@ def grasps_text(scene: Scene, entity: str) -> str:
     gripper = ParallelGripper.of(robot_of(scene, next(iter(scene.robots))))
     tilts = [grasp.tilt for grasp in body_grasps(scene.shapes[entity], gripper, pad_friction(scene, entity))]
     above, side = sum(tilt < SLANTED for tilt in tilts), sum(tilt >= SIDEWAYS for tilt in tilts)
-    return f"grasps: {above} from above, {len(tilts) - above - side} at a slant, {side} from the side"
+    return f"grasps: {above} from above, {len(tilts) - above - side} at an angle, {side} from the side"
 
 
 def solid_containers(domain: Domain, scene: Scene) -> Iterator[Problem]:
