@@ -15,7 +15,8 @@ Point = tuple[float, float]
 Outline = tuple[Point, ...]
 
 CIRCLE = tuple(2 * math.pi * i / 16 for i in range(16))
-"""The headings of the corners of a cylinder's outline, in radians; the error is at most 2 percent of the radius."""
+"""The directions from the axis of a cylinder to the corners of its outline, in radians; the error is at most 2 percent
+of the radius."""
 
 
 class Primitive(NamedTuple):

@@ -122,7 +122,7 @@ def finite(pose: Pose) -> bool:
 def extents(shape: Shape, quaternion: Quaternion) -> Vector:
     """Return the half-extents of the axis-aligned bounding box of a rotated shape, in metres.
 
-    A shape with a model counts as its bounding box in the file; `prag_asp.physics.extent` measures its solids.
+    A shape with a model is treated as its bounding box in the file; `prag_asp.physics.extent` measures its solids.
     """
     half, reach = shape.half, shape.traits.form.reach
     x, y, z, w = quaternion

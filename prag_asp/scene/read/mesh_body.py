@@ -62,7 +62,7 @@ def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
     up = entry.at("up", usual).choice(tuple(UPWARD))
     angles = entry.at("rotation", [0.0, 0.0, 0.0]).numbers(3, "degrees about x, y and z")
     mass = entry.at("mass").number(*MASSES, "kilograms") if "mass" in entry.value else None
-    density = entry.at("density").number(*DENSITIES, "kilograms a cubic metre") if "density" in entry.value else 1.0
+    density = entry.at("density").number(*DENSITIES, "kilograms per cubic metre") if "density" in entry.value else 1.0
     if "mass" in entry.value and "density" in entry.value:
         entry.at("density").add("a body has a mass or a density; leave one of them out")
     rests = entry.at("rests", RESTS[0]).choice(RESTS)

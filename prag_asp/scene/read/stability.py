@@ -29,8 +29,9 @@ STABLE_DEPTH = 0.0025
 `CONTACT`."""
 
 GRAZING, ROLLS = 0.0002, 0.0003
-"""The height in metres up to which the lowest points of a body support it, and the distance from them beyond which its
-centre of mass makes it roll, as a lemon does until it lies on its side; points in files are rounded."""
+"""The height in metres above the lowest point up to which points support a body, and the horizontal distance in metres
+from these points to the centre of mass beyond which the body rolls, as a lemon does until it lies on its side. Both are
+positive, because points in files are rounded."""
 
 TOUCHING = 1e-7
 """The height in metres up to which a point is on the ground, apart from rounding errors."""
@@ -115,7 +116,7 @@ def settle(points: Floats, centre: Floats) -> Floats | None:
 def _pivot(base: Outline, at: Point) -> tuple[Point, Point]:
     """Return a point of the base around which a body tips, and the direction in which it tips as a unit vector.
 
-    `at` is the point below its centre of mass.
+    `at` is the projection of the body's centre of mass onto the ground.
     """
     nearest: tuple[float, Point, Point] | None = None
     for (ax, ay), (bx, by) in zip(base, base[1:] + base[:1], strict=True) if len(base) > 1 else ():
