@@ -87,7 +87,7 @@ def _end(end: End, robot: str, simulator: Simulator) -> Stop:
 
 
 def _not_above(passed: Sequence[Stop]) -> Iterator[str]:
-    """Yield approaches to an object and departures from it that are not straight, except while a handle is pulled."""
+    """Yield approaches to an object and retreats from it that are not straight, except while a handle is pulled."""
     stops = []
     for _, same in groupby(passed, key=lambda stop: stop.joints):
         together = list(same)

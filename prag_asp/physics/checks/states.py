@@ -59,7 +59,7 @@ def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Si
 
 
 def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]:
-    """Yield violations of what proofs assume: grasps are from above, and held bodies stand upright and fit the gripper.
+    """Yield violations of the assumptions of proofs: grasps from above, and held bodies upright and within the opening.
 
     A body with a model may be held from any direction; the predicate `holding` checks that both pads touch it.
     """

@@ -26,7 +26,7 @@ from prag_asp.task import Task
 
 
 class Performer:
-    """Executes witnesses in one dynamic simulation; to create one, use `open_performer`, which closes it."""
+    """An executor of witnesses in one dynamic simulation; `open_performer` creates one and closes it."""
 
     def __init__(self, world: Dynamics, planner: Simulator):
         self._scene = world.scene

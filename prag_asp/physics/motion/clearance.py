@@ -54,7 +54,7 @@ def keeps_clear(start: Gaps, way: Sequence[Gaps], goal: Gaps) -> bool:
 
 
 def _uneased(end: Gaps, way: Sequence[Gaps]) -> list[set[tuple[str, str]]]:
-    """Return the pairs that are too close at each point of a path, except those close all the way from its end."""
+    """Return the pairs that are too close at each point of a path, except pairs that have been close since `end`."""
     since, result = dict(end), []
     for here in way:
         since = {pair: gap for pair, gap in since.items() if pair in here}

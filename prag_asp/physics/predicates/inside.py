@@ -135,7 +135,7 @@ def _hollow_others(situation: Situation, subject: str) -> list[str]:
 def _room(
     situation: Situation, arguments: Arguments, quaternion: Quaternion, height: float, margin: float = MARGIN
 ) -> Volume:
-    """Return where the centre of a body in a cavity may lie if the body is at most `height` metres above the floor."""
+    """Return the region for the centre of a body in a cavity, at most `height` metres above the floor."""
     subject, container = arguments
     pose, inner = hollow(situation, container)
     middle, half = _extent_within(situation, subject, container, quaternion)

@@ -47,14 +47,14 @@ The rectangle is given by its corners with the lowest and the highest coordinate
 
 
 class SentenceFunction(Protocol):
-    """Returns a sentence which states that a predicate holds, or does not hold, for the given entities."""
+    """A function that returns a sentence: a predicate holds, or does not hold, for the given entities."""
 
     def __call__(self, arguments: Arguments, value: bool = True) -> str:
         """Return the sentence."""
 
 
 class Gripper(Enum):
-    """How the gripper given by the first argument relates to the second argument; `OPEN` has no second argument."""
+    """The relation of the gripper given by the first argument to the second argument; `OPEN` has no second argument."""
 
     HOLDS = "holds"
     AT = "is at"

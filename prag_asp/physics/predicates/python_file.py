@@ -139,7 +139,7 @@ def _is_text(result: object) -> bool:
 
 
 class Result(NamedTuple):
-    """What is required of a function's result: a test, a message, and whether the function yields its values."""
+    """The requirement for a function's result: a test, a message, and whether the function yields its values."""
 
     fine: Callable[[Any], bool]
     needed: str

@@ -184,7 +184,7 @@ def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
 
 
 def _broadest(entity: str, axis: int, scene: Scene) -> float:
-    """Return the greatest distance, in metres, that a body extends from its origin along an axis in any orientation."""
+    """Return the maximum extent of a body from its origin along an axis over all its orientations, in metres."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     if place is not None:
         middle, half = extent(shape, yaw_quaternion(place[2]))

@@ -64,7 +64,7 @@ class Constraints(NamedTuple):
 
 
 class Prover:
-    """Proves that states of a scene are impossible, and caches results about facts."""
+    """A prover that states of a scene are impossible, with a cache of results about facts."""
 
     def __init__(self, scene: Scene):
         self._scene = scene
@@ -183,7 +183,7 @@ class Prover:
 
 
 def _lift(effect: ActionEffect, before: tuple[Fact, ...]) -> tuple[Fact, Fact, Fact] | None:
-    """Return the facts that an object is at a place, is held, and is no longer at the place, or None if it stays.
+    """Return the facts that an object is at a place, is held, and is no longer there, or None if no object is lifted.
 
     A gripper may close around anything that it spans, but only lifting puts a load on it. A witness lifts each object
     that it moves: the arm retreats straight up after a grasp, and comes straight down before a release.

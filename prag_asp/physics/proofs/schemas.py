@@ -68,7 +68,7 @@ class _InstanceTable(NamedTuple):
 
 
 def rules(proofs: Proofs, stated: Facts) -> list[ExclusionRule]:
-    """Return rules that cover all proofs, each once, and nothing else, in the order of their first proofs."""
+    """Return rules that together cover each proof once, and nothing else, in the order of their first proofs."""
     folding = _Folding(proofs, stated)
     result: list[ExclusionRule] = []
     covered = set[Fluents]()
@@ -93,7 +93,7 @@ def text_of(rules: Iterable[ExclusionRule], name: str) -> str:
 
 
 class _Folding:
-    """Generalises the proofs of a domain to rules."""
+    """A generaliser of the proofs of a domain to rules."""
 
     def __init__(self, proofs: Proofs, stated: Facts):
         self._proofs = proofs

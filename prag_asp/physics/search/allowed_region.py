@@ -15,7 +15,7 @@ AIM = 0.6
 
 
 def relevant_facts(facts: Iterable[Fact], entity: str, situation: Situation) -> list[Fact]:
-    """Return the facts about an object, except those about grippers, whose other bodies have already been placed."""
+    """Return the facts about an object that do not concern grippers and whose other bodies are already placed."""
     shapes, placed = situation.scene.shapes, {*situation.poses, entity}
     return [
         fact

@@ -57,7 +57,7 @@ CAUSES = (
     LOST,
     NOT_REACHED,
 )
-"""The causes of failed attempts, in the order of how much their checks cost."""
+"""The causes of failed attempts, in the order of the cost of their checks."""
 
 
 class PhysicsFault(NamedTuple):

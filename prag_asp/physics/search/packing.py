@@ -103,7 +103,7 @@ class Corner(NamedTuple):
 
 
 class OpenHand(NamedTuple):
-    """A hand that puts objects down, with its fingers along one axis of their support: 0 for x, 1 for y.
+    """A hand that puts objects down and opens its fingers along one axis of their support: 0 for x, 1 for y.
 
     `wall` is the room in metres for fingers between an object and the ends of the allowed region. Objects up to `width`
     metres wide fit between the fingers. The hand holds the object `held`, in whose frame the fingers open along the
@@ -118,7 +118,7 @@ class OpenHand(NamedTuple):
 
 
 class Filling(NamedTuple):
-    """How a region is filled: from a corner, with spacings in metres along both axes of the support, by a hand."""
+    """A way to fill a region: from a corner, with spacings in metres along both axes of the support, by a hand."""
 
     corner: Corner
     spacing: tuple[float, float]
@@ -212,7 +212,7 @@ def packed_poses(situation: Situation, request: PlacementRequest, filling: Filli
 
 
 def _frames(situation: Situation, entity: str, support: str, about: Iterable[Fact]) -> Iterator[float]:
-    """Yield the yaws, in radians, along which an object is packed, first that of its support or of the workspace.
+    """Yield the yaws, in radians, of the frames in which to pack an object, first that of its support or the workspace.
 
     If a user-defined relation requires the object to be in a rotated body, such as a slot, the yaw of that body is also
     tried.
@@ -332,9 +332,10 @@ def _turned_rows(rows: list[tuple[float, float, float, float]], frame: float) ->
 def _orientations(
     situation: Situation, entity: str, about: Iterable[Fact], frame: float, hand: OpenHand | None
 ) -> Iterator[Quaternion]:
-    """Yield orientations along a frame, or in the middle of the yaw ranges that facts allow.
+    """Yield orientations aligned with a frame, or in the middle of the yaw ranges that facts allow.
 
-    With a hand, its fingers open along its axis of the frame, and the object is no wider there than they open.
+    If a hand is given, its fingers open along the frame axis `hand.axis`. The held object is turned to match the
+    fingers; another object without a model must fit between them.
     """
     try:
         ranges = yaw_ranges(situation, entity, about)

@@ -74,5 +74,5 @@ def _between(physical: PhysicalTask, k: int, pair: tuple[str, str]) -> Iterator[
 
 
 def _parts(fact: Fact, pair: tuple[str, str]) -> bool:
-    """Return whether a fact puts an object between two others."""
+    """Return whether a fact puts an object between the two objects of a pair."""
     return fact.value and fact.predicate.lies_between and {*fact.arguments[1:]} == {*pair}
