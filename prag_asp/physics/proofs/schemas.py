@@ -84,7 +84,7 @@ def text_of(rules: Iterable[ExclusionRule], name: str) -> str:
     found = list(rules)
     legend = " impossible(F,G): F and G never hold together; impossible(F,F): F never holds." if found else ""
     lines = [
-        f"% What physics proves impossible in the scene of {name}. Written by prag-asp learn; run it again",
+        f"% Facts that are proved impossible in the scene of {name}. Written by prag-asp learn; run it again",
         f"% when the scene changes.{legend}",
     ]
     for rule in found:
