@@ -60,7 +60,7 @@ def apart(one: str, two: str) -> float:
 
 @lru_cache(maxsize=64)
 def more_colours(taken: Sequence[str], count: int) -> tuple[str, ...]:
-    """Return `count` colours, each as different as possible from the colours already taken and the previous ones.
+    """Return `count` colours, each as different as possible from the colours already taken or chosen.
 
     The method is farthest-point-first (Gonzalez, "Clustering to minimize the maximum intercluster distance", 1985).
     """

@@ -182,7 +182,7 @@ def centre_of_mass(shape: Shape, pose: Pose) -> Vector:
 
 
 def inside_by(polygon: Outline, point: Point) -> float:
-    """Return how far inside a convex counter-clockwise polygon a point is, in metres; negative outside."""
+    """Return the depth in metres of a point within a convex counter-clockwise polygon; it is negative outside."""
     depth = math.inf
     for (ax, ay), (bx, by) in zip(polygon, polygon[1:] + polygon[:1], strict=True):
         length = math.hypot(bx - ax, by - ay)

@@ -16,7 +16,7 @@ LIMIT_TOLERANCE = 1e-9
 
 
 def count_mismatch(witness: Witness, actions: int) -> str | None:
-    """Return how the numbers of states and motions of a witness differ from those of a task, or None if they agree."""
+    """Return a mismatch between the numbers of states or motions of a witness and of a task, or None if they agree."""
     for name, count, expected in (
         ("motion", len(witness.motions), actions),
         ("state", len(witness.moments), actions + 1),

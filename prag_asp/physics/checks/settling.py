@@ -108,7 +108,7 @@ def open_settling(scene: Scene) -> Iterator[Settling]:
 
 
 def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
-    """Return why a state of a witness is not stable (one of `CAUSES`), or None if all states are stable.
+    """Return the reason why a state of a witness is not stable (one of `CAUSES`), or None if all states are stable.
 
     Raises:
         SceneError: the task contains an entity that has no shape.

@@ -23,7 +23,7 @@ because machines round differently."""
 
 
 def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
-    """Return how the footage of an episode differs from the images that the scene's cameras should have recorded.
+    """Return the differences of an episode's footage from the images that the scene's cameras should have recorded.
 
     Raises:
         SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.

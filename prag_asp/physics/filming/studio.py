@@ -194,7 +194,7 @@ class Studio:
             self._shadows_are_old = False
 
     def counts(self, camera: Camera, *, robots: bool = True) -> Counter[str]:
-        """Return how many pixels show each object (for furniture, its moving part) and each robot's hand.
+        """Return the number of pixels that show each object (for furniture, its moving part) and each robot's hand.
 
         Hands are listed under the names of their robots; `robots=False` removes the robots for this image.
         """

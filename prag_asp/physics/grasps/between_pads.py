@@ -178,7 +178,7 @@ def _point(start: Vector, far: float, way: Vector) -> Vector:
 
 
 def _on_planes(radius: float, long: float, axis: Vector, centre: Vector, window: PadWindow) -> Iterator[Vector]:
-    """Yield where a cylinder's rims meet the prism's sides, and the ends, along y, of its curve in each side."""
+    """Yield the points of a cylinder's rims in the prism's sides, and the ends, along y, of its curve in each side."""
     for k, plane in ((0, window.x[0]), (0, window.x[1]), (2, window.z[0]), (2, window.z[1])):
         left = plane - centre[k]
         to = _unit_across(axis, k)

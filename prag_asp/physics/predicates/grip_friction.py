@@ -70,7 +70,7 @@ def finger_force(scene: Scene, entity: str | None, robot: str) -> float:
 
 
 def slips(scene: Scene, entity: str, robot: str) -> str | None:
-    """Return in words why a body slips out of a gripper that lifts it, or None if this is not proved."""
+    """Return the reason, in words, why a body slips out of a gripper that lifts it, or None if this is not proved."""
     heavy, most = weight(scene, entity), bearable(scene, entity, robot)
     if heavy > SLIPS * most:
         lifts = f"{gripper_words(scene, robot)} lifts {most:.3g} kg by its friction"

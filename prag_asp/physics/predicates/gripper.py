@@ -85,7 +85,7 @@ def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> 
 
 
 def _contact_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield how far the pads are from opposite sides of a body with a model, in metres and, for the cone, radians."""
+    """Yield the errors of the pads at opposite sides of a body with a model, in metres and, for the cone, radians."""
     robot, entity = arguments
     contact = contact_at(situation, entity, robot)
     if contact is None:
@@ -181,7 +181,7 @@ def _holding_way(situation: Situation, arguments: Arguments) -> float:
 
 
 def _way_to_grasp(situation: Situation, robot: str, entity: str) -> float:
-    """Return how far, in metres, the tool and the fingers are from the nearest grasp of a body with a model."""
+    """Return the distance, in metres, of the tool and the fingers from the nearest grasp of a body with a model."""
     tool = compose(invert(situation.pose(entity)), situation.tool(robot))
     ways = [math.inf]
     for grasp in grasps_in_body(situation, entity, robot):

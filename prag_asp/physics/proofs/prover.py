@@ -147,7 +147,7 @@ class Prover:
         return [frozenset(members) for _, members in groups]
 
     def _together(self, group: frozenset[Fact]) -> str | None:
-        """Return why no positions of the bodies satisfy the given facts, or None if nothing is proved; uses a cache."""
+        """Return the reason why no positions of bodies satisfy facts, or None if nothing is proved; uses a cache."""
         if group not in self._known:
             true = sorted(group, key=lambda fact: (fact.predicate.name, fact.arguments))
             gaps: tuple[dict[Gap, None], ...] = ({}, {}, {})

@@ -33,13 +33,13 @@ RESTS = ("upright", "lying", "any")
 """The resting pose of a body: as in its file, on its side, or the pose in which its centre of mass is lowest."""
 
 SIDEWAYS = math.cos(math.radians(45.0))
-"""The cosine of the smallest angle between the upward axis of a body that lies on its side and that of its file."""
+"""The cosine of the smallest angle between the vertical and the file's upward axis for a body that lies on its side."""
 
 SCALES = (1e-6, 1e6)
 """The smallest and the largest scale, which no model needs to exceed."""
 
 MASSES, DENSITIES = (1e-4, 100.0), (1.0, 25000.0)
-"""The smallest and the largest mass of a body in kilograms, and likewise its density in kilograms per cubic metre."""
+"""The smallest and the largest mass of a body in kilograms, and those of its density in kilograms per cubic metre."""
 
 
 def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
