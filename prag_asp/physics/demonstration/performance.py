@@ -65,7 +65,7 @@ class Performer:
                 broken = [fact for fact in facts if not fact.is_satisfied(situation)]
                 lost = [fact for fact in broken if fact.predicate.gripper is Gripper.HOLDS and fact.value]
                 for fact in (lost or broken)[:1]:
-                    reason = f"after {part} it does not hold that {fact.sentence()}"
+                    reason = f"after {part}, this fact does not hold: {fact.sentence()}"
                     raise PerformanceFailed(LOST if lost else NOT_REACHED, reason)
                 previous = situation
         except PerformanceFailed as failed:
