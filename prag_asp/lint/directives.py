@@ -140,7 +140,7 @@ def size_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
     """Yield the author's facts whose intervals expand to too many atoms."""
     constants = {each.node.name: str(each.node.value) for each in statements if each.kind == ASTType.Definition}
     for statement in statements:
-        if statement.own and statement.is_rule and not statement.node.body:
+        if statement.own and statement.is_rule and ".." in statement.text and not statement.node.body:
             atoms = 1
             for ends in INTERVAL.finditer(STRING.sub("", str(statement.node.head))):
                 low, high = (constants.get(end, end) for end in ends.groups())

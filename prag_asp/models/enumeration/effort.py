@@ -24,7 +24,7 @@ atoms."""
 NARROW = 24
 """The width of a tree decomposition up to which counting by cases is fast for any number of models."""
 
-QUICK = 0.2
+QUICK = 0.4
 """The predicted time, in seconds, up to which an enumeration begins at once, before clauses are written."""
 
 SOON = 0.7
