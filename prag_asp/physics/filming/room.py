@@ -20,8 +20,8 @@ BEHIND, BESIDE, BEFORE = 0.6, 1.5, 3.0
 of the table."""
 
 FLOOR_HEIGHT, CEILING_HEIGHT, SKIRTING_HEIGHT = -0.74, 2.3, 0.08
-"""Heights of the floor and of the ceiling above the table, which are usual for tables and rooms, and of the skirting
-above the floor, in metres."""
+"""Usual heights in metres: of the floor and the ceiling relative to the table top, and of the skirting above the
+floor."""
 
 CORNER, CORNER_WIDTH = 0.2, 0.3
 """The share by which a corner is darker, and the distance in metres over which this share decays by a factor of e."""

@@ -67,8 +67,9 @@ def grasp_candidates(
 ) -> list[Candidate]:
     """Return candidates for grasps of a body, most promising first; the samples are fixed.
 
-    `parts` (n, 3, 3) are its convex parts as triangles and `centre` is its centre of mass, in its frame in metres;
-    `friction` is the coefficient between pad and body, and `opening` is the opening of the gripper in metres.
+    `parts` (n, 3, 3) are the convex parts of the body as triangles, and `centre` is the centre of mass, in the body's
+    frame in metres; `friction` is the coefficient between pad and body, and `opening` is the opening of the gripper in
+    metres.
     """
     points, normals = surface_points(parts, POINTS, np.random.default_rng(0))
     candidates: list[Candidate] = []

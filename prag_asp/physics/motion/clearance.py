@@ -16,7 +16,7 @@ CLEARANCE = 0.01
 """The distance in metres that an arm and its load keep from bodies that the arm does not handle."""
 
 SLACK = 0.0005
-"""The distance in metres by which a body may come closer to another one than it is at an end of the path."""
+"""The distance in metres by which a body may come closer to another body than at an end of the path."""
 
 ARM, TABLE = "the arm", "the table"
 Gaps = Mapping[tuple[str, str], float]

@@ -3,9 +3,9 @@
 A proof assumes the definitions of the predicates, the poses of the fixed bodies, and six rules of every scene: a
 gripper holds one body at a time, it is not open while it holds one, nothing rests on a ball, a primitive is held from
 above while it stands upright, the fingertips stay above its bottom, and a gripper lifts each body that it moves, which
-requires enough friction. The check of a witness enforces the last three rules as well. The workspace limits where the
-search places bodies, not where they can be, so no proof uses it. Proofs are monotonic: a proof from some facts is valid
-for any superset of them.
+requires enough friction. The check of a witness enforces the last three rules as well. The workspace limits the
+positions at which the search places bodies, but not those at which bodies can be, so no proof uses it. Proofs are
+monotonic: a proof from some facts is valid for any superset of them.
 """
 
 from __future__ import annotations

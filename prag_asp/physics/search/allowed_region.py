@@ -27,7 +27,7 @@ def relevant_facts(facts: Iterable[Fact], entity: str, situation: Situation) -> 
 
 
 def shapes_volume(fact: Fact, entity: str) -> bool:
-    """Return whether the volume for an object expresses a fact exactly."""
+    """Return whether the volume of a fact or its inverse for an object expresses the fact exactly."""
     subject = fact.arguments[fact.predicate.subject]
     return fact.value and (subject == entity or fact.predicate.inverse is not None)
 

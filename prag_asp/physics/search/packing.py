@@ -118,7 +118,7 @@ class OpenHand(NamedTuple):
 
 
 class Filling(NamedTuple):
-    """A way to fill a region: from a corner, with spacings in metres along both axes of the support, by a hand."""
+    """A way to fill a region: the first corner, the spacings in metres along both axes of the support, and the hand."""
 
     corner: Corner
     spacing: tuple[float, float]
@@ -291,8 +291,9 @@ def _taken(
     """Return the places where an object at a height overlaps others, the places where it touches them, and exact tests.
 
     Each row (n, 4) contains the centre of a rectangle for the origin of the object, and its half-extents along x and y,
-    seen from above in a frame rotated by a yaw; it refers to the bounding boxes of the bodies in this frame. If one of
-    two bodies has a model, their boxes touch there, and a function returns whether their parts overlap.
+    seen from above in a frame rotated by a yaw; it refers to the bounding boxes of the bodies in this frame. If the
+    object or another body has a model, their boxes are only listed as touching, and a function returns whether their
+    parts overlap.
     """
     back, forth = yaw_quaternion(-frame), yaw_quaternion(frame)
     entity = situation.shape(request.entity)

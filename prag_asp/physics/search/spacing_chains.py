@@ -1,4 +1,4 @@
-"""Leave room between two objects for one that is not placed yet: it will be left of one of them and right of the other.
+"""Leave room between two objects for an unplaced object that will be left of one of them and right of the other.
 
 Objects are placed one after another. An object whose relations put it between two others needs room there, whichever of
 the three is placed last.

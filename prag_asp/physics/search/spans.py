@@ -63,7 +63,7 @@ def _span(physical: PhysicalTask, scene: Scene, k: int, pair: tuple[str, str], w
 
 
 def _between(physical: PhysicalTask, k: int, pair: tuple[str, str]) -> Iterator[tuple[int, Fact]]:
-    """Yield each fact that puts an object between two others while these rest as in state `k`, with its state."""
+    """Yield each fact that puts an object between two others, with its state, while the two rest as in state `k`."""
     if k == 0:
         yield from ((0, fact) for fact in physical.initial if _parts(fact, pair))
     for j in range(k, len(physical.effects)):

@@ -59,7 +59,7 @@ FORM = 1
 """The version of the search; cached cavities of other versions are not read."""
 
 LARGEST_FILE = 1_000
-"""The largest size in bytes of a file with a cavity."""
+"""The largest size in bytes of a cached cavity."""
 
 
 def cached_cavity(triangles: Floats) -> Cavity | None:

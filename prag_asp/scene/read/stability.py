@@ -91,9 +91,9 @@ def _beside(base: Outline, at: Point) -> float:
 def settle(points: Floats, centre: Floats) -> Floats | None:
     """Return the rotation (3, 3) by which a body comes to rest on its convex hull, or None if it rolls on.
 
-    It tips over the edge of its base nearest to its centre of mass until the next point of its surface touches the
-    ground: the quasi-static motion of a body that keeps contact (Goldberg et al., "Part pose statistics", 1999). Each
-    step lowers the centre of mass, or starts from an edge on which the body cannot stay.
+    The body tips over the edge of the base nearest to the centre of mass until the next point of the surface touches
+    the ground: the quasi-static motion of a body that keeps contact (Goldberg et al., "Part pose statistics", 1999).
+    Each step lowers the centre of mass, or starts from an edge on which the body cannot stay.
     """
     rows = np.eye(3)
     for _ in range(MOST_STEPS):
