@@ -182,7 +182,7 @@ def test_an_action_that_is_ruled_out_is_explained(tmp_path: Path) -> None:
     explained = run("explain", str(folder), "pick(panda,crate_1,table_1)")
     assert explained.returncode == 1
     assert (
-        "holding(panda,crate_1) would have to be true, which is impossible together with what else is"
+        "holding(panda,crate_1) would have to be true, which contradicts the other conditions of that state"
         in explained.stdout
     )
 
