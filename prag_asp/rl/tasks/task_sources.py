@@ -168,7 +168,7 @@ def assign_witness(task: Task, witness: Witness, scene: Scene) -> Assignment:
         situation = Situation(sized, moment.poses, moment.arms, moment.openings)
         for fact in facts:
             if not fact.is_satisfied(situation):
-                text = f"in state {number} of the witness it does not hold that {fact.sentence()}"
+                text = f"in state {number} of the witness, this fact does not hold: {fact.sentence()}"
                 raise QueryError(f"{text}; give the witness of the task")
     return Assignment(task, witness)
 
