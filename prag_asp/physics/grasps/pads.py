@@ -50,7 +50,7 @@ class PadContact(NamedTuple):
 
     @property
     def radius(self) -> float:
-        """The smaller radius of gyration of the two patches in metres: the lever arm of friction about their line."""
+        """The smaller radius of gyration of the two patches in metres, which is the lever arm of their friction."""
         return min(patch.gyration for patch in self.patches)
 
     @property
@@ -149,7 +149,10 @@ class ParallelGripper(NamedTuple):
 
 
 class Polygons(NamedTuple):
-    """Convex polygons with their unit normals; `corners` has the shape (n, m, 3), the last corner repeated."""
+    """Convex polygons with their unit normals; `corners` has the shape (n, m, 3).
+
+    If a polygon has fewer than m corners, its last corner is repeated.
+    """
 
     corners: Floats
     normals: Floats
