@@ -34,9 +34,9 @@ class Template:
     """A sentence of alternating texts and slots, which begins and ends with a text.
 
     If a word agrees with the first argument, `genders` are the genders of arguments for which this sentence is used.
-    `phrasing` is its index, from 0, among the paraphrases. With a `recurrence`, the sentence is only for such
-    actions; `only` holds the class or the value that each argument must have, or "_". The particle of a verb in
-    `phrasal` comes before its object unless this is a pronoun: "pick up the can", "pick it up".
+    `phrasing` is the index of the sentence, from 0, among the paraphrases. With a `recurrence`, the sentence is only
+    for such actions; `only` holds the class or the value that each argument must have, or "_". The particle of a verb
+    in `phrasal` comes before the object unless the object is a pronoun: "pick up the can", "pick it up".
     """
 
     texts: tuple[str, ...]
@@ -136,7 +136,7 @@ def parse_template(
         slots.append(Slot(int(name), case or ""))
         texts.append("")
     if any(not text_between for text_between in texts[1:-1]):
-        raise QueryError("has two places side by side; write a word or a blank between them")
+        raise QueryError("has two pairs of braces side by side; write a word or a blank between them")
     if not slots and not texts[0].strip():
         raise QueryError("is empty; write a sentence")
     return Template(tuple(texts), tuple(slots), genders)
