@@ -17,7 +17,7 @@ POLL = 0.05
 """The time between two checks for interrupts, in seconds."""
 
 LARGEST = 2**31 - 1
-"""The largest sum of weights, because clasp merges the weights of equivalent literals in 32 bits."""
+"""The largest sum of weights, because clasp adds the weights of equivalent literals in 32 bits."""
 
 
 @dataclass(frozen=True)
