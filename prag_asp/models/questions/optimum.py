@@ -50,7 +50,7 @@ def find_optimum(given: GivenProgram, ground: GroundModels) -> Optimum | None:
                 f"{place} the weights of priority {priority} sum to more than {LARGEST}, which clingo does not add "
                 "exactly; state smaller weights"
             )
-    stage("searching the optimum")
+    stage("searching for the optimum")
     grounder = given.grounder("--opt-mode=opt")
     grounder.ground([("base", [])])
     costs: Sequence[int] | None = None
