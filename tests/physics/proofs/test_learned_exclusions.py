@@ -37,7 +37,7 @@ impossible(inside(X,Y), inside(X,Y)) :- fluent(inside(X,Y)), is_a(X,crate).
 % X is larger than the cavity of Y
 impossible(inside(X,Y), inside(X,Y)) :- fluent(inside(X,Y)), is_a(X,rod).
 
-% it is impossible that X is on Y and X is within reach
+% X is on Y and X is within reach, but these facts cannot hold together
 impossible(on_top(X,shelf_2), reachable(Z,X)) :- fluent(on_top(X,shelf_2)), fluent(reachable(Z,X)).
 """
 
