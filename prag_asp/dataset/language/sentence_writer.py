@@ -198,10 +198,10 @@ class SentenceWriter:
         usable, shorter = [], []
         for each in known:
             template = each.template
-            if template.recurrence not in {None, recurrence}:
+            if template.recurrences and recurrence not in template.recurrences:
                 continue
             if each.sources:
-                shorter.append(each)
+                shorter += [each] if atom in each.sources else []
                 continue
             first = lexicon.phrases.gender(atom.arguments[template.arguments[0]]) if template.slots else ""
             if not template.genders or first in template.genders:
