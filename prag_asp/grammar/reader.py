@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import islice
@@ -150,21 +150,22 @@ class GrammarReader:
             own = (
                 replace(template, only=only)
                 for entry, only in special_entries(table, name, arity)
-                for template in self.templates(
-                    listed(entry), arity, sources=self._source_places.get((name, arity), set())
-                )
+                for template in self.templates(listed(entry), arity, action=name)
             )
-            given = self.templates(texts, arity, sources=self._source_places.get((name, arity), set()))
-            sentences[name, arity] = (*given, *own)
+            sentences[name, arity] = (*self.templates(texts, arity, action=name), *own)
         return sentences
 
-    @cached_property
-    def _source_places(self) -> Mapping[Signature, set[int]]:
-        """The positions of the places from which the actions of each signature move an object."""
-        found: dict[Signature, set[int]] = {}
-        for signature, sources in self.sources().items():
-            found[signature] = {place for place, _ in sources.values()}
-        return found
+    def _restores(self, text: str, name: str, arity: int) -> bool:
+        """Return whether a sentence may say "again" of an action that only restores facts.
+
+        It may not if it names the place from which an object is taken: "put the lid on the pot, then take it off it".
+        """
+        named = {int(slot[1]) for slot in SLOT.finditer(text)}
+        return not any(
+            way.word == "from" and way.moved >= 0 and place in named
+            for ways in self.ways.get((name, arity), {}).values()
+            for place, way in ways.items()
+        )
 
     def plain(self) -> dict[Signature, tuple[PlainSentence, ...]]:
         """Return default sentences for actions, built from their names and arguments, without constant arguments.
@@ -220,7 +221,7 @@ class GrammarReader:
             sentences[name, arity] = tuple(
                 PlainSentence(template, frozenset(actions))
                 for whole, actions in actions_of.items()
-                for template in self.templates([whole], arity, sources=range(arity))
+                for template in self.templates([whole], arity)
             )
         return sentences
 
@@ -298,19 +299,18 @@ class GrammarReader:
         )
 
     def templates(
-        self, texts: Sequence[str] | Iterator[str], arity: int, verb: str = "is", sources: Container[int] = ()
+        self, texts: Sequence[str] | Iterator[str], arity: int, verb: str = "is", action: str = ""
     ) -> Iterator[Template]:
         """Yield the templates in texts: one for each form of an agreeing word, with and without text in brackets.
 
-        A sentence that names one of the `sources`, the places from which an action takes an object, says "again" only
-        of actions that were done before: "put the lid on the pot, then take it off the pot".
+        The sentences that a domain gives for an `action` may say "again" of one that only restores facts.
         """
         table = self.words.table
         recurrent = RecurrenceWords(
             str(table.get("repeated", "")), str(table.get("varied", "")), frozenset(listed(table.get("second", ())))
         )
         for phrasing, whole in enumerate(map(self.words.expanded, texts)):
-            restores = not any(int(slot[1]) in sources for slot in SLOT.finditer(whole))
+            restores = bool(action) and (not recurrent.says_again(whole) or self._restores(whole, action, arity))
             for text, recurrences in recurrent.forms(whole, restores=restores).items():
                 forms: dict[str, set[str]] = {}
                 for gender in self.words.genders if agrees(text) else ():

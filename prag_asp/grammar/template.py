@@ -170,11 +170,10 @@ class RecurrenceWords:
         whole, bare = BRACKETED.sub(r"\1", text), BRACKETED.sub("", text)
         if whole == text:
             return {text: frozenset()}
-        again = {match[1].strip() for match in BRACKETED.finditer(text)} <= self.second
         found: dict[str, set[Recurrence]] = {}
         forms: tuple[tuple[Recurrence, str], ...] = (
             ("new", bare),
-            ("restored", bare if again and not restores else whole),
+            ("restored", bare if not restores and self.says_again(text) else whole),
             ("redone", whole),
             ("repeated", self._repeated(text, bare)),
             ("varied", self._varied(text) or self._repeated(text, bare)),
@@ -182,6 +181,10 @@ class RecurrenceWords:
         for recurrence, form in forms:
             found.setdefault(form, set()).add(recurrence)
         return {form: frozenset(recurrences) for form, recurrences in found.items()}
+
+    def says_again(self, text: str) -> bool:
+        """Return whether the text in brackets means that the action itself was done before."""
+        return {match[1].strip() for match in BRACKETED.finditer(text)} <= self.second
 
     def _repeated(self, text: str, bare: str) -> str:
         if "{action}" in self.repeated:
