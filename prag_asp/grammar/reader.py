@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from prag_asp.atom import parse_atom
 from prag_asp.errors import QueryError
-from prag_asp.grammar.template import SLOT, RecurrenceWords, Template, agrees, parse_template
+from prag_asp.grammar.template import SLOT, Recurrence, RecurrenceWords, Template, agrees, parse_template
 from prag_asp.grammar.ways import Signature, Way, common_ways, ways_of_actions
 from prag_asp.grammar.word_table import Words, words_of
 from prag_asp.program.facts import Facts
@@ -283,6 +283,11 @@ class GrammarReader:
         """Return the sentences for a fluent in an entry: a sentence, a list of sentences, or a table of forms."""
         table = entry if isinstance(entry, Mapping) else {"is": entry}
         true = listed(table.get("is"))
+        initial = [
+            replace(template, recurrences=frozenset(["initial"]))
+            for template in self.templates(listed(table.get("initially")), arity)
+        ]
+        new: frozenset[Recurrence] = frozenset(["new"] if initial else [])
         false = listed(table.get("not"))
         modifiers = []
         for template in self.templates(listed(table.get("where")), arity):
@@ -292,7 +297,7 @@ class GrammarReader:
             elif len(missing) == 1:
                 modifiers.append(Where(template, missing[0]))
         return FactForms(
-            tuple(self.templates(true, arity)),
+            (*(replace(template, recurrences=new) for template in self.templates(true, arity)), *initial),
             tuple(self.templates(false, arity) if false else self.templates(filter(agrees, true), arity, "is_not")),
             tuple(modifiers),
             table.get("silent") is True,

@@ -18,8 +18,8 @@ VERBS = ("is",)
 BRACKETED = re.compile(r"\[([^\[\]]*)\]")
 """Text that is used only in the sentence for an action that restores earlier facts."""
 
-Recurrence = Literal["new", "restored", "redone", "repeated", "varied"]
-"""How an action relates to the past.
+Recurrence = Literal["new", "restored", "redone", "repeated", "varied", "initial"]
+"""How an action relates to the past; facts are new or of the initial state.
 
 It makes facts that are new, it restores facts that held earlier, or it is an earlier action that restores them. An
 action that changes nothing repeats an earlier action, or it has the aim of another one.

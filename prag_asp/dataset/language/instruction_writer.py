@@ -11,7 +11,7 @@ from copy import copy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from prag_asp.atom import Atom
+from prag_asp.atom import Atom, atom_of
 from prag_asp.dataset.language.clause_joiner import ClauseJoiner, words_of
 from prag_asp.dataset.language.descriptions import InstructionContext, View
 from prag_asp.dataset.language.instruction_reader import InstructionReader, Reading, capital, context_of, unnumbered
@@ -128,7 +128,7 @@ class InstructionWriter:
         states = (task.initial, *task.states)
         outdated = [view.outdated(action.arguments, state) for action, state in zip(task.actions, states, strict=False)]
         for action, recurrence, old in zip(task.actions, again, outdated, strict=True):
-            topic = self._topic(task.actions, clauses)
+            topic = self._topic(task, clauses)
             clause = self._sentences.write(view, action, topic, default, recurrence=recurrence, outdated=old)
             clauses.append(clause)
         return Instructions(
@@ -156,7 +156,7 @@ class InstructionWriter:
             described = [relation.about(thing) for thing, relation in relations if relation is not None]
             if not handled.isdisjoint(fluent.arguments) and fluent not in described:
                 shown.append(fluent)
-        start = self._sentences.facts(view, dict.fromkeys(shown[:START_FACTS], True))
+        start = self._sentences.facts(view, dict.fromkeys(shown[:START_FACTS], True), recurrence="initial")
         captions = [(str(self.lexicon.words.frames["start"]), start)]
         for number, (action, subgoal) in enumerate(zip(task.actions, task.subgoals, strict=True), 1):
             before = self.lexicon.view(context_of(task, number - 1))
@@ -213,18 +213,24 @@ class InstructionWriter:
         entailed = {texts[text] for text in self._joiner.entailed(list(texts))}
         return {fluent: value for fluent, value in facts.items() if fluent not in entailed}
 
-    def _topic(self, actions: Sequence[Atom], clauses: Sequence[ClearSentence]) -> str | None:
+    def _topic(self, task: Task, clauses: Sequence[ClearSentence]) -> str | None:
         """Return what "it" means in the next sentence: the topic of the previous one, or None if it is not clear.
 
-        After two like actions, "it" could be the topic of either: "open the cupboard, then open the drawer".
+        After two like actions, "it" could be the topic of either if the next action were possible with both: "open the
+        cupboard, then open the drawer".
         """
-        topic, number = clauses[-1].topic if clauses else None, len(clauses)
+        topic, number, actions = clauses[-1].topic if clauses else None, len(clauses), task.actions
         other = clauses[-SEVERAL].topic if number >= SEVERAL else None
         if topic is None or other in {None, topic} or actions[number - 1].name != actions[number - SEVERAL].name:
             return topic
         action = actions[number]
         alike = Atom(action.name, tuple(str(other) if each == topic else each for each in action.arguments))
-        return None if alike != action and str(alike) in self.lexicon.domain.facts.actions_by_text else topic
+        facts, state = self.lexicon.domain.facts, task.states[number - 1]
+        term = facts.actions_by_text.get(str(alike))
+        if alike == action or term is None:
+            return topic
+        known = ((state.get(atom_of(fluent)), value == "true") for fluent, value in facts.preconditions.get(term, ()))
+        return topic if any(now is not None and now != needed for now, needed in known) else None
 
     def _note(self, view: View, atoms: Sequence[Atom], named: dict[str, None]) -> None:
         """Record the entities that are referred to by name."""

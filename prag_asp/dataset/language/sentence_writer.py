@@ -148,12 +148,17 @@ class SentenceWriter:
         topic: str | None = None,
         rng: PhraseRng | None = None,
         outdated: Set[str] = frozenset(),
+        *,
+        recurrence: Recurrence = "new",
     ) -> list[ClearSentence]:
         """Return a sentence for each fact for which there is an unambiguous one."""
         texts = []
         for fluent, value in facts.items():
             try:
-                texts.append(self.write(view, fluent, topic, rng, value=value, fact=True, outdated=outdated))
+                sentence = self.write(
+                    view, fluent, topic, rng, value=value, fact=True, recurrence=recurrence, outdated=outdated
+                )
+                texts.append(sentence)
             except QueryError:
                 continue
         return texts

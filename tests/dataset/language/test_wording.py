@@ -176,6 +176,9 @@ def test_it_is_not_one_of_two_things_of_like_actions(tmp_path: Path) -> None:
         assert "close the drawer again" in words.default
     again = task_of("kitchen", "open(panda,drawer_1)", "close(panda,drawer_1)", "open(panda,drawer_1)")
     assert all("open it again" in words.default for words in every(writer("kitchen"), again))
+    moved = "move(disc(1),left,right) move(disc(2),left,middle) move(disc(2),middle,left)"
+    for words in every(writer("hanoi"), task_of("hanoi", *moved.split())):
+        assert " it from the right peg" in words.default, "disc 1 cannot be moved from there"
     said = every(*in_words(PAINT, tmp_path / "domain.toml", "brush(north) brush(south) mark(south)"))
     assert all("mark wall south" in each.default for each in said)
     said = every(*in_words(PAINT, tmp_path / "domain.toml", "brush(south) mark(south)"))
@@ -230,3 +233,14 @@ def test_joints_between_actions_do_not_repeat_their_words() -> None:
         for sentence in words.default.removeprefix("Your task: ").split(". "):
             assert sentence.count("then ") + sentence.startswith("Then ") <= 2
             assert not (sentence.startswith("Then ") and "then " in sentence)
+
+
+def test_the_caption_of_an_initial_state_does_not_say_that_something_was_done() -> None:
+    plan = "open(panda,cupboard_1) approach(panda,cup_1,cupboard_1) grasp(panda,cup_1) move(panda,cup_1,table_1)"
+    end = "drop(panda,cup_1) withdraw(panda,cup_1) close(panda,cupboard_1)"
+    task = task_of("kitchen", *plan.split(), *end.split())
+    captions = writer("kitchen").captions(task)
+    assert captions[0] == ("start", "the cup is in or above the cupboard")
+    assert captions[4][1] == "the cup has been brought to the table"
+    stated = writer("kitchen").read(task, "Make sure that the cup is on or above the table.")
+    assert stated.goal == writer("kitchen").goal(task), "both sentences are read"
