@@ -16,7 +16,7 @@ from prag_asp.scene.scene import BodyModel, Scene, Shape
 from prag_asp.wording import plural
 
 FAR = math.radians(30.0)
-"""The tilt in radians above which a body probably rests in an unintended pose, because scans lean by a few degrees."""
+"""The tilt in radians above which a resting pose is probably unintended; scans often lean by a few degrees."""
 
 
 def body_lines(scene: Scene) -> Iterator[str]:
@@ -37,7 +37,7 @@ def body_lines(scene: Scene) -> Iterator[str]:
 
 
 def grasps_text(scene: Scene, entity: str) -> str:
-    """Describe how many grasps were found for a body that has a model, for each direction of the hand."""
+    """Describe the numbers of grasps that were found for a body from a file, by direction of the hand."""
     from prag_asp.physics.grasps.antipodal import SIDEWAYS, SLANTED
     from prag_asp.physics.grasps.body_grasps import body_grasps
     from prag_asp.physics.grasps.pads import ParallelGripper
@@ -46,7 +46,7 @@ def grasps_text(scene: Scene, entity: str) -> str:
     gripper = ParallelGripper.of(robot_of(scene, next(iter(scene.robots))))
     tilts = [grasp.tilt for grasp in body_grasps(scene.shapes[entity], gripper, pad_friction(scene, entity))]
     above, side = sum(tilt < SLANTED for tilt in tilts), sum(tilt >= SIDEWAYS for tilt in tilts)
-    return f"grasps: {above} from above, {len(tilts) - above - side} at a slant, {side} from the side"
+    return f"grasps: {above} from above, {len(tilts) - above - side} at an angle, {side} from the side"
 
 
 def solid_containers(domain: Domain, scene: Scene) -> Iterator[Problem]:

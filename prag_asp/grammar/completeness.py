@@ -1,4 +1,4 @@
-"""Check that the word table of a language is complete: types of values, braces, and a form for each gender and case."""
+"""The check that the word table of a language is complete: types, braces, and a form for each gender and case."""
 
 from __future__ import annotations
 
@@ -74,13 +74,13 @@ def check_forms(entry: TableEntry, words: Words) -> None:
                 needs = f"{{{needed}}}, and " if needed else ""
                 entry.at(key).add(f"has {needs}no other braces than {listed(names)}; got {text!r}")
     if any(_braces(text) and (_braces(text) or ())[:1] != ("phrase",) for text in table["modified"]):
-        entry.at("modified").add("says where before the {phrase}; begin with it")
+        entry.at("modified").add("does not begin with {phrase}; write the place after it")
     contractions = table.get("contractions", {})
     for long, short in contractions.items():
         if not isinstance(short, str) or not short.strip() or not long.strip():
-            entry.at("contractions").add(f'what {long!r} becomes is not a word; write "zu dem" = "zum"')
+            entry.at("contractions").add(f'the contraction of {long!r} is not a word; write "zu dem" = "zum"')
         elif list(contractions.values()).count(short) > 1 or short in contractions:
-            entry.at("contractions").add(f"{short} stands for several; nobody could read it back: leave one out")
+            entry.at("contractions").add(f"{short} stands for several texts, so it is ambiguous; leave one out")
     _check_texts(entry, table)
     _check_agreement(entry, words)
 

@@ -1,4 +1,4 @@
-"""Check the tables of a domain's languages for unknown names, wrong braces, missing forms and ambiguous sentences."""
+"""The checks of the tables of a domain's languages: unknown names, wrong braces, missing forms, ambiguous sentences."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Read a domain's tables for a language: ``[language.en]`` with its actions, facts, nouns and values."""
+"""The reader of a domain's tables for a language: ``[language.en]`` with its actions, facts, nouns and values."""
 
 from __future__ import annotations
 
@@ -82,9 +82,9 @@ class PlainSentence(NamedTuple):
 class Grammar:
     """All sentences of a domain in one language, and its nouns by the names of classes and entities.
 
-    `values` are the words for other arguments. `plain` are the default sentences for actions, and `spare` those for
-    fluents, which every domain has. `sources` holds, for each action that moves an object away from a place, the
-    position of the place in its arguments and the `Way`.
+    `values` are the words for other arguments. `plain` and `spare` are the default sentences for actions and for
+    fluents, which need no tables. `sources` holds, for each action that moves an object away from a place, the position
+    of the place among the action's arguments, and the `Way`.
     """
 
     words: Words
@@ -102,7 +102,7 @@ AGENTS = frozenset(["agent", "arm", "gripper", "hand", "robot"])
 
 
 class GrammarReader:
-    """Reads a domain's tables for a language; ignores wrong entries, which the linter reports."""
+    """A reader of a domain's tables for a language, which ignores wrong entries, because the linter reports them."""
 
     def __init__(self, settings: Settings, facts: Facts, code: str) -> None:
         """Read the settings and the facts of a domain.
@@ -240,7 +240,7 @@ class GrammarReader:
 
     def facts(self) -> dict[Signature, FactForms]:
         """Return the sentences for each fluent, from the language's table, its spatial predicate, or its name."""
-        from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
+        from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - not needed for counting
 
         table, scene = self._table("facts"), self.settings.scene
         usual = {} if scene else _below(self.words.table, "fluents")

@@ -143,7 +143,7 @@ def parse_template(
         slots.append(Slot(int(name), case or ""))
         texts.append("")
     if any(not text_between for text_between in texts[1:-1]):
-        raise QueryError("has two places side by side; write a word or a blank between them")
+        raise QueryError("has two pairs of braces side by side; write a word or a blank between them")
     if not slots and not texts[0].strip():
         raise QueryError("is empty; write a sentence")
     return Template(tuple(texts), tuple(slots), genders)

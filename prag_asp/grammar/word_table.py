@@ -122,7 +122,7 @@ class Words:
         return " ".join([*words[:-1], verb]) if words[-1] in verbs else ""
 
     def implications(self, text_words: Iterable[str]) -> set[str]:
-        """Return the words that the verbs among some words state too: "take" states that the gripper is "holding"."""
+        """Return the words that the verbs among `text_words` imply: "take" implies that the gripper is "holding"."""
         means = self.table.get("means", {})
         return {word for each in text_words for word in means.get(each, ())}
 

@@ -1,4 +1,4 @@
-"""Count answer sets when the fastest engine is unknown: enumerate briefly, then let several engines take turns.
+"""Counts of answer sets when the fastest engine is unknown: a brief enumeration, then several engines in turns.
 
 A turn has a limit on its processor time. Counters run in their own processes, and are paused after their turns. If no
 engine has finished, the counters continue in parallel, and this process compiles a diagram; the first count is the

@@ -57,7 +57,7 @@ _Choice = tuple[int, Branch, Branch, Callable[[Iterator[int]], bool]]
 
 @dataclass(frozen=True)
 class WeightedDiagram:
-    """A diagram with weights of models; each is the product of the integer weights of its literals, by default 1."""
+    """A diagram with weights: a model's weight is the product of the integer weights of its literals, by default 1."""
 
     diagram: Diagram
     weights: Mapping[Literal, int]

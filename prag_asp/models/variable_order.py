@@ -1,4 +1,4 @@
-"""Compute the decision order of variables from a tree decomposition of the primal graph.
+"""The decision order of variables, from a tree decomposition of the primal graph.
 
 Variables that share a clause are adjacent. Min-degree elimination (a heuristic; an optimal order is NP-hard) gives a
 tree decomposition. Variables near its centre are decided first, so that the formula splits into halves without a common
@@ -35,7 +35,7 @@ WIDE = 24
 
 @dataclass(frozen=True)
 class DecisionOrder:
-    """The variables of a formula in decision order, the width of their tree decomposition, and whether it is swept."""
+    """The variables in decision order, the width of their tree decomposition, and whether the formula is swept."""
 
     variables: tuple[int, ...]
     width: int
@@ -125,7 +125,7 @@ def _by_distance(graph: Mapping[int, set[int]], start: int) -> list[int]:
 
 
 def _eliminate(graph: dict[int, set[int]]) -> tuple[list[tuple[int, set[int]]], set[int]]:
-    """Return the variables in elimination order, with the neighbours that they then have, and the remaining ones."""
+    """Return the variables in elimination order, each with its neighbours at that time, and the remaining variables."""
     waiting = [(len(neighbours), variable) for variable, neighbours in graph.items()]
     heapify(waiting)
     eliminated: list[tuple[int, set[int]]] = []

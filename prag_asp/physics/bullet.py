@@ -24,7 +24,7 @@ null device.
 
 @contextmanager
 def mute_output(*descriptors: int) -> Iterator[None]:
-    """Discard what the body of the context writes to the given file descriptors, including what C has buffered."""
+    """Discard what the body of the context writes to the given file descriptors, including output buffered by C."""
     flush()
     for descriptor in descriptors:
         with _LOCK:

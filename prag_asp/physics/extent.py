@@ -59,7 +59,7 @@ def extent(shape: Shape, quaternion: Quaternion) -> BodyExtent:
 
 @cached_by_geometry(maxsize=1 << 11)
 def extent_along(shape: Shape, quaternion: Quaternion, direction: Vector) -> tuple[float, float]:
-    """Return the middle of a rotated body along a unit vector, relative to its origin, and half its width."""
+    """Return the middle of a rotated body along a unit vector, relative to the body's origin, and half of its width."""
     x, y, z, w = quaternion
     along = rotate((-x, -y, -z, w), direction)
     if shape.model is None:

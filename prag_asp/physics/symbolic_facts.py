@@ -16,7 +16,7 @@ from prag_asp.task import State, Task
 from prag_asp.wording import plural
 
 BORDER = 1e-12
-"""How far beyond its border a predicate no longer holds, in metres or radians."""
+"""The distance, in metres or radians, from the border of a predicate to a situation in which it does not hold."""
 
 
 class Fact(NamedTuple):

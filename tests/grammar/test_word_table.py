@@ -82,7 +82,7 @@ def test_what_is_said_of_repeated_and_former_things_has_its_braces_and_forms(wor
 
 def test_contractions_that_could_be_read_in_two_ways_are_refused() -> None:
     own = {"contractions": {"zu dem": "zum", "zu einem": "zum"}}
-    assert "words.contractions: zum stands for several; nobody could read it back: leave one out" in reported(
+    assert "words.contractions: zum stands for several texts, so it is ambiguous; leave one out" in reported(
         lambda entry: check_forms(entry, words_of("de", own))
     )
     (line,) = reported(lambda entry: check_forms(entry, words_of("de", {"contractions": {"zu dem": ""}})))

@@ -31,13 +31,13 @@ START_FACTS, CAPTION_FACTS = 4, 2
 """The maximum numbers of facts in the caption of the initial state and in the captions of other states."""
 
 STEM = 6
-"""The number of letters in which words with the same stem agree."""
+"""The number of initial letters in which words with the same stem agree."""
 
 SEVERAL = 2
-"""The number of things from which on "it" could mean any of them, and of clauses that one conjunction joins."""
+"""The number of objects from which on "it" is ambiguous, and the number of clauses that one conjunction joins."""
 
 SHORT = 3
-"""The maximum number of letters of words that are not looked for inside other words."""
+"""The maximum number of letters of words that do not count as parts of other words."""
 
 COLOR = re.compile(r"#[0-9a-fA-F]{6}")
 CACHED = 1 << 16
@@ -50,7 +50,7 @@ class Instructions:
 
     `vague` states the goal, `default` the actions, and `exact` also the purpose of each action; all refer to objects as
     they are in the initial state. `subgoals` holds a sentence for each action, which refers to the state before it.
-    `named` are the entities that are referred to by name, because nothing visible distinguishes them.
+    `named` holds the entities that are referred to by name, because nothing visible distinguishes them.
     """
 
     vague: str
@@ -61,14 +61,14 @@ class Instructions:
 
 
 class InstructionWriter:
-    """Writes and parses instructions for a domain in one language."""
+    """A writer and parser of instructions for a domain in one language."""
 
     def __init__(
         self, domain: Domain, language: str = "en", colors: Mapping[str, str] | None = None, phrasings: str = ""
     ) -> None:
         """Read a domain's tables for a language; `colors` override those of the scene.
 
-        Only the chosen `phrasings` are written; all are parsed.
+        Only the chosen `phrasings` are written, but all phrasings are parsed.
 
         Raises:
             QueryError: the domain does not have the language or such phrasings.
@@ -82,7 +82,7 @@ class InstructionWriter:
         self._aims: dict[State, State] = {}
 
     def recoloured(self, colors: Mapping[str, str]) -> InstructionWriter:
-        """Return a writer for pictures in which the given entities have different colours."""
+        """Return a writer for pictures in which some entities have the given colours."""
         if not colors:
             return self
         other = copy(self)
@@ -140,11 +140,10 @@ class InstructionWriter:
         )
 
     def captions(self, task: Task) -> list[tuple[str, str]]:
-        """Return a heading and a caption for a picture of each state, including the initial one.
+        """Return a heading and a caption for the picture of each state, including the initial state.
 
         The heading is the action that leads to the state, and the caption states its effects; the caption of the
-        initial state has the known facts about the objects that the actions name. If there are several sentences, the
-        first one is used.
+        initial state has known facts about the objects in the actions. Of several phrasings, the first one is used.
         """
         handled = {argument for action in task.actions for argument in action.arguments} - self.lexicon.appearance.seen
         known = {fluent: True for fluent, value in task.initial.items() if value}
@@ -179,11 +178,11 @@ class InstructionWriter:
         return self.reader.read(context_of(start) if isinstance(start, Task) else start, text)
 
     def goal(self, task: Task) -> Mapping[Atom, bool]:
-        """Return the goal that the vague instruction states: the notable facts that the task changes permanently.
+        """Return the goal that the vague instruction states: the notable facts that the task changes in the end.
 
         Facts that others imply are left out: "the cup is in a corner of the tray" and therefore in the tray. If only
-        silent facts change, these are the goal. The goal of a task that changes nothing permanently is the aim
-        of its last action, which for a trivial task holds in the initial state.
+        silent facts change, these are the goal. The goal of a task that changes nothing in the end is the aim of its
+        last action, which holds in the initial state if the task is trivial.
         """
         made: dict[Atom, bool] = {}
         for subgoal in task.subgoals:
@@ -242,7 +241,7 @@ class InstructionWriter:
                         named[argument] = None
 
     def _framed(self, view: View, level: str, kind: str, clauses: Sequence[ClearSentence], rng: PhraseRng) -> str:
-        """Return sentences joined in the frame of a level, or an empty text if there are none."""
+        """Return sentences joined in the frame of a level, or "" if there are none."""
         if not clauses:
             return ""
         frame = rng.pick(self.phrasings.of(self.lexicon.words.frames[level]))
@@ -258,7 +257,7 @@ class InstructionWriter:
         outdated: Sequence[Set[str]],
         rng: PhraseRng,
     ) -> str:
-        """Return the exact instruction: the actions, and the aim of each if its sentence does not state it already."""
+        """Return the exact instruction: the actions, with the aim of each one unless its sentence states the aim."""
         words, steps = self.lexicon.words, []
         alone, aimed = words.frames["exact"]
         steps_of = zip(actions, aims, again, outdated, strict=True)
@@ -298,12 +297,11 @@ def instruction_writer_of(
     """Return the instruction writer of a domain in a language.
 
     `colors` of entities (``#rrggbb``) override those of the scene. With `phrasings`, only some of the sentences are
-    written: with ``1 of 2``, these are every second one from the first on. The sentences of ``1 of 2`` and ``2 of 2``
-    are disjoint.
+    written: ``1 of 2`` selects every second one from the first on, and shares no sentence with ``2 of 2``.
 
     Raises:
         QueryError: the domain does not have the language or such phrasings, or a colour is malformed.
-        SceneError: something is wrong with the scene.
+        SceneError: the scene is invalid.
     """
     for entity, color in (colors or {}).items():
         if entity not in domain.facts.entity_names or not COLOR.fullmatch(color):
@@ -314,10 +312,10 @@ def instruction_writer_of(
 
 
 def is_stated(fact: str, said: Set[str], function_words: Set[str]) -> bool:
-    """Return whether all words of a fact are already `said`, as in "open the drawer, so that it is open".
+    """Return whether all words of a fact have already been `said`, as in "open the drawer, so that it is open".
 
-    Words count as the same if one begins with the other or has it inside, or if both have the same stem, as "in" and
-    "into", "öffne" and "geöffnet", or "entferne" and "entfernt".
+    Two words count as the same if one begins with or contains the other, or if both have the same stem: "in" and
+    "into", "öffne" and "geöffnet", "entferne" and "entfernt".
     """
 
     def same(one: str, other: str) -> bool:

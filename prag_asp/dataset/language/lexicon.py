@@ -1,4 +1,4 @@
-"""The lexicon of a domain in one language: its sentences, its noun phrases, and what they mean in each state."""
+"""The lexicon of a domain in one language: sentences and noun phrases, with their meanings in each state."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ class Lexicon:
 
         Raises:
             QueryError: the domain does not have the language, or lacks words in it.
-            SceneError: something is wrong with the scene.
+            SceneError: the scene is invalid.
         """
         reader = _reader(domain, language)
         self.domain, self.language, self.words = domain, language, reader.words
@@ -49,7 +49,7 @@ class Lexicon:
         self._reset_caches()
 
     def recoloured(self, colors: Mapping[str, str]) -> Lexicon:
-        """Return the lexicon for pictures in which the given entities have different colours."""
+        """Return the lexicon for pictures in which some entities have the given colours."""
         other = copy(self)
         other.appearance = self.appearance.recoloured(colors)
         other.phrases = NounPhrases(self.grammar, other.appearance, self.sentences)
@@ -73,8 +73,8 @@ class Lexicon:
     def view(self, known: InstructionContext) -> View:
         """Return the view of a state.
 
-        It is cached only if descriptions depend on the state, because a look-up by state takes longer than creating a
-        view.
+        The view is cached only if descriptions depend on the state, because otherwise a lookup takes longer than
+        creating it.
 
         Raises:
             QueryError: the domain has no such entity.

@@ -41,8 +41,8 @@ class NounPhrases:
     def write(self, view: View, value: str, case: str, variant: int = 0, *, outdated: bool = False) -> str:
         """Return the noun phrase for an entity in a state, or the word for another value.
 
-        If the phrase has a relation, variants after the first are less ambiguous. An `outdated` phrase says that the
-        relation held originally.
+        If the phrase has a relation, later variants are less ambiguous than the first one. An `outdated` phrase says
+        that the relation held originally.
         """
         if value not in self.appearance.nouns:
             return self.value(value)
@@ -96,12 +96,12 @@ class NounPhrases:
         return self._written[what, case]
 
     def _displayed(self, name: str) -> str:
-        """Return the name of an entity as phrases spell it: "block A", unless another entity has this name."""
+        """Return the name of an entity as it appears in phrases; a single letter is in upper case: "block A"."""
         upper = name.upper()
         return upper if len(name) == 1 and upper not in self.appearance.names.values() else name
 
     def _modifiers(self, relation: Relation, gender: str = "") -> Iterator[Modifier]:
-        """Yield the modifiers that mean only this relation, for subjects of a given gender."""
+        """Yield the modifiers that mean only this relation; `gender` is that of the subject, or "" for any."""
         for modifier in self.sentences.modifiers.get((relation.name, len(relation.others) + 1), ()):
             genders = modifier.template.genders
             if gender and genders and gender not in genders:
@@ -175,7 +175,7 @@ class NounPhrases:
         return known
 
     def stated(self, view: View, text: str) -> dict[str, set[Relation]]:
-        """Map each entity that a phrase can mean to the relations that the phrase then states about it."""
+        """Return the relations that a phrase states about each entity that it can mean."""
         found: dict[str, set[Relation]] = {}
         for whats, where in self._modifications(text):
             for relation in self._relations(view.context, where):
@@ -205,7 +205,7 @@ class NounPhrases:
         return [*self._known, *self._values, *where]
 
     def fitting(self, view: View, text: str) -> list[str] | None:
-        """Return the entities that a phrase without a relation may mean, or None if the text is not such a phrase."""
+        """Return the entities that a phrase without a relation may fit, or None if the text is not such a phrase."""
         if text not in self._known:
             return None
         context = view.context

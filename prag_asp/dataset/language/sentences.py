@@ -1,4 +1,4 @@
-"""The sentences of a language, with the actions and fluents that each can mean."""
+"""The sentences of a language, with the actions or fluents that each one can mean."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ class Sentence:
         return {arguments: tuple(atoms) for arguments, atoms in found.items()}
 
     def arguments(self, atom: Atom) -> Words:
-        """Return the arguments that the sentence names, in the order of its slots."""
+        """Return the arguments of an atom that occur in the sentence, in the order of its slots."""
         return tuple(atom.arguments[index] for index in self.template.arguments)
 
     def meant(self, arguments: Words) -> tuple[Atom, ...]:
@@ -53,14 +53,14 @@ class Sentence:
         return self._meant.get(arguments, ())
 
     def meant_from(self, arguments: Words, relations: Set[Relation]) -> tuple[Atom, ...]:
-        """Return the actions that a sentence with a source means if the phrase for the object states a relation."""
+        """Return the actions that a sentence with a source means if the phrase for the object states `relations`."""
         stated = {relation.about(arguments[self.moved]) for relation in relations}
         return tuple(atom for atom in self.meant(arguments) if self.sources.get(atom) in stated)
 
     def identifies(self, atom: Atom, robots: frozenset[str]) -> bool:
         """Return whether the sentence means only this action or fluent.
 
-        A sentence that does not name the robot is only for scenes with one robot.
+        A sentence without the robot identifies an action only if the scene has one robot.
         """
         named = self.template.arguments
         unnamed = (argument for index, argument in enumerate(atom.arguments) if index not in named)
@@ -90,7 +90,7 @@ class Modifier:
         return self._meant.get(arguments, frozenset())
 
     def arguments(self, relation: Relation) -> Words:
-        """Return the arguments of a relation that the modifier names, in the order of its slots."""
+        """Return the arguments of a relation that occur in the modifier, in the order of its slots."""
         whole = relation.about("").arguments
         return tuple(whole[index] for index in self.template.arguments)
 
@@ -152,7 +152,7 @@ def _from_phrase(
 def _admitted(
     template: Template, templates: Sequence[Template], atoms: tuple[Atom, ...], kinds: Set[tuple[str, str]]
 ) -> tuple[Atom, ...]:
-    """Return the atoms that a template is for: of several that admit an atom, the last one written counts."""
+    """Return the atoms for which a template is used: of several templates that admit an atom, the last one counts."""
     special = list(dict.fromkeys(each.only for each in templates if each.only))
     if not special:
         return atoms
@@ -166,7 +166,7 @@ def _admitted(
 def _of_fluents(
     forms: FactForms, atoms: tuple[Atom, ...], kinds: Set[tuple[str, str]], given: Set[Template] | None = None
 ) -> Iterator[Sentence]:
-    """Yield the sentences for a fluent; with `given` templates, only the other sentences, as spare ones."""
+    """Yield the sentences for a fluent; with `given` templates, yield those of other templates, as spare ones."""
     for value, templates in ((True, forms.true), (False, forms.false)):
         for template in templates:
             if given is None or template not in given:

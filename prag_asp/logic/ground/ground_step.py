@@ -26,8 +26,8 @@ STEP = 1_000_000_000
 """The number of the ground step, which no domain uses for anything else."""
 
 FEW_STEPS, MOST_ATOMS, MOST_SYMBOLS = 30, 1_000_000, 10_000
-"""The numbers of steps, of atoms, and of symbols in one atom above which a carried predicate counts as endless. A step
-may double the symbols of an atom, so a few steps may exhaust the memory."""
+"""The numbers of steps, of atoms, and of symbols in one atom above which a carried predicate counts as unbounded. A
+step may double the number of symbols of an atom, so a few steps may exhaust the memory."""
 
 MOST_GROWING, FEW_AT_ONCE = 20_000, 2
 """The corresponding limits on atoms, and on steps between two tests, for predicates whose atoms may derive one another.
@@ -53,11 +53,11 @@ Seeds = dict[clingo.Symbol, None]
 class GroundStep:
     """The ground rules of one step in any state, keyed by program part.
 
-    `names` holds the symbol of every named atom; `before`, `now` and `ending` hold the atoms of step t-1 and of step t
-    by their symbol without its time. `initial` are the timed symbols that hold initially, without their time;
-    `obstacles` are the reasons why the step is not a function of the state and the action. With `after_steps_alone`,
-    the final check is wrong for a plan without actions: clingo has simplified it using atoms that are true after every
-    step but not initially. `grounding` can ground more rules on top of the step (see `extend_step`).
+    `names` holds the symbol of every named atom; `before` and `now` hold the atoms of step t-1 and of step t, keyed by
+    their symbol without its time. `initial` are the timed symbols that hold initially, without their time; `obstacles`
+    are the reasons why the step is not a function of the state and the action. With `after_steps_alone`, the final
+    check is wrong for a plan without actions: clingo has simplified it using atoms that are true after every step but
+    not initially. `grounding` can ground more rules on top of the step (see `extend_step`).
     """
 
     rules: Mapping[str, tuple[Rule, ...]]
@@ -129,7 +129,7 @@ def _unforeseen(ground: GroundStep, seeds: Seeds, reads: StepReads) -> set[cling
 def _unsupported(ground: GroundStep, seeds: Seeds) -> set[int]:
     """Return the atoms that no rule derives from any state.
 
-    clingo records an atom that only ``not p(X,t-1)`` mentions, and would carry it along.
+    clingo also records atoms that occur only in ``not p(X,t-1)``; these must not be carried along.
     """
     waiting = [rule for part in ground.rules.values() for rule in part]
     derived = {head for rule in waiting for head in rule.heads}
@@ -144,7 +144,7 @@ def _unsupported(ground: GroundStep, seeds: Seeds) -> set[int]:
 
 
 class _Bounds(NamedTuple):
-    """The numbers of steps and atoms from which a predicate counts as endless, and the steps between two tests."""
+    """The numbers of steps and atoms above which a predicate counts as unbounded, and of steps between two tests."""
 
     steps: int = MOST_ATOMS
     atoms: int = MOST_ATOMS
@@ -165,9 +165,9 @@ def _bounds(program: Program, reads: StepReads) -> _Bounds:
 
 
 def _ground_until_closed(grounder: Grounder, seeds: Seeds, program: Program, reads: StepReads) -> Signature | None:
-    """Ground a step, and further steps while they carry atoms that `seeds` lacks; these are added to `seeds`.
+    """Ground a step, and further steps as long as they carry new atoms, which are added to `seeds`.
 
-    Return a predicate that exceeds the bounds, if there is one. The atoms are tested after 1, 2, 4, ... steps.
+    Return a predicate that exceeds the bounds, or None. The atoms are tested after 1, 2, 4, ... steps.
     """
     atoms = grounder.control.symbolic_atoms
     carried = sorted(reads.previous - CONTRACT)
@@ -214,9 +214,9 @@ def extend_step(
 ) -> GroundStep | None:
     """Return a ground step with more rules ground on top of it, or None if everything has to be ground again.
 
-    A step can be extended once. `rules` may have the parts ``base`` and ``step(t)``; no rule of the step may read what
-    they derive. `carried` are the atoms, without their time, that they derive at one step and read at the next. `reads`
-    describes the step together with the rules.
+    A step can be extended once. `rules` may have the parts ``base`` and ``step(t)``; no rule of the step may read an
+    atom that `rules` derives. `carried` are the atoms, without their time, that `rules` derives at one step and reads
+    at the next. `reads` describes the step together with the rules.
     """
     grounding = step.grounding
     if grounding is None or grounding.extended or grounding.grounder.control.is_conflicting:
@@ -240,7 +240,7 @@ def extend_step(
 def _ground_end(
     started: Grounding, program: Program, open_states: Sequence[clingo.Symbol], reads: StepReads
 ) -> GroundStep:
-    """On top of a step, ground hindsight and the checks of the final state, which may be the initial state.
+    """Ground hindsight and the checks of the final state, which may be the initial state, on top of a step.
 
     If no state allows a step, the checks are grounded without it, because clingo grounds nothing after a conflict.
     """
@@ -261,7 +261,7 @@ def _ground_end(
 
 
 def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], others: Iterable[clingo.Symbol]) -> None:
-    """Declare the `seeds` at step t-1 and the `others` as open."""
+    """Declare the atoms `seeds` at step t-1 and the atoms `others` as open."""
     grounder.leave_open([*(clingo.Function(each.name, [*each.arguments, BEFORE]) for each in seeds), *others])
 
 
@@ -333,7 +333,9 @@ def _recorded(grounder: Grounder, recorder: GroundRecorder, reads: StepReads) ->
                 initial.add(untimed)
                 if not is_fact:
                     spelled_atom = clingo.Function(name, arguments)
-                    obstacles.append(Obstacle(f"{spelled_atom} depends on a choice: plans do not begin in one state"))
+                    obstacles.append(
+                        Obstacle(f"{spelled_atom} depends on a choice, so the initial state is not unique")
+                    )
                 continue
             if time == NOW and is_fact and (name, arity) in reads.timed & (reads.last | CONTRACT):
                 always.append(untimed)

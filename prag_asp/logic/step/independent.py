@@ -28,7 +28,9 @@ FREE: Node = ("actions that set and read no variable", 0)
 
 
 def independent_parts(transition: Transition, *, by_name: bool = False) -> tuple[Transition, ...]:
-    """Return parts of a step function; its plans are the shuffles of their plans, if each part rests in all its states.
+    """Return the independent parts of a step function.
+
+    If each part rests in all of its states, the plans of the step function are the shuffles of the plans of its parts.
 
     With `by_name`, actions of one name belong to one part. The result is empty if there is only one part, or if there
     are fewer than `FEWEST_VARIABLES`.
@@ -39,7 +41,7 @@ def independent_parts(transition: Transition, *, by_name: bool = False) -> tuple
 
 
 class _Parts:
-    """Joins connected nodes into parts (disjoint sets, Tarjan 1975)."""
+    """Parts of connected nodes, as disjoint sets (Tarjan 1975)."""
 
     def __init__(self, transition: Transition, by_name: bool) -> None:
         self._transition = transition
@@ -79,7 +81,7 @@ class _Parts:
                 self._join([("action", named), ("action", letter)])
 
     def step_functions(self) -> tuple[Transition, ...]:
-        """Return the step functions of the parts, or nothing if there is only one part."""
+        """Return the step functions of the parts, or an empty tuple if there is only one part."""
         whole = self._transition
         final = [self._leaves(body) for body in whole.step.final]
         for leaves in final:

@@ -20,9 +20,10 @@ from prag_asp.logic.step.strata import AtomStratum
 class Move:
     """The compiled rules of one action: guards over the state, rules, constraints, and the effect on the state.
 
-    `touched` are the constraints that read the action. In the packed state after a step without an action, the bits
-    `keep` are kept, the bits `put` are set, and `changed` maps other places to the atoms that determine them; `labels`
-    and `fixed_labels` do the same for labels. `constants` are the atoms whose truth depends only on the action.
+    `touched` are the constraints that read the action. The effect changes the packed state after a step without an
+    action: the bits `keep` are kept, the bits `put` are set, and `changed` pairs the indices of other variables with
+    the atoms that determine their values; `labels` and `fixed_labels` do the same for labels. `constants` are the atoms
+    whose truth depends only on the action.
     """
 
     guards: tuple[RuleBody, ...]

@@ -39,7 +39,7 @@ from prag_asp.logic.symmetry.twins import Twins
 from prag_asp.program.entity_names import mentioned_entities
 
 Orders = NDArray[np.int64]
-"""Entities in a new order: row i has entity ``orders[i, j]`` at place j; shape (rows, entities)."""
+"""Entities in a new order: row i has entity ``orders[i, j]`` at position j; shape (rows, entities)."""
 
 UNTOUCHED, FIXED, LOW = np.uint64(1 << 62), np.uint64(2 << 62), np.uint64(2)
 """Sort keys within a group: entities that no bit names come after the others, and fixed entities come last."""
@@ -56,10 +56,10 @@ class Merging:
     """The renamings of the states and the actions of a transition.
 
     `groups` are the units that may be permuted, called entities here. They are numbered consecutively across all
-    groups; `starts` is where each group begins. `variables` are the patterns of the variables that renamings move, with
-    the numbers `moved`; `actions` are the patterns of all actions. `guards` holds, for each entity, the variable that
-    is true once the entity may be renamed, or `ALWAYS` or `NEVER`; `before` holds, for each entity, the entity that
-    must be named before it, or the entity itself.
+    groups; `starts` holds the number of the first entity of each group. `variables` are the patterns of the variables
+    that renamings move, with the numbers `moved`; `actions` are the patterns of all actions. `guards` holds, for each
+    entity, the variable that is true once the entity may be renamed, or `ALWAYS` or `NEVER`; `before` holds, for each
+    entity, the entity that must be named before it, or the entity itself.
     """
 
     groups: tuple[tuple[Unit, ...], ...]
@@ -197,7 +197,7 @@ class Merging:
         return bits, keys
 
     def _alike(self, bits: StateBits, keys: Colours, orders: Orders) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Return which entities in an order are twins of the previous ones, and which have the same keys as those."""
+        """Return which entities, in the given orders, are twins of their predecessors, and which have equal keys."""
         ties = np.zeros(keys.shape, dtype=np.bool_)
         ties[:, 1:] = (keys[:, 1:] == keys[:, :-1]) & ~self._begins[1:]
         twins: NDArray[np.bool_] = ties & (keys == UNTOUCHED)

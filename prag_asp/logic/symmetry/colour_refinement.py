@@ -115,9 +115,10 @@ def _distinct(colours: Colours) -> NDArray[np.intp]:
 def are_twins(
     bits: StateBits, variable_of: NDArray[np.int64], state: NDArray[np.intp], pairs: NDArray[np.int64]
 ) -> NDArray[np.bool_]:
-    """Return, for each pair of entities of one group, whether swapping them leaves its state unchanged.
+    """Return, for each pair of entities of one group, whether swapping them leaves the state of the pair unchanged.
 
-    `state` has shape (m,), `pairs` (m, 2); `variable_of` maps a term to its variable.
+    `state` holds the state of each pair, shape (m,); `pairs` has shape (m, 2). `variable_of` maps a term to its
+    variable.
     """
     first, second = pairs.T
     result: NDArray[np.bool_] = (bits.alone[state, first] == bits.alone[state, second]).all(axis=1)

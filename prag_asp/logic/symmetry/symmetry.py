@@ -111,7 +111,7 @@ def _stated(facts: Facts) -> dict[clingo.Symbol, Hashable]:
 
 @dataclass(frozen=True)
 class _Terms:
-    """Terms that renamings must map onto themselves, and the test for them; `naming` holds the terms by entity."""
+    """Terms that renamings must map onto themselves; `has` tests for a term, `naming` holds the terms by entity."""
 
     exact: Collection[Shaped]
     naming: Mapping[int, Sequence[Shaped]]
@@ -133,7 +133,7 @@ class _Terms:
         return iter(())
 
     def size(self, entities: Iterable[int]) -> int:
-        """Return the total number of terms that name each of the given entities, as a measure of the work."""
+        """Return the number of terms that name each entity, summed over the entities, as a measure of the work."""
         return sum(len(self.naming.get(entity, ())) for entity in entities)
 
 
@@ -145,7 +145,7 @@ class _Rules:
     others: Callable[[], _Rules] | None = None
     _consequences: dict[bool, Consequences] = field(default_factory=dict)
     _witnesses: list[tuple[SpelledRule, int, int]] = field(default_factory=list)
-    """Rules that swaps of two entities do not preserve, each with the two entities; the rule that was last useful comes
+    """Rules that swaps of two entities do not preserve, each with the two entities; the most recently useful rule comes
     first."""
 
     @cached_property
@@ -155,8 +155,8 @@ class _Rules:
     def kept_by(self, first: int, second: int) -> bool:
         """Return whether the swap of two entities maps the rules onto themselves, up to entailed rules.
 
-        The test is cheap because most pairs differ in one of the first atoms, or in a rule like one in which an earlier
-        pair differs.
+        The test is cheap because most pairs differ in one of the first atoms, or in a rule similar to one in which an
+        earlier pair differs.
         """
         names = {first: second, second: first}
         if self._differ_as_before(first, second) or next(self._terms.lacking(names, names), None) is not None:
@@ -204,14 +204,14 @@ class _Rules:
         return image is not None and (image in self._deriving or self._entails(image))
 
     def _entails(self, rule: SpelledRule) -> bool:
-        """Return whether a rule is entailed by the rules of every step or, if it is of the last step, by all rules."""
+        """Return whether other rules entail a rule: the rules of every step or, for the final check, all rules."""
         if rule.last not in self._consequences:
             rules = (each for each in self.atoms.rules if rule.last or not each.last)
             self._consequences[rule.last] = Consequences([*rules, *self.atoms.definitions])
         return self._consequences[rule.last].has(rule)
 
     def size(self, entities: Iterable[int]) -> int:
-        """Return the total number of atoms that name each of the given entities."""
+        """Return the number of atoms that name each entity, summed over the given entities."""
         return self._terms.size(entities)
 
     @cached_property

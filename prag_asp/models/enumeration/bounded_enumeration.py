@@ -1,4 +1,4 @@
-"""Enumerate with clingo up to a work limit, and predict the processor time for enumerating all answer sets."""
+"""Enumeration by clingo up to a work limit, and a prediction of the processor time for all answer sets."""
 
 from __future__ import annotations
 

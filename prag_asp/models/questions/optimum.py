@@ -47,7 +47,7 @@ def find_optimum(given: GivenProgram, ground: GroundModels) -> Optimum | None:
         if sum(abs(weight) for _, weight in literals) > LARGEST:
             place = next(places_of_costs(given.program))
             raise DomainError(
-                f"{place} the weights of priority {priority} sum to more than {LARGEST}, which clingo does not add up "
+                f"{place} the weights of priority {priority} sum to more than {LARGEST}, which clingo does not add "
                 "exactly; state smaller weights"
             )
     stage("searching the optimum")
@@ -71,7 +71,7 @@ def find_optimum(given: GivenProgram, ground: GroundModels) -> Optimum | None:
 
 
 def only_optimal(ground: GroundModels, optimum: Optimum) -> GroundModels:
-    """Return a ground program whose only answer sets are the optimal ones; its control gets the same constraints."""
+    """Return a ground program with only the optimal answer sets; add the same constraints to its control."""
     rules = tuple(_optimal_rules(ground, optimum))
     with ground.grounder.control.backend() as backend:
         for rule in rules:

@@ -1,4 +1,4 @@
-"""Represent functions with objects as values by predicates whose last argument is the value; at most one is true.
+"""Functions with objects as values, as predicates whose last argument is the value; at most one atom is true.
 
 ``undefined`` is a value like any other (PDDL 3.1), so two functions without a value are equal. A literal that contains
 a function without a value is false.

@@ -92,7 +92,7 @@ class Control:
         if name not in CONTROLS:
             raise QueryError(unknown(name, CONTROLS, "control"))
         if isinstance(rate, bool) or rate not in RATES:
-            raise QueryError(f"rate {rate!r:.80}: give a number of actions a second that divides {STEPS_A_SECOND}")
+            raise QueryError(f"rate {rate!r:.80}: give a number of actions per second that divides {STEPS_A_SECOND}")
         bounds = [_bounds(name, robot_of(scene, robot), rate) for robot in scene.robots]
         lower, upper = (np.concatenate(side) for side in zip(*bounds, strict=True))
         if scale != 1.0:

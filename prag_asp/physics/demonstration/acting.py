@@ -34,7 +34,7 @@ class PerformanceFailed(Exception):
 
 
 class Actor:
-    """Moves the arms of a simulation from waypoint to waypoint, and keeps track of their intended states.
+    """A driver that moves the arms of a simulation from waypoint to waypoint, and keeps track of their intended states.
 
     Arms without a new target hold their position.
     """

@@ -5,7 +5,7 @@ that rest on these. A task intends contacts between
 
 - the fingers of a gripper and the object that it holds, grasps, releases or is at, before or after the action, or the
   furniture that the action opens or closes;
-- a moved body and its support, or a body that rests on it, in the state before the action or after it;
+- a moved body and its support, or a moved body and a body that rests on it, in the state before the action or after it;
 - two bodies that rest on moved bodies.
 
 Any other contact is a fault if its force exceeds `GENTLE`. An intended contact is a fault if it is deeper than

@@ -19,7 +19,7 @@ FRAME_STEPS = 6
 
 
 class Recorder:
-    """Collects the frames of an episode, as the numbers that its file will contain."""
+    """A collector of the frames of an episode, as the numbers that the file of the episode will contain."""
 
     def __init__(self, world: Dynamics, objects: Sequence[str]):
         self._world = world

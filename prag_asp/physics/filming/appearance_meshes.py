@@ -24,7 +24,7 @@ from prag_asp.scene.robots import ROBOTS
 
 
 class Fineness(NamedTuple):
-    """How finely robots and shadows are rendered.
+    """The fineness with which robots and shadows are rendered.
 
     `cell` and `finest` are the largest and the smallest side of a cluster of vertices in metres, `cells` is the minimum
     number of clusters along a part, and `shadow_texels` is the width of the light's image in pixels.

@@ -32,7 +32,8 @@ from prag_asp.scene.surfaces import in_frame
 Floats = NDArray[np.float64]
 
 DENSE = 4000
-"""The number of points on the surface that must not be inside the hand: one every 4 mm on an object of 150 mm."""
+"""The number of sampled surface points that must not be inside the hand; on an object of 150 mm, they are about 4 mm
+apart."""
 
 SMALLEST_PATCH = 6e-6
 """The minimum area of a contact in m²: 2 mm x 3 mm, a corner of a pad."""
@@ -45,15 +46,16 @@ SOFT = 0.002
 """The depth in metres to which fingers may penetrate a held body: their rubber yields, and grasps are not exact."""
 
 ENOUGH_POINTS, UNSURE = 8, 0.15
-"""The minimum number of points between the pads for judging a contact before it is computed, and the error of this
-judgement as a cosine."""
+"""The minimum number of points between the pads for estimating a contact before it is computed, and the error of this
+estimate as a cosine."""
 
 MOST = (40, 40, 24)
-"""The maximum number of distinct grasps of a body to keep, best first, for each kind: from above, slanted, and from the
-side."""
+"""The maximum number of distinct grasps of a body to keep, best first, for each kind: from above, at an angle, and from
+the side."""
 
 SLANTED, SIDEWAYS = 0.5, 1.2
-"""The smallest angles, in radians, between the tool's direction and straight down for slanted and for sideways grasps.
+"""The smallest angles, in radians, between the tool's direction and straight down for grasps at an angle and from the
+side.
 """
 
 ENOUGH_SLACK, WIDE_CONTACT = 0.01, 0.005
@@ -184,7 +186,7 @@ def _widest(points: Floats, gripper: ParallelGripper, width: float) -> float | N
 def _judged(
     problem: GraspProblem, gripper: ParallelGripper, triangles: Floats, dense: Floats, place: Pose, tilt: float
 ) -> Grasp | None:
-    """Return the grasp at a place on the body, or None if the pads cannot grasp the body there."""
+    """Return the grasp at a tool pose `place`, or None if the pads cannot grasp the body there."""
     contact = gripper.contact(in_frame(triangles, place))
     if contact is None or contact.width > gripper.opening - 2 * ROOM or not _holds(contact, problem.friction):
         return None
@@ -204,8 +206,9 @@ def _judged(
 def lever_of(centre: tuple[float, float, float], tool: Pose, contact: PadContact) -> float:
     """Return the torque of the weight of an upright body about the line between two pads, per newton, in metres.
 
-    `tool` is the pose of the tool in the frame of the body. If the line is horizontal, the result is the horizontal
-    distance of the centre of mass from it. The rest of the torque tilts the body instead; see `tilting.py`.
+    `tool` is the pose of the tool in the frame of the body. If the line is horizontal, the result is its horizontal
+    distance from the centre of mass. If the line is inclined, the result is only the component of the torque along it;
+    the other component tilts the body, see `tilting.py`.
     """
     x, z = ((a + b) / 2 for a, b in zip(contact.patches[0].centre, contact.patches[1].centre, strict=True))
     offset = np.array(compose(tool, Pose((x, 0.0, z))).position) - centre

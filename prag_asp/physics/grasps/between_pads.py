@@ -49,7 +49,7 @@ class PadWindow(NamedTuple):
 def width_between(shape: Shape, pose: Pose, window: PadWindow, tool: Pose) -> float:
     """Return the width in metres, along the tool's y axis, of the part of a primitive between the pads; or 0.
 
-    A shape that is neither a cylinder nor a ball counts as the box around it.
+    A shape that is neither a cylinder nor a ball is treated as the box around it.
     """
     opening = rotate(tool.quaternion, AXES[1])
     whole = width_along(shape, pose.quaternion, opening)
@@ -93,9 +93,10 @@ def _direction_across(place: Pose) -> Vector:
 
 
 def _on_line(shape: Shape, place: Pose, way: Vector, line: tuple[float, float]) -> Interval:
-    """Return where a line along y, at an x and z relative to a body's centre, is in the body; empty if low > high.
+    """Return the interval in which a line along y, at a given x and z, is in a body; it is empty if low > high.
 
-    `way` is the direction of the line in the frame of the body.
+    `line` holds the x and z, in the frame of the tool, and `way` is the direction of the line in the frame of the body.
+    The interval is relative to the y of the body's centre.
     """
     half, (x, y, z, w) = shape.half, place.quaternion
     start = rotate((-x, -y, -z, w), (line[0] - place.position[0], 0.0, line[1] - place.position[2]))
@@ -135,7 +136,7 @@ def _ends_of_box(shape: Shape, place: Pose, window: PadWindow) -> Iterator[float
 
 
 def _within(begin: float, slope: float, ends: Interval, low: float, high: float) -> Interval:
-    """Return where ``begin + slope * t`` is between two bounds, within an interval of t; empty if low > high."""
+    """Return the part of an interval of t where ``begin + slope * t`` is between two ends; empty if low > high."""
     if abs(slope) <= PARALLEL:
         return (low, high) if ends[0] - ON_SIDE <= begin <= ends[1] + ON_SIDE else NOTHING
     first, last = (ends[0] - begin) / slope, (ends[1] - begin) / slope
@@ -177,7 +178,7 @@ def _point(start: Vector, far: float, way: Vector) -> Vector:
 
 
 def _on_planes(radius: float, long: float, axis: Vector, centre: Vector, window: PadWindow) -> Iterator[Vector]:
-    """Yield where a cylinder's rims meet the prism's sides, and the ends, along y, of its curve in each side."""
+    """Yield the points of a cylinder's rims in the prism's sides, and the ends, along y, of its curve in each side."""
     for k, plane in ((0, window.x[0]), (0, window.x[1]), (2, window.z[0]), (2, window.z[1])):
         left = plane - centre[k]
         to = _unit_across(axis, k)

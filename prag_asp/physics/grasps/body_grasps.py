@@ -36,7 +36,9 @@ SUFFIX = ".grasps"
 
 
 def body_grasps(shape: Shape, gripper: ParallelGripper, friction: float) -> tuple[Grasp, ...]:
-    """Return the grasps of a body with a model, in its frame, best first, given the friction between it and pads.
+    """Return the grasps of a body with a model, in the frame of the body, best first.
+
+    `friction` is the coefficient between pad and body.
 
     Raises:
         SceneError: a mesh cannot be read.

@@ -24,7 +24,7 @@ CONE_SHARE = 0.6
 """The share of the friction angle that a sampled contact may use; the rest is left for accelerations when lifting."""
 
 FLATTER = (0.5, 0.95)
-"""How far an axis is turned from the normal towards the horizontal, as shares of the cone's angle."""
+"""The angles by which an axis is turned from the normal towards the horizontal, as shares of the cone's half-angle."""
 
 UPRIGHT = 1e-3
 """The slope in radians below which a normal is horizontal, and the cosine below which it is vertical."""
@@ -48,7 +48,7 @@ LONG_LEVER, TILT_COST = 0.05, 0.3
 
 
 class Candidate(NamedTuple):
-    """A candidate for a grasp: its cost and number, which determine the order of attempts, and where the tool is.
+    """A candidate for a grasp: its cost and number, which determine the order of attempts, and the place of the tool.
 
     `tilt` is the angle between the tool's direction and straight down, in radians; `middle` (3,) is the point midway
     between the contacts, in metres; `rotation` (3, 3) has the axes of the tool as columns. All are in the frame of the
@@ -67,8 +67,9 @@ def grasp_candidates(
 ) -> list[Candidate]:
     """Return candidates for grasps of a body, most promising first; the samples are fixed.
 
-    `parts` (n, 3, 3) are its convex parts as triangles and `centre` is its centre of mass, in its frame in metres;
-    `friction` is the coefficient between pad and body, and `opening` is the opening of the gripper in metres.
+    `parts` (n, 3, 3) are the convex parts of the body as triangles, and `centre` is the centre of mass, in the body's
+    frame in metres; `friction` is the coefficient between pad and body, and `opening` is the opening of the gripper in
+    metres.
     """
     points, normals = surface_points(parts, POINTS, np.random.default_rng(0))
     candidates: list[Candidate] = []
@@ -107,7 +108,7 @@ def surface_points(parts: Sequence[Floats], number: int, rng: np.random.Generato
 def _antipodal_pairs(
     points: Floats, normals: Floats, triangles: Floats, friction: float, opening: float
 ) -> Iterator[tuple[Floats, Floats, Floats]]:
-    """Yield points of the surface, the points opposite to them, and the unit vectors from the latter to the former."""
+    """Yield surface points, each with an opposite point and the unit vector from the opposite point to it."""
     least = math.cos(CONE_SHARE * math.atan(friction))
     corner, one, two = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
     facing = crossed(one, two)

@@ -41,14 +41,15 @@ class PadContact(NamedTuple):
 
     @property
     def radius(self) -> float:
-        """The smaller radius of gyration of the two patches in metres: the lever arm of friction about their line."""
+        """The smaller radius of gyration of the two patches in metres, which is the lever arm of their friction."""
         return min(patch.gyration for patch in self.patches)
 
 
 class PadPatch(NamedTuple):
-    """The patch of one pad: its area in m², centroid (x, z) in m, radius of gyration in m, and mean normal.
+    """The patch of one pad: its area in m², centroid (x, z) in m, radius of gyration in m, and slope.
 
-    `slope` is the cosine of the angle between the mean outward normal and the direction in which the pad lies.
+    `slope` is the mean over the area of the cosine of the angle between the outward normal and the direction in which
+    the pad lies.
     """
 
     area: float
@@ -120,7 +121,10 @@ class ParallelGripper(NamedTuple):
 
 
 class Polygons(NamedTuple):
-    """Convex polygons with their unit normals; `corners` has the shape (n, m, 3), the last corner repeated."""
+    """Convex polygons with their unit normals; `corners` has the shape (n, m, 3).
+
+    If a polygon has fewer than m corners, its last corner is repeated.
+    """
 
     corners: Floats
     normals: Floats

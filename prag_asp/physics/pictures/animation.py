@@ -149,7 +149,7 @@ def smoothed(rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _in_one_palette(pictures: Sequence[Image.Image]) -> list[Image.Image]:
-    """Return pictures that share one palette, so that whatever does not move keeps its colours.
+    """Return pictures that share one palette, so that the colours of still parts do not change.
 
     A colour counts as often as the square root of its frequency, because objects are small and the table is large.
     """

@@ -123,7 +123,7 @@ def _most_hidden(studio: Studio, changed: Sequence[str], size: tuple[int, int], 
 
 
 def _close_up(studio: Studio, moment: Moment, scene: Scene, entity: str, side: int) -> CameraImage | None:
-    """Return an image of an entity and its surroundings from the direction that shows most of it, if any shows it."""
+    """Return a close-up of an entity from the direction that shows most of it, or None if no direction shows it."""
     target = moment.poses[entity].position
     radius = max(LEAST_ROOM, ROOM * math.hypot(*scene.shapes[entity].size) / 2)
     distance = radius / math.sin(math.radians(FIELD_OF_VIEW) / 2)
@@ -142,7 +142,7 @@ def _close_up(studio: Studio, moment: Moment, scene: Scene, entity: str, side: i
 def _emptiest_corner(
     segmentation: NDArray[np.unsignedinteger], studio: Studio, size: tuple[int, int], side: int
 ) -> tuple[int, int]:
-    """Return where to put the upper left corner of a square so that it covers the picture's emptiest corner."""
+    """Return the pixel for the upper left corner of a square that covers the emptiest corner of a picture."""
     width, height = size
     corners = [(width - side, 0), (0, 0), (width - side, height - side), (0, height - side)]
     bodies = segmentation > studio.legend.index(studio.table)

@@ -80,7 +80,7 @@ def _extent_within(situation: Situation, subject: str, container: str, quaternio
 
 
 def _lateral(situation: Situation, subject: str, container: str) -> Iterator[float]:
-    """Yield by how many metres a body's bounding box extends beyond a container, in the container's frame."""
+    """Yield the amounts in metres by which a body's box, along a container's axes, extends beyond the container."""
     pose, (outer, inner) = situation.pose(subject), hollow(situation, container)
     dx, dy = to_local(outer, pose.position[0], pose.position[1])
     middle, half = _extent_within(situation, subject, container, pose.quaternion)
@@ -105,7 +105,7 @@ def _inside_violations(situation: Situation, arguments: Arguments) -> Iterator[f
 
 
 def _located_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield how far a body is, in metres, from the space in the container or on the table, up to `HOVER` above it.
+    """Yield the distances in metres of a body from the space in the container or on the table, up to `HOVER` above it.
 
     The space over the table does not include the space over hollow bodies.
     """
@@ -135,7 +135,7 @@ def _hollow_others(situation: Situation, subject: str) -> list[str]:
 def _room(
     situation: Situation, arguments: Arguments, quaternion: Quaternion, height: float, margin: float = MARGIN
 ) -> Volume:
-    """Return where the centre of a body in a cavity may lie if the body is at most `height` metres above the floor."""
+    """Return the region for the centre of a body in a cavity, at most `height` metres above the floor."""
     subject, container = arguments
     pose, inner = hollow(situation, container)
     middle, half = _extent_within(situation, subject, container, quaternion)
@@ -149,7 +149,7 @@ def _room(
 
 
 def _spare(room: float, margin: float) -> float:
-    """Return how far off-centre, in metres, a body may be without touching a wall, given the room on either side."""
+    """Return the distance in metres by which a body may be off-centre, given the room between it and either wall."""
     return room - margin if room >= margin else room / 2
 
 

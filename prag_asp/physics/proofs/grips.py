@@ -42,7 +42,7 @@ def never_gripped(domain: Domain, scene: Scene) -> Iterator[Problem]:
 
 
 def _faults(scene: Scene, name: str, entity: str) -> Iterator[tuple[str, str, str]]:
-    """Yield why a robot cannot hold a body in its easiest size: the warning's name, the table and a text."""
+    """Yield reasons why a robot cannot hold a body in its easiest size: the warning's name, the table and a text."""
     robot, shapes = robot_of(scene, name), scene.ranges.get(entity, (scene.shapes[entity],))
     limit = (robot.opening - CLEARANCE) * 1000
     closes = f"the gripper closes around at most {limit:.3g} mm (it opens to {robot.opening * 1000:.3g} mm)"

@@ -54,8 +54,8 @@ LONG, FROM_END = 0.08, 0.03
 metres."""
 
 MIDDLE = 0.03
-"""In a scene with several robots, the distance in metres of a grasp of a long body with a model from its middle, below
-which two hands, each 63 mm wide, have no room on the body."""
+"""The smallest distance in metres from the middle of a long body with a model to a grasp that leaves room for the hand
+of another robot; a hand is 63 mm wide."""
 
 LARGEST_STEP = 1.2
 """The largest turn of a joint, in radians, between a grasp and `LIFT` above it, if both are on one branch of the
@@ -66,7 +66,7 @@ EASE = 0.3
 """The bonus in a grasp's score if the arm approaches from its own side."""
 
 STEADY = 1.0
-"""How much a grasp's score decreases if the weight of the body just suffices to tilt it out of the pads."""
+"""The amount by which a grasp's score decreases if the weight of the body just suffices to tilt it out of the pads."""
 
 STEADIEST = 0.8
 """The largest torque that tilts a body in a grasp, as a share of the torque that pads bear.
@@ -124,7 +124,8 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     frames = matrix(pose) @ table.frames
     away = frames[:, :2, 3] - search.robot.base.position[:2]
     outward = away / np.maximum(np.linalg.norm(away, axis=1), HAIR)[:, None]
-    # The palm's x axis points away from the base, and so does a slanted tool; the wrist is therefore on the arm's side.
+    # The palm's x axis points away from the base, and so does an inclined tool; the wrist is therefore on the arm's
+    # side.
     forward, slope = ((frames[:, :2, axis] * outward).sum(1) for axis in (0, 2))
     ease = np.abs(forward) + 2 * np.minimum(0.0, slope)
     press = finger_force(search.scene, entity, acting)
@@ -282,7 +283,7 @@ def near_joints(
 
     The result is None if none of the first `tries` configurations (by default, all) is collision-free and close.
     """
-    # The elbow swings more if the tool is slanted; the least change of all joints keeps the path between the two
+    # The elbow swings more if the tool is inclined; the least change of all joints keeps the path between the two
     # straight.
     adjusted = None if is_downward(tool) else adjust_joints(search.robot, tool, low)
     for high in chain(() if adjusted is None else (adjusted,), islice(inverse(search.robot, tool, near=low), tries)):

@@ -25,9 +25,9 @@ DENT = 0.0005
 def convex_hull(points: Floats) -> Floats:
     """Return the triangles (n, 3, 3) of the convex hull of points (m, 3), counter-clockwise seen from outside.
 
-    The hull grows by the farthest point outside a face: all faces that the point sees are replaced by the triangles
-    between it and their common border (Barber, Dobkin and Huhdanpaa, "The Quickhull algorithm", 1996). Points within
-    rounding errors of a face are left out. The points must not all lie in a plane.
+    The hull grows by the farthest point outside a face: all faces that are visible from the point are replaced by the
+    triangles between the point and the border of these faces (Barber, Dobkin and Huhdanpaa, "The Quickhull algorithm",
+    1996). Points that are on a face, apart from rounding errors, are left out. The points must not all lie in a plane.
     """
     points = np.unique(points, axis=0)
     rounding = ROUNDING * float(np.ptp(points, axis=0).max())

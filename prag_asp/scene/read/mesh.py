@@ -115,8 +115,8 @@ def _concave(part: MeshPart) -> bool:
 def file_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[MeshPart, ...]:
     """Return the triangles of each part of a mesh in its file, multiplied by a scale along each axis.
 
-    The parts of an .obj file are its objects and groups, and those of a .glb, .gltf or .dae file are its nodes. If one
-    of them is thinner than `FLATTEST` metres, the mesh has only one part.
+    The parts of an .obj file are its objects and groups, and those of a .glb, .gltf or .dae file are its nodes. If a
+    part is thinner than `FLATTEST` metres, the mesh has only one part.
 
     Raises:
         SceneError: the file cannot be read, has an unknown format, no faces, or a point that is not finite.

@@ -1,4 +1,4 @@
-"""Weigh the occurrences of letters, and of consecutive letters, in the words of one length.
+"""The total weight of the occurrences of letters, and of consecutive letters, in the words of one length.
 
 A word with one chosen occurrence is a word of a larger automaton, which consists of copies of the automaton, one above
 the other, and of marked edges that lead up to the next copy. Occurrences in long words can therefore be counted by a

@@ -179,8 +179,8 @@ class Matches:
 class Part:
     """The skeleton belongs to one of the parts into which a random automaton divides all skeletons evenly.
 
-    Each name stands for a random permutation, determined by `seed`, of the numbers below `modulus`; the class of a
-    skeleton is the image of 0 under its permutations.
+    Each action name stands for a random permutation, determined by `seed`, of the numbers below `modulus`; the class of
+    a skeleton is the image of 0 under the permutations of its names in order.
     """
 
     residues: tuple[int, ...]
@@ -261,7 +261,7 @@ class Ends:
 class Achieves(Ends):
     """The final state satisfies a formula that the initial state is not known to satisfy.
 
-    Several such clauses share one initial state, which may satisfy none of their formulas.
+    Several such clauses share one initial state, which must not be known to satisfy any of their formulas.
     """
 
     file: ClassVar[str] = "achieves"
@@ -301,7 +301,7 @@ SHORTEST = KeywordClause("shortest")
 
 
 def end_requests(number: int, conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
-    """Yield the requests of ``ends.lp`` for a final state that satisfies one of the given conjunctions."""
+    """Yield the request terms for ``ends.lp``: the final state satisfies one of the given conjunctions."""
     yield f"ends({number})"
     for which, conjunction in enumerate(conjunctions):
         yield f"either({number},{which})"
@@ -310,7 +310,7 @@ def end_requests(number: int, conjunctions: Iterable[Mapping[str, bool]]) -> Ite
 
 
 def start_requests(conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
-    """Yield the requests of ``achieves.lp`` for conjunctions that must not be known to hold initially."""
+    """Yield the request terms for ``achieves.lp``: none of the conjunctions is known to hold initially."""
     for which, conjunction in enumerate(conjunctions):
         yield f"known({which})"
         for fluent, value in conjunction.items():
@@ -318,7 +318,7 @@ def start_requests(conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
 
 
 def language_requests(number: int, machine: Recogniser) -> Iterator[str]:
-    """Yield the requests of ``matches.lp`` for the words that an automaton accepts."""
+    """Yield the request terms for ``matches.lp``: an automaton accepts the skeleton."""
     yield f"language({number})"
     yield f"starts({number},0)"
     for state, row in enumerate(machine.moves):
@@ -335,7 +335,7 @@ def _bounds(which: int | str, expected: Range, lower: str, upper: str) -> Iterat
 
 
 def _counted(what: str, times: Range, counted: Iterable[object]) -> Iterator[str]:
-    """Yield the requests of ``has.lp``.
+    """Yield the request terms for ``has.lp``.
 
     A counter is part of the state. Its name contains the entities that it counts, so that renaming entities maps
     counters to counters.

@@ -169,12 +169,12 @@ def searching_engine(
             words = word_formula(model, level, length)
             beginning = words.beginning(prefix)
             if beginning is None:
-                raise EngineError("no word begins so")
+                raise EngineError("no word begins with the prefix")
             return words.cnf, beginning
 
         def begins() -> None:
             if progress:
-                why = f"clingo has not found all words after {PATIENCE:g} s; the first that is done answers"
+                why = f"clingo has not found all words after {PATIENCE:g} s; the first to finish answers"
                 progress(Note(f"note: engine sharp as well, because {why}"))
 
         return CountBeside(formula, PATIENCE, begins)
