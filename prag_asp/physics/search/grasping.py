@@ -80,7 +80,7 @@ SECTOR, SIDEWAYS = math.pi / 4, 0.7
 side, that is, if the cosine of the tool's angle from straight down is below the second number."""
 
 STRAIGHT_DOWN = 1e-7
-"""How far below 1 the cosine of a tool's angle from straight down may be: about half a milliradian."""
+"""The amount by which the cosine of a tool's angle from straight down may be below 1: about half a milliradian."""
 
 
 class CollisionQuery(NamedTuple):
@@ -164,7 +164,7 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
 def _leaves_no_room(
     search: Search, situation: Situation, entity: str, frames: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """Return which of the grasps with given frames, shape (n, 4, 4), in a long body leave no room for another robot."""
+    """Return, for each grasp frame (n, 4, 4), whether it leaves no room for another robot on a long body."""
     half = np.array(situation.shape(entity).half[:2])
     if not search.scene.shared or half.max() < LONG:
         return np.zeros(len(frames), dtype=bool)
