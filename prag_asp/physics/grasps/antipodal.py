@@ -5,8 +5,8 @@ force closure (Nguyen, "Constructing force-closure grasps", 1988). Candidates ar
 line through it within its friction cone, each point where the line leaves the body, and directions of the tool around
 the line. Each candidate is then judged by the exact contact of the closed pads (`ParallelGripper.contact`).
 
-If there are few grasps from a direction, points on edges are sampled as well. Between a face and an edge, or between
-two edges, a body is held less firmly than between two faces.
+If there are few grasps at faces, points on edges are sampled as well. Between a face and an edge, or between two edges,
+a body is held less firmly than between two faces.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ MOST = (40, 40, 24)
 the side."""
 
 FEW = 8
-"""The number of grasps at faces of each kind, below which grasps at edges are added."""
+"""The number of grasps at faces below which grasps at edges are added, and the maximum number of these of each kind."""
 
 SLANTED, SIDEWAYS = 0.5, 1.2
 """The smallest angles, in radians, between the tool's direction and straight down for grasps at an angle and from the
@@ -119,9 +119,9 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
     lowest = float(triangles[:, :, 2].min())
     kept, counts = list[Grasp](), [0] * len(MOST)
     for at_edges in (False, True):
-        most = [min(FEW, limit) if at_edges else limit for limit in MOST]
-        if all(count >= limit for count, limit in zip(counts, most, strict=True)):
+        if at_edges and len(kept) >= FEW:
             break
+        most = [min(FEW, limit) if at_edges else limit for limit in MOST]
         for candidate in grasp_candidates(problem.parts, problem.centre, problem.friction, gripper.opening, at_edges):
             tilt = candidate.tilt
             kind = (tilt >= SLANTED) + (tilt >= SIDEWAYS)

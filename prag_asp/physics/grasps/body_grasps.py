@@ -26,7 +26,7 @@ from prag_asp.scene.geometry import Pose, matrix
 from prag_asp.scene.scene import Shape
 from prag_asp.scene.surfaces import in_frame, mesh_states, part_surfaces, surface
 
-FORM = 6
+FORM = 7
 """The version of the search and of its files; cached grasps of other versions are not read."""
 
 LARGEST_FILE = 1_000_000

@@ -80,11 +80,9 @@ def test_a_lying_prism_over_a_pentagon_is_held_from_above_between_two_edges() ->
     assert found[0].tilt == pytest.approx(0.0, abs=0.4)
 
 
-def test_grasps_at_faces_come_first_and_where_there_are_enough_none_at_edges_are_sampled() -> None:
+def test_a_body_with_enough_grasps_at_faces_has_none_at_edges() -> None:
     found = sampled_grasps(problem(prism(6, 0.035, 0.05)), GRIPPER)
-    edges = [grasp.at_edge for grasp in found]
-    assert any(edges) and not edges[0] and edges == sorted(edges)
-    assert not any(grasp.at_edge and grasp.tilt < 1.2 for grasp in found)
+    assert len(found) >= 8 and not any(grasp.at_edge for grasp in found)
 
 
 def test_pads_hold_no_edge_if_the_line_between_the_contacts_is_outside_the_friction_cones() -> None:
