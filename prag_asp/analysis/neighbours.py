@@ -232,7 +232,7 @@ def _shortest(words: LayeredAutomaton, target: Target) -> NearestTask:
 
 
 def _place_before(row: NDArray[Any], edits: int, plan: NDArray[np.int64], letter: int, place: int) -> int:
-    """Return the length of the plan's prefix before a letter, given that of the prefix after it, `place`."""
+    """Return the length of the plan's prefix before a letter; `place` is the length of the prefix after this letter."""
     for skipped in count():
         after = place - skipped
         if after and row[after - 1] + (plan[after - 1] != letter) == edits - skipped:

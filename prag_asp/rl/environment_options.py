@@ -30,7 +30,7 @@ REAL = "biuf"
 
 
 def check_arguments(given: Mapping[str, Any], render_modes: Sequence[str]) -> None:
-    """Check the arguments of an environment that no part of the environment checks; `given` holds them by name.
+    """Check the arguments of an environment that are checked nowhere else; `given` holds all arguments by name.
 
     Raises:
         QueryError: an argument has a value that is not allowed.

@@ -378,7 +378,7 @@ def _frame(text: str) -> Template:
 
 
 def _occurrences(joints: Sequence[re.Pattern[str]], text: str) -> int:
-    """Return the number of occurrences of joints in a text that has other texts around it."""
+    """Return the number of occurrences of joints in a text, which is part of a longer text."""
     return sum(len(joint.findall(f" {text} ")) for joint in joints)
 
 

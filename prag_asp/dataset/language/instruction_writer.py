@@ -47,8 +47,8 @@ class Instructions:
     """The instructions of a task.
 
     `vague` states the goal, `default` the actions, and `exact` also the purpose of each action; all refer to objects as
-    they are in the initial state. `subgoals` holds a sentence for each action, which refers to the state before it.
-    `named` holds the entities that are referred to by name, because nothing visible distinguishes them.
+    they are in the initial state. `subgoals` holds a sentence for each action, written for the state before that
+    action. `named` holds the entities that are referred to by name, because nothing visible distinguishes them.
     """
 
     vague: str

@@ -19,7 +19,7 @@ Contents = TypeVar("Contents", bound=msgspec.Struct)
 
 @dataclass(frozen=True)
 class ManifestFile(Generic[Contents]):
-    """A kind of file that describes a folder: its `name`, format and version; errors call the folder a `what`."""
+    """A kind of file that describes a folder: its `name`, format and version; `what` names such a folder in errors."""
 
     name: str
     contents: type[Contents]

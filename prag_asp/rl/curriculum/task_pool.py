@@ -133,7 +133,7 @@ class TaskPool:
     def draws(
         self, *, seed: int, weights: Mapping[str, Number] | Weights | None = None, length: int | None = None
     ) -> Iterator[Proposal]:
-        """Yield tasks like `proposals`, whether or not they are in the pool; `TaskSpace.draw` explains `weights`.
+        """Yield independent samples endlessly, including tasks outside the pool; `TaskSpace.draw` explains `weights`.
 
         Raises:
             QueryError: there is no task, or a weight matches nothing.
