@@ -71,7 +71,7 @@ def tasks_apart_from_all(space: TaskSpace, others: Iterable[tuple[TaskSpace, int
             plans = other.at(length)
             if space.symmetries != plans.symmetries:
                 raise QueryError(
-                    f"{space.title} and {plans.title} have different interchangeable entities; give parts of one"
+                    f"{space.title} and {plans.title} have different interchangeable entities; give parts of one space"
                 )
             stage("comparing the parts")
             automaton = words_apart(words, layered_words(plans, "plan"), distance, space.engines.limits.begin())

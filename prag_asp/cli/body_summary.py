@@ -31,7 +31,7 @@ def body_lines(scene: Scene) -> Iterator[str]:
         room = f"; cavity: {sides} mm" if sides else ""
         rest = f"; {rest_text(model)}" if model.settled > 0.0 else ""
         concave = not can_decompose() and any(s.mesh and is_concave(s.mesh, s.size) for s in model.solids)
-        hull = '; its mesh is not convex and stands for its hull: pip install "prag_asp[meshes]"' if concave else ""
+        hull = '; its mesh is not convex, so its hull is used: pip install "prag_asp[meshes]"' if concave else ""
         ways = f"; {grasps_text(scene, entities[0])}"
         yield f"{', '.join(entities)}: {size} mm, {model.mass:.3g} kg, {parts}{rest}{room}{ways}{hull}"
 
@@ -75,9 +75,7 @@ def tilted(domain: Domain, scene: Scene) -> Iterator[Problem]:
         model = shape.model
         assert model is not None
         if model.settled > FAR:
-            text = (
-                f"{', '.join(entities)} does not stand as its file has it and {rest_text(model)}; turn it in the file"
-            )
+            text = f"{', '.join(entities)} does not stand as in its file and {rest_text(model)}; rotate it in the file"
             yield Problem(domain.settings.path, _shape_line(domain, entities[0]), text, "tips-over")
 
 

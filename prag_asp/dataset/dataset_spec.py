@@ -203,8 +203,8 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
             require_demonstrated(self.staging, folder)
             if "colour" in self.staging.vary and self.starts > 1:
                 raise QueryError(
-                    f"the instructions of a task name the colours of one recording, but {self.starts} starts have "
-                    f"{self.starts}; request 1 start, or leave colour out of what varies"
+                    f"instructions name the colours in one recording, but {self.starts} starts have {self.starts}; "
+                    "request 1 start, or do not vary colour"
                 )
             from prag_asp.dataset.scenes import scene_of
 
@@ -262,7 +262,7 @@ def _number_of_tasks(tasks: int | None, cover: int | None, diverse: int | None, 
     """
     if diverse is None:
         if candidates is not None:
-            raise QueryError("candidates are those of tasks that are far apart; add diverse, the number of tasks")
+            raise QueryError("candidates are for tasks that are far apart; add diverse, the number of tasks")
         if tasks is None and cover is None:
             raise QueryError("the number of tasks is missing; give tasks, cover or diverse")
         return 1 if tasks is None else tasks
@@ -318,4 +318,4 @@ def require_demonstrated(staging: Staging, demonstrate: str | Path | None) -> No
     """
     if demonstrate is None and (staging.cameras or staging.vary):
         what = "cameras record" if staging.cameras else f"{staging.vary[0]} varies in"
-        raise QueryError(f"{what} demonstrations; ask for them by `demonstrate`, the folder of the recordings")
+        raise QueryError(f"{what} demonstrations; request them with `demonstrate`, the folder of the recordings")

@@ -61,7 +61,7 @@ def trial_of(explored: ExploredDomain, fields: Mapping[str, str]) -> Trial:
     budget = replace(budget, tier=Tier(tier))
     state = replace(state, chosen=explored.chosen(state))
     if len(state.chosen) < state.length:
-        raise QueryError("physics judges whole tasks; choose the other actions first")
+        raise QueryError("physics validates only complete tasks; choose the other actions first")
     scene, space = scene_of(explored.domain), explored.space_of(state)
     task = next(space.tasks_of_plans([state.chosen]))
     rank = space.index(task) if state.by == "task" else None

@@ -286,7 +286,7 @@ class TaskEnv(GoalEnv):
         except (KeyError, TypeError) as error:
             raise QueryError(f"this is not a state of an episode ({error!r:.60}); give that of save_state") from None
         if kind != self._kind:
-            raise QueryError("the state is of another environment; make this one with the same arguments")
+            raise QueryError("the state belongs to another environment; make this one with the same arguments")
         self.__dict__.update(attributes)
         self._moves = moves
         self._resume(start)
@@ -326,7 +326,7 @@ class TaskEnv(GoalEnv):
             if self._annealing is not None:
                 self._annealing.load_state_dict(state["annealing"])
         except (AttributeError, KeyError, TypeError, ValueError) as error:
-            text = f"the state is of another environment ({error!r:.60})"
+            text = f"the state belongs to another environment ({error!r:.60})"
             raise QueryError(f"{text}; make this one with the same arguments") from None
         self._sampler.seeded = True
 

@@ -105,9 +105,9 @@ class CostTable:
         costs = self.costs
         spell = [str(symbol) for symbol in self.symbols] + ["nothing"]
         for text, wrong in (
-            ("{0} costs {d} to replace by itself", np.argwhere(np.diag(costs) != 0).repeat(2, axis=1)),
-            ("{0} costs nothing to replace by {1}", np.argwhere((costs == 0) & ~np.eye(len(costs), dtype=np.bool_))),
-            ("{0} costs {d} to replace by {1}, but the reverse costs {e}", np.argwhere(costs != costs.T)),
+            ("replacing {0} by itself costs {d}", np.argwhere(np.diag(costs) != 0).repeat(2, axis=1)),
+            ("replacing {0} by {1} costs nothing", np.argwhere((costs == 0) & ~np.eye(len(costs), dtype=np.bool_))),
+            ("replacing {0} by {1} costs {d}, but the reverse costs {e}", np.argwhere(costs != costs.T)),
         ):
             if len(wrong):
                 i, j = wrong[0]
@@ -117,5 +117,5 @@ class CostTable:
             wrong = np.argwhere(costs > costs[:, middle, None] + costs[middle])
             if len(wrong):
                 i, j = wrong[0]
-                return f"{spell[i]} costs more to replace by {spell[j]} than by way of {spell[middle]}"
+                return f"replacing {spell[i]} by {spell[j]} costs more than by way of {spell[middle]}"
         return ""

@@ -148,7 +148,7 @@ def test_an_episode_is_saved_and_restored_bit_for_bit(chance: Chance, env: TaskE
 def test_the_state_of_an_environment_with_other_arguments_is_refused(env: TaskEnv, options: dict[str, Any]) -> None:
     env.reset(seed=0)
     other = TaskEnv(domain="tabletop", length=2, **options)
-    with pytest.raises(QueryError, match="the state is of another environment"):
+    with pytest.raises(QueryError, match="the state belongs to another environment"):
         other.restore_state(env.save_state())
     other.close()
 

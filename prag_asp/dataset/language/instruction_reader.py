@@ -307,8 +307,8 @@ class InstructionReader:
                     things = self.lexicon.phrases.fitting(view, word)
                     if things is not None and not self.phrase(view, word, None)[0]:
                         if not things:
-                            return f"{word!r} fits nothing that there is; name another thing"
-                        return f"{word!r} may be {' or '.join(things)}; say its colour, its size or where it is"
+                            return f"{word!r} fits no object that is present; name another one"
+                        return f"{word!r} may be {' or '.join(things)}; state its colour, size or place"
         return None
 
 

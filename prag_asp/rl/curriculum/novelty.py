@@ -188,7 +188,7 @@ class CoverageSampler:
             figures = pool.at(length).statistics()
             names |= set(figures.expected_names) if what == "names" else set(map(">".join, figures.expected_pairs))
         if not names:
-            raise QueryError(f"no task of the space has {what}; give one of another length, or another novelty")
+            raise QueryError(f"no task of the space has {what}; give a space of another length, or another curriculum")
         self._all = tuple(sorted(names))
         self._base = dict(pool.space.domain.settings.weights)
         self.seed(0)
