@@ -88,7 +88,7 @@ def test_requests_without_an_answer_are_refused() -> None:
     plan = ["pick_up(a)", "stack(a,b)"]
     with pytest.raises(QueryError, match="give levenshtein or hamming"):
         count_neighbours(space, plan, metric="cosine")  # type: ignore[arg-type]
-    with pytest.raises(QueryError, match="up to 0 to 100 edits"):
+    with pytest.raises(QueryError, match="with 0 to 100 edits"):
         count_neighbours(space, plan, -1)
     with pytest.raises(QueryError, match="no action"):
         nearest_task(space, ["fly(a)"])

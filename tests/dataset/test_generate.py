@@ -130,7 +130,7 @@ def test_instructions_name_the_colours_of_the_recording(spaces: TaskSpace, tmp_p
         assert teller.read(entry.task, entry.instruction["exact"]).actions == entry.task.actions
         other += usual.instructions(entry.task, seed=3).default != entry.instruction["default"]
     assert other and [*verify(tmp_path / "data")] == []
-    with pytest.raises(QueryError, match="2 starts have 2; request 1 start, or leave colour out"):
+    with pytest.raises(QueryError, match="2 starts have 2; request 1 start, or do not vary colour"):
         generate(spaces, tmp_path / "none", tasks=1, demonstrate=True, staging=staging, starts=2)
     assert not (tmp_path / "none").exists()
 

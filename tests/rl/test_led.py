@@ -185,7 +185,7 @@ def test_several_processes_have_their_own_curricula_and_hand_on_fractions(space:
         (lambda space: {"space": TaskSpace(space.domain, range(1, 3)), "part": space.at(1)[:2]}, "part belongs to"),
         (lambda space: {"part": space.at(1)[:2]}, "of length|length=1"),
         (lambda space: {"part": TaskSpace(load_domain("prag"), 2)[:2]}, "the part belongs to TaskSpace"),
-        (lambda space: {"part": space.where("has at least 1 stack")[:2]}, "and not of TaskSpace"),
+        (lambda space: {"part": space.where("has at least 1 stack")[:2]}, "not TaskSpace"),
         ({"domain": "kitchen"}, "have their own"),
         ({"render_mode": "film"}, "render mode"),
         ({"cameras": "front"}, "give their names"),

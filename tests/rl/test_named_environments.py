@@ -96,7 +96,7 @@ def test_tasks_come_from_the_part_alone(chance: Chance) -> None:
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        ({"domain": "tabletop"}, "length="), ({"length": 2}, "give it with a domain"), ({}, "one place"),
+        ({"domain": "tabletop"}, "length="), ({"length": 2}, "give it with a domain"), ({}, "one origin"),
         ({"domain": "table", "length": 2}, "no such domain"), ({"domain": "tabletop", "length": "x"}, "length"),
         ({"domain": "tabletop", "length": 2, "where": "uses can"}, "a list of conditions"),
         ({"domain": "tabletop", "length": 2, "where": ["uses cn"]}, "cn"),

@@ -182,11 +182,11 @@ FORGERIES: Mapping[str, tuple[Callable[[Path], object], str]] = {
     "the card": (edited("README.md", lambda text: text.replace("Separation", "Alike")), "README.md: does not match"),
     "a size": (
         with_json("suite.json", lambda value: value["parts"][1].update(size="7")),
-        "parts, objects: size is not what",
+        "parts, objects: size differs from a new count",
     ),
     "what is shared": (
         with_json("suite.json", lambda value: value["shared"][0].update(tasks="3")),
-        "shared is not what",
+        "shared differs from a new count",
     ),
     "the suite": (edited("suite.toml", lambda text: text.replace('"jar_1"', '"jar"')), "suite.toml: has "),
     "a dataset": (lambda folder: (folder / "pairs" / "README.md").write_text("x"), "pairs/README.md: does not match"),
