@@ -200,7 +200,7 @@ class InstructionWriter:
         return self._without_entailed(task, facts)
 
     def _without_entailed(self, task: Task, facts: Mapping[Atom, bool]) -> Mapping[Atom, bool]:
-        """Return facts without those that the words of another one entail."""
+        """Return facts without those that the sentence for another fact entails."""
         if len({fluent.arguments[:1] for fluent in facts}) == len(facts):
             return facts
         view = self.lexicon.view(context_of(task))
