@@ -36,7 +36,7 @@ def body_lines(scene: Scene) -> Iterator[str]:
 
 
 def cavity_text(cavity: Cavity) -> str:
-    """Describe the size of a cavity, and how it is turned in its body."""
+    """Describe the dimensions of a cavity, and its rotation relative to the body."""
     turned = f", turned by {math.degrees(cavity.yaw):.1f} degrees" if cavity.yaw else ""
     return f"{' x '.join(f'{side * 1000:.3g}' for side in cavity.sides)} mm{turned}"
 

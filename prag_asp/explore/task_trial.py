@@ -73,7 +73,7 @@ def read_seed(fields: Mapping[str, str]) -> int:
     """Return the seed in a request.
 
     Raises:
-        QueryError: it is not a whole number, or too large.
+        QueryError: the seed is not a whole number, or is too large.
     """
     text = fields.get("seed", "0").strip()
     if not (text.isascii() and text.isdigit() and len(text) < 20 and int(text) <= LARGEST_SEED):

@@ -87,7 +87,7 @@ class ExportEpisode:
 
     @property
     def subgoal(self) -> NDArray[np.int64]:
-        """The index of the current action at each step, shape (N,): the first one that has not ended before it."""
+        """The index of the current action at each step, shape (N,): the first action that has not ended before."""
         over = np.searchsorted(self.demonstration.ends[1:], self.frames)
         return np.minimum(over, max(0, len(self.demonstration.ends) - 2))
 

@@ -36,8 +36,8 @@ RARE = Fraction(1, 16)
 """The share of samples with a due name or pair below which the weights of due names or pairs are increased."""
 
 EMPHASIS, HALF = 64, Fraction(1, 2)
-"""The factor for these weights, which is applied repeatedly until at least the share `HALF` of the samples have a due
-name or pair.
+"""The factor that increases the weights of due names or pairs; it is applied repeatedly until at least the share `HALF`
+of the samples have one of them.
 """
 
 
