@@ -32,7 +32,8 @@ BODY = (
     "is there", *"xyz", "dx", "dy", "dz", "cos yaw", "sin yaw", "cos turn", "sin turn", "up", "half x", "half y",
     "half z", "opening",
 )  # fmt: skip
-"""The features of a body, or of its moving part, in metres and radians; dx is relative to the tool of the acting arm.
+"""The features of a body, or of its moving part, in metres and radians; dx, dy, dz are relative to the acting arm's
+tool.
 
 The turn is twice the yaw of the body relative to that tool, because a gripper is symmetric under half a turn.
 """

@@ -51,7 +51,7 @@ Flags = NDArray[np.bool_]
 
 
 def goal_distance(achieved: Floats, desired: Floats) -> Floats:
-    """Return the distances of moments from goals, summed over facts (metres, radians); the last axis is the vector."""
+    """Return distances from goals, summed over facts in metres or radians; the last axis is the goal vector."""
     distance: Floats = np.add.reduce(np.maximum(0.0, achieved[..., 1:] - desired[..., 1:]), axis=-1)
     return distance
 

@@ -57,9 +57,10 @@ def effect_cost(background: Background) -> Cost:
 
 
 def state_cost(one: Symbol, other: Symbol) -> Fraction:
-    """Return the number of (fact, value) pairs in only one state; inserting or deleting a state costs 1 + its facts.
+    """Return the number of (fact, value) pairs that only one of two states has, or the cost of inserting a state.
 
     A fact that is true in one state and false in the other costs 2, and a fact that is unknown in one of them costs 1.
+    Inserting or deleting a state with n known facts costs 1 + n.
 
     This is a metric, because a state can be regarded as the set of its pairs and one more element, and a missing state
     as the empty set.

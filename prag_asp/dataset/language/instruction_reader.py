@@ -366,7 +366,7 @@ def capital(text: str) -> str:
 
 
 def shortened(text: str, most: int = 60) -> str:
-    """Return a text shortened to fit into a message."""
+    """Return a text, shortened if it is too long for a message."""
     return text if len(text) <= most else f"{text[:most]}..."
 
 
