@@ -32,10 +32,10 @@ BODY = (
     "is there", *"xyz", "dx", "dy", "dz", "cos yaw", "sin yaw", "cos turn", "sin turn", "up", "half x", "half y",
     "half z", "opening",
 )  # fmt: skip
-"""The features of a body, or of its moving part, in metres and radians; dx, dy, dz are relative to the acting arm's
-tool.
+"""The features of a body, or of its moving part, in metres and radians.
 
-The turn is twice the yaw of the body relative to that tool, because a gripper is symmetric under half a turn.
+The position dx, dy, dz is relative to the tool of the acting arm. The turn is twice the yaw of the
+body relative to that tool, because a gripper is symmetric under half a turn.
 """
 
 ARM = (*(f"joint {i}" for i in range(1, 8)), *"xyz", "vx", "vy", "vz", "cos yaw", "sin yaw", "width", "asked width")
