@@ -49,9 +49,9 @@ Seeds = dict[clingo.Symbol, None]
 """The atoms that step t-1 may have, without their time, in the order in which they are declared to clingo."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GroundStep:
-    """The ground rules of one step in any state, keyed by program part.
+    """The ground rules of one step in any state, keyed by program part; equality is identity.
 
     `names` holds the symbol of every named atom; `before` and `now` hold the atoms of step t-1 and of step t, keyed by
     their symbol without its time. `initial` are the timed symbols that hold initially, without their time; `obstacles`
@@ -68,7 +68,7 @@ class GroundStep:
     consistent: bool
     obstacles: tuple[Obstacle, ...]
     after_steps_alone: bool = False
-    grounding: Grounding | None = field(default=None, repr=False, compare=False)
+    grounding: Grounding | None = field(default=None, repr=False)
 
 
 def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
@@ -92,14 +92,16 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     # Later steps may add known values of this state, so it stays open, and no goal makes it a fact here.
     open_states = [STATE(*each, NOW) for each in values]
     complete_steps = 0
+    # A step with growing atoms, as of conditions, is nearly always grounded again, and clingo reports rules slowly.
+    recorded = not reads.growing & reads.previous
     try:
         while True:
-            started = _start(program, reads)
+            started = _start(program, reads, recorded=recorded)
             seeds |= dict.fromkeys(sorted(started.initial))
             known = len(seeds)
             _declare(started.grounder, seeds, open_states)
             endless = _ground_until_closed(started.grounder, seeds, program, reads)
-            if endless is None and len(seeds) == known:  # the step is grounded for all atoms that it carries
+            if endless is None and len(seeds) == known and recorded:  # the step is grounded for all atoms it carries
                 ground = _ground_end(started, program, open_states, reads)
                 new = _unforeseen(ground, seeds, reads)
                 if not new:
@@ -107,6 +109,7 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
                 seeds |= dict.fromkeys(sorted(new))
                 complete_steps += 1
                 endless = _signature(min(new)) if complete_steps == _bounds(program, reads).steps else None
+            recorded = True
             if endless:
                 what = f"{spelled(endless)} takes new values at every step without end"
                 obstacle = Obstacle(what, locate_head(program, endless), "add a condition that ends it")
@@ -300,10 +303,10 @@ class Grounding:
         self.grounder.ground([(part, [NOW])])
 
 
-def _start(program: Program, reads: StepReads) -> Grounding:
-    """Ground the base part; rules that are ground afterwards are recorded as those of a step."""
-    grounder, recorder = Grounder(program), GroundRecorder(base_facts=False)
-    grounder.control.register_observer(recorder)
+def _start(program: Program, reads: StepReads, *, recorded: bool = True) -> Grounding:
+    """Ground the base part; if `recorded`, rules that are ground afterwards are recorded as those of a step."""
+    recorder = GroundRecorder(base_facts=False)
+    grounder = Grounder(program, observer=recorder if recorded else None)
     grounder.ground([("base", [])])
     # From here on, clingo defines the projection that `not p(_,t)` reads as soon as atoms p(X,t) exist.
     recorder.part = "step"

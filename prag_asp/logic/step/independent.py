@@ -61,7 +61,7 @@ class _Parts:
         ]
         for letter, move in self._moves.items():
             self._join_effects(letter, move)
-        if len(set(map(self._root, nodes))) == 1:
+        if self._are_joined(nodes):
             return  # the other rules could only join more
         rules = transition.rules
         for place, atom in enumerate(rules.written):
@@ -72,6 +72,8 @@ class _Parts:
         for number, body in rules.idle_constraints:
             self._idle_nodes[number] = self._read([body])
             self._join(self._idle_nodes[number])
+        if self._are_joined(nodes):
+            return
         for letter, move in self._moves.items():
             self._join_action(letter, move)
         if by_name:
@@ -170,6 +172,10 @@ class _Parts:
                 seen.add(atom)
                 waiting += [abs(each) for derivation in step.final_bodies.get(atom, ()) for each in derivation.literals]
         return [("variable", places[atom]) for atom in sorted(seen) if atom in places and atom not in step.final_bodies]
+
+    def _are_joined(self, nodes: Iterable[Node]) -> bool:
+        """Return whether all nodes belong to one part."""
+        return len(set(map(self._root, nodes))) == 1
 
     def _root(self, node: Node) -> Node:
         path = []

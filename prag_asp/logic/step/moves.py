@@ -83,16 +83,17 @@ def _left_of_rules(
 ) -> tuple[dict[int, tuple[RuleBody, ...]], list[AtomStratum]]:
     """Return the partially evaluated bodies of the affected atoms, and their strata; extend the constants."""
     bodies: dict[int, tuple[RuleBody, ...]] = {}
+    decided: Constants = {}
     strata = []
     for place in sorted({rules.order[atom] for atom in affected}):
         stratum = rules.strata[place]
         inside = set(stratum.atoms) if stratum.recursive else set()
         for atom in stratum.atoms:
-            simplified = rules.simplified_with(action, atom, affected, constants)
+            simplified = rules.simplified_with(action, atom, constants, decided)
             if any(body is True for body in simplified):
-                constants[atom] = True
+                constants[atom] = decided[atom] = True
             elif atom not in inside and all(body is False for body in simplified):
-                constants[atom] = False
+                constants[atom] = decided[atom] = False
             bodies[atom] = tuple([body for body in simplified if isinstance(body, RuleBody)])
         open_atoms = tuple(atom for atom in stratum.atoms if atom not in constants)
         if open_atoms:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -79,15 +79,15 @@ class StepRules:
         return table
 
     def simplified_with(
-        self, action: int, atom: int, affected: Set[int], constants: Constants
+        self, action: int, atom: int, constants: Constants, decided: Constants
     ) -> list[RuleBody | bool]:
         """Return those bodies of an atom, simplified, that may be true if one action occurs and no other.
 
-        `affected` are the atoms that the action can change; `constants` contains only actions and affected atoms.
+        The constants consist of the actions and of the atoms that are `decided` if this action occurs.
         """
         by_action, sums, others = self._by_action[atom]
         own = [*by_action.get(action, ()), *(body for each in sums for body in each.with_action(action))]
-        return [*(simplify(body, constants) for body in own), *others.simplified(action, affected, constants)]
+        return [*(simplify(body, constants) for body in own), *others.simplified(action, constants, decided)]
 
     @cached_property
     def readers(self) -> Mapping[int, list[int]]:
@@ -137,10 +137,11 @@ class _Others:
             for literal in body.literals:
                 self._readers.setdefault(abs(literal), []).append(number)
 
-    def simplified(self, action: int, affected: Set[int], constants: Constants) -> list[RuleBody | bool]:
-        """Return the bodies, simplified for an action that can change the `affected` atoms."""
+    def simplified(self, action: int, constants: Constants, decided: Constants) -> list[RuleBody | bool]:
+        """Return the bodies, simplified for an action: without the `decided` atoms, only those that read it differ."""
         found = self._idle.copy()
-        for atom in (action, *(affected & self._readers.keys())):
-            for number in self._readers.get(atom, ()):
-                found[number] = simplify(self._bodies[number], constants)
+        changed = set(self._readers.get(action, ()))
+        changed.update(*(self._readers[atom] for atom in decided.keys() & self._readers.keys()))
+        for number in changed:
+            found[number] = simplify(self._bodies[number], constants)
         return found

@@ -15,6 +15,7 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, 
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import combinations
+from weakref import WeakKeyDictionary
 
 import clingo
 import numpy as np
@@ -47,7 +48,7 @@ def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundS
     if not classes:
         return Symmetries()
     numbers = {entities[number]: number for members in classes for number in members}
-    rules = _Rules(Atoms(ground, numbers), None if bare is None else lambda: _Rules(Atoms(bare(), numbers)))
+    rules = _Rules(Atoms(ground, numbers), None if bare is None else lambda: _shared_rules(bare(), numbers))
     blocks: list[list[int]] = []
     for members in classes:
         alike: list[list[int]] = []
@@ -143,6 +144,7 @@ class _Rules:
 
     atoms: Atoms
     others: Callable[[], _Rules] | None = None
+    _kept: dict[tuple[int, int], bool] = field(default_factory=dict)
     _consequences: dict[bool, Consequences] = field(default_factory=dict)
     _witnesses: list[tuple[SpelledRule, int, int]] = field(default_factory=list)
     """Rules that swaps of two entities do not preserve, each with the two entities; the most recently useful rule comes
@@ -153,7 +155,13 @@ class _Rules:
         return self.others() if self.others else None
 
     def kept_by(self, first: int, second: int) -> bool:
-        """Return whether the swap of two entities maps the rules onto themselves, up to entailed rules.
+        """Return whether the swap of two entities maps the rules onto themselves, up to entailed rules."""
+        if (first, second) not in self._kept:
+            self._kept[first, second] = self._test_swap(first, second)
+        return self._kept[first, second]
+
+    def _test_swap(self, first: int, second: int) -> bool:
+        """Test a swap.
 
         The test is cheap because most pairs differ in one of the first atoms, or in a rule similar to one in which an
         earlier pair differs.
@@ -260,6 +268,18 @@ class _Rules:
             table = np.array(rows, dtype=np.int64)
             tables.append(_RuleRows(table, heads_end, heads_end + size, choice, bound, last, having))
         return tables
+
+
+_of_steps: WeakKeyDictionary[GroundStep, dict[tuple[clingo.Symbol, ...], _Rules]] = WeakKeyDictionary()
+"""The rules of each step that was passed as `bare`, by the numbered entities: spaces under conditions share them."""
+
+
+def _shared_rules(ground: GroundStep, numbers: Mapping[clingo.Symbol, int]) -> _Rules:
+    """Return the rules of a step; for the same step and entities, return the same object."""
+    by_entities, entities = _of_steps.setdefault(ground, {}), tuple(numbers)
+    if entities not in by_entities:
+        by_entities[entities] = _Rules(Atoms(ground, numbers))
+    return by_entities[entities]
 
 
 @dataclass(frozen=True)
