@@ -19,12 +19,12 @@ def grasps_shared(folder: Path) -> Iterator[None]:
     """Share the grasps and cavities of bodies in a folder; a test that sets another cache keeps cavities there."""
     from prag_asp.output.cache_files import cache_folder
     from prag_asp.physics.grasps import body_grasps
-    from prag_asp.scene.read import cavities
+    from prag_asp.scene.read.cavities import flooding
 
     _folders.append(folder)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(body_grasps, "cache_folder", lambda: folder)
-        patch.setattr(cavities, "cache_folder", lambda: cache_folder() or folder)
+        patch.setattr(flooding, "cache_folder", lambda: cache_folder() or folder)
         yield
     _folders.pop()
 

@@ -34,7 +34,7 @@ class Way(NamedTuple):
 def ways_of_actions(
     facts: Facts, predicates: Mapping[str, Any], robots: Set[str]
 ) -> dict[Signature, dict[str, dict[int, Way]]]:
-    """Return the sources and destinations of each action by their positions, for the actions of each signature.
+    """Return, for each signature and each of its actions, the source and destination arguments by position.
 
     `predicates` maps fluents to spatial predicates, where the names differ.
 

@@ -288,7 +288,7 @@ class AnswerSets:
         if self._way() == "clingo":
             yield from self._compiled.enumeration
             return
-        stage("searching answer sets")
+        stage("searching for answer sets")
         formula = self._compiled.formula
         order = [literal for _, literal in formula.printed]
         if not formula.whole:

@@ -157,7 +157,7 @@ class WeightedDiagram:
 
 
 def _among(rest: int, total: int) -> Callable[[Iterator[int]], bool]:
-    """Return a tie-breaker for a word equal to the threshold, which tests if the next words are below the remainder."""
+    """Return a tie-breaker for a word equal to the threshold, which tests whether the next words are below the rest."""
 
     def below(words: Iterator[int]) -> bool:
         left = rest

@@ -26,8 +26,7 @@ LONG = 6
 """The number of literals above which a clause does not make its variables neighbours in a sweep."""
 
 LONGEST = 1000
-"""The number of literals above which a clause is too long for a tree decomposition, which takes the square of this
-number."""
+"""The number of literals above which a clause is too long for a tree decomposition, which takes quadratic time."""
 
 WIDE = 24
 """The width above which a formula without sums may be swept."""

@@ -15,7 +15,7 @@ STDOUT, STDERR = 1, 2
 
 _LOCK = Lock()
 _MUTED: dict[int, tuple[int, int]] = {}
-"""For each muted descriptor, how many contexts mute it, and a duplicate of the original.
+"""For each muted descriptor, the number of contexts that mute it, and a duplicate of the original.
 
 Threads mute concurrently. If each thread saved the descriptor that it found, the last thread to leave would restore the
 null device.

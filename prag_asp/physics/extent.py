@@ -135,7 +135,7 @@ def side_yaw(shape: Shape) -> float:
 
 @cached_by_geometry(maxsize=256)
 def least_reach(shape: Shape) -> float:
-    """Return a lower bound on how far a body extends from its origin in any direction, in metres.
+    """Return a lower bound, in metres, on the extent of a body from its origin in any direction.
 
     For a convex body that contains its origin, the bound is the distance to the nearest face. It is negative if the
     origin is outside the body.

@@ -224,7 +224,7 @@ def _representatives(groups: Iterable[Group], sizes: Iterable[int], settings: So
 def _bounds(
     alike: AlikeEntities, groups: Iterable[Group], settings: Source, statements: Sequence[Statement]
 ) -> dict[Group, EntityBound]:
-    """Return the bounds for those groups that are larger than their bounds.
+    """Return the bounds of the groups that have more entities than their bounds require.
 
     A measured bound is also the bound of the whole program if the measured program has `least` entities of each group,
     because it then has, up to renaming, all facts of the whole program that a rule reads.

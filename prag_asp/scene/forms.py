@@ -56,4 +56,4 @@ BALL = Primitive(
 )
 
 FORMS: Mapping[str, Primitive] = {"box": BOX, "cylinder": CYLINDER, "sphere": BALL}
-"""The primitives that make up bodies; a body from a URDF can also have meshes."""
+"""The primitives that make up bodies; a body from a file can also have meshes."""

@@ -152,7 +152,7 @@ def final_states(
 ) -> FinalStates | None:
     """Return the final states of the plans or tasks of a given length, or None if they take too many states.
 
-    If remembering all fluents would take too many states, only the fluents that every plan needs are counted.
+    If tracking all fluents takes too many states, only the fluents that the variables of a step determine are counted.
 
     Raises:
         LimitReached: a limit ended the exploration of the states.

@@ -75,9 +75,11 @@ class InstructionReader:
         vocabulary = lexicon.phrases.vocabulary()
         self._joints, self._reach = dict[str, Sequence[re.Pattern[str]]](), dict[str, int]()
         for kind in ("sentences", "facts"):
-            texts_between = {*lexicon.words.joints(kind), *(lexicon.words.many if kind == "facts" else ())}
-            # Each occurrence of each joint; the lookahead also finds overlapping ones.
-            joints = [re.compile(f"(?=({re.escape(joint)}))") for joint in sorted(texts_between)]
+            texts_between = lexicon.words.between_facts if kind == "facts" else lexicon.words.joints(kind)
+            # Each occurrence of each joint; the look-ahead also finds those that overlap.
+            joints = [re.compile(f"(?=({re.escape(joint)}))") for joint in sorted({*texts_between})]
+            if kind == "facts" and lexicon.words.adjoined:
+                joints.append(re.compile(f"(?=( )(?:{'|'.join(map(re.escape, lexicon.words.adjoined))}) )"))
             self._joints[kind] = joints
             # the number of joints that are tried as the end of a sentence: those at one position, and those that the
             # sentence may contain
@@ -86,7 +88,8 @@ class InstructionReader:
                 sum(_occurrences(joints, text) for text in each.texts) + in_phrase * len(each.slots)
                 for each in sentences
             )
-            self._reach[kind] = 1 + len(joints) + max(inside, default=0)
+            pair = in_phrase + len(joints) if kind == "facts" and lexicon.words.both else 0  # of two subjects
+            self._reach[kind] = 1 + len(joints) + max(inside, default=0) + pair
         self._parsed: dict[tuple[object, str, str | None, bool], frozenset[ParsedSentence]] = {}
 
     def read(self, start: InstructionContext, text: str) -> Reading:
@@ -131,7 +134,7 @@ class InstructionReader:
                     yield Reading((action,), aims=(aims,))
         for frame in self._vague:
             for (inner,) in frame.find(text):
-                for parsed in self._fact_lists(view, inner, None):
+                for parsed in self.facts(view, inner, None):
                     yield Reading(goal=FrozenDict({each.atom: each.value for each in parsed}))
         for frame in self._default:
             for (inner,) in frame.find(text):
@@ -165,18 +168,21 @@ class InstructionReader:
         for parsed in self.sentence(view, action, None, of_actions=True):
             if not aims:
                 yield parsed.atom, FrozenDict()
-            for facts in self._fact_lists(view, aims[0], parsed.topic) if aims else ():
+            for facts in self.facts(view, aims[0], parsed.topic) if aims else ():
                 yield parsed.atom, FrozenDict({each.atom: each.value for each in facts})
 
-    def _fact_lists(self, view: View, text: str, topic: str | None) -> Iterator[tuple[ParsedSentence, ...]]:
-        """Yield the lists of facts that a text can mean, including one predicate for two subjects ("both")."""
-        yield from self._list(view, text, "facts", topic)
+    def facts(self, view: View, text: str, topic: str | None) -> Iterator[tuple[ParsedSentence, ...]]:
+        """Yield the lists of facts that a text can mean; "it" means the topic in all of them."""
+        return self._list(view, text, "facts", topic)
+
+    def _both(self, view: View, text: str, topic: str | None) -> Iterator[tuple[ParsedSentence, ...]]:
+        """Yield the pairs of facts that a sentence with one predicate of two subjects can mean."""
         words = self.lexicon.words
         if not words.both or not text.startswith(words.both[0]):
             return
         inner = text[len(words.both[0]) :]
-        for joint in re.finditer(re.escape(words.both[1]), inner):
-            after = inner[joint.end() :]
+        for joint in re.finditer(f"(?=({re.escape(words.both[1])}))", inner):  # also those that overlap
+            after = inner[joint.end(1) :]
             for blank in re.finditer(" ", after):
                 subjects = inner[: joint.start()], after[: blank.start()]
                 predicates = words.in_singular(after[blank.end() :])
@@ -207,14 +213,17 @@ class InstructionReader:
             for end, after in (*breaks[place : place + self._reach[kind] - 1], (len(text), len(text))) if paths else ():
                 if end - begin > LONGEST_SENTENCE or end <= begin:
                     continue
+                found = begun.setdefault(after, [])
                 for path in paths:
                     for part in dict.fromkeys(omitted + text[begin:end] for omitted in ("", *path.subjects)):
                         for parsed in self.sentence(view, part, path.topic, of_actions=kind == "sentences"):
-                            found = begun.setdefault(after, [])
                             verb = self.lexicon.words.verb_phrase(part)
                             subjects = (parsed.subject, part[:verb]) if kind == "facts" else ()
                             if len(found) <= MOST:
                                 found.append(_Path(parsed, topic if kind == "facts" else parsed.topic, path, subjects))
+                    for one, other in self._both(view, text[begin:end], topic) if kind == "facts" else ():
+                        if len(found) <= MOST:
+                            found.append(_Path(other, topic, _Path(one, topic, path)))
         yield from (path.sentences() for path in begun.get(len(text), ()))
 
     def sentence(self, view: View, text: str, topic: str | None, *, of_actions: bool) -> frozenset[ParsedSentence]:
@@ -296,7 +305,7 @@ class InstructionReader:
     def _parts(self, text: str, kind: str) -> list[str]:
         """Return the parts of a text between joints; at each position, the longest joint counts."""
         words = self.lexicon.words
-        joints = sorted((*words.joints(kind), *(words.many if kind == "facts" else ())), key=len, reverse=True)
+        joints = sorted(words.between_facts if kind == "facts" else words.joints(kind), key=len, reverse=True)
         return re.split("|".join(map(re.escape, joints)), text)
 
     def _unclear(self, view: View, part: str) -> str | None:

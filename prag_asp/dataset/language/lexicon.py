@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import copy
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from typing import TYPE_CHECKING
 
+from prag_asp.atom import Atom, atom_of
 from prag_asp.dataset.language.appearance import appearance_of
 from prag_asp.dataset.language.descriptions import ContextSet, InstructionContext, View
 from prag_asp.dataset.language.phrases import NounPhrases
@@ -54,6 +55,14 @@ class Lexicon:
         other.phrases = NounPhrases(self.grammar, other.appearance, self.sentences)
         other._reset_caches()
         return other
+
+    @cached_property
+    def implied(self) -> Mapping[Atom, frozenset[Atom]]:
+        """The fluents that each fluent implies, by the state constraints of the domain."""
+        found: dict[Atom, set[Atom]] = {}
+        for fluent, other in self.domain.facts.implies:
+            found.setdefault(atom_of(fluent), set()).add(atom_of(other))
+        return {fluent: frozenset(others) for fluent, others in found.items()}
 
     def _reset_caches(self) -> None:
         """Create empty caches of contexts and states."""

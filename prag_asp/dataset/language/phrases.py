@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import product
 
 from prag_asp.dataset.language.appearance import Appearance
 from prag_asp.dataset.language.descriptions import PLACES, SIZES, ContextSet, Description, Relation, View
 from prag_asp.dataset.language.sentences import Modifier, SentenceTable
-from prag_asp.grammar.reader import Grammar, Noun, plain
-from prag_asp.grammar.template import Template, agrees, parse_template
+from prag_asp.grammar.reader import Grammar, Noun, listed, plain
+from prag_asp.grammar.template import Template, parse_template
 
 CACHED = 1 << 14
 """The maximum number of phrases whose meaning in a context is cached; the tasks of a space share most of them."""
@@ -57,11 +57,14 @@ class NounPhrases:
             best = view.context.best(other) if other in self.appearance.nouns else None
             words.append(self.plain(best, slot.case or self.words.cases[0]) if best else self.value(other))
         where = modifier.template.fill(words)
-        forms = [each for each in self._modified if not each.genders or gender in each.genders]
+        forms, formerly = (
+            [each for each in templates if not each.genders or gender in each.genders]
+            for templates in (self._modified, self._formerly)
+        )
         if modifier.template.genders:  # the modifier has a verb
             variant = 0
-        elif outdated and self._formerly is not None:
-            return self._formerly.fill([self.plain(what._replace(relation=None), case), where])
+        elif outdated and formerly:
+            return formerly[0].fill([self.plain(what._replace(relation=None), case), where])
         return forms[min(variant, len(forms) - 1)].fill([self.plain(what._replace(relation=None), case), where])
 
     def value(self, value: str) -> str:
@@ -112,21 +115,21 @@ class NounPhrases:
 
     @cached_property
     def _modified(self) -> tuple[Template, ...]:
-        """The templates for a noun phrase followed by a modifier."""
-        found = []
-        for text in self.words.table["modified"]:
-            spelled = text.replace("{phrase}", "{0}").replace("{where}", "{1}")
-            for gender in self.words.genders if agrees(spelled) else ("",):
-                verbs = {"is": self.words.agreeing("is", gender)} if gender else {}
-                genders = frozenset([gender] if gender else [])
-                found.append(parse_template(spelled, self.words.cases, 2, verbs, genders))
-        return tuple(found)
+        """The templates of a noun phrase followed by a modifier."""
+        return tuple(self._with_modifier(self.words.table["modified"], "is"))
 
     @cached_property
-    def _formerly(self) -> Template | None:
-        """The template for a noun phrase followed by a modifier that was true originally, if the language has one."""
-        text = str(self.words.table.get("formerly", "")).replace("{phrase}", "{0}").replace("{where}", "{1}")
-        return parse_template(text, self.words.cases, 2) if text else None
+    def _formerly(self) -> tuple[Template, ...]:
+        """The templates of a noun phrase followed by a modifier that was true originally, if the language has any."""
+        return tuple(self._with_modifier(listed(self.words.table.get("formerly", ())), "was"))
+
+    def _with_modifier(self, texts: Sequence[str], verb: str) -> Iterator[Template]:
+        """Yield templates of a noun phrase and a modifier: if a text has a verb, one for each of its forms."""
+        for text in texts:
+            spelled = text.replace("{phrase}", "{0}").replace("{where}", "{1}")
+            for gender in self.words.genders if f"{{{verb}}}" in spelled else ("",):
+                verbs = {verb: self.words.agreeing(verb, gender)} if gender else {}
+                yield parse_template(spelled, self.words.cases, 2, verbs, frozenset([gender] if gender else []))
 
     @cached_property
     def _known(self) -> Mapping[str, tuple[Description, ...]]:
@@ -183,8 +186,8 @@ class NounPhrases:
         return found
 
     def _modifications(self, text: str) -> Iterator[tuple[tuple[Description, ...], str]]:
-        """Yield the descriptions that the beginning of a text can mean, with the modifier that follows."""
-        for template in (*self._modified, *([self._formerly] if self._formerly else [])):
+        """Yield the descriptions with which a text can begin, each with the modifier that follows."""
+        for template in (*self._modified, *self._formerly):
             first, between, last = template.texts
             if text.startswith(first) and text.endswith(last):
                 inner = text[len(first) : len(text) - len(last)]

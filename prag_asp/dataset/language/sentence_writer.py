@@ -148,12 +148,17 @@ class SentenceWriter:
         topic: str | None = None,
         rng: PhraseRng | None = None,
         outdated: Set[str] = frozenset(),
+        *,
+        recurrence: Recurrence = "new",
     ) -> list[ClearSentence]:
         """Return a sentence for each fact for which there is an unambiguous one."""
         texts = []
         for fluent, value in facts.items():
             try:
-                texts.append(self.write(view, fluent, topic, rng, value=value, fact=True, outdated=outdated))
+                sentence = self.write(
+                    view, fluent, topic, rng, value=value, fact=True, recurrence=recurrence, outdated=outdated
+                )
+                texts.append(sentence)
             except QueryError:
                 continue
         return texts
@@ -198,10 +203,10 @@ class SentenceWriter:
         usable, shorter = [], []
         for each in known:
             template = each.template
-            if template.recurrence not in {None, recurrence}:
+            if template.recurrences and recurrence not in template.recurrences:
                 continue
             if each.sources:
-                shorter.append(each)
+                shorter += [each] if atom in each.sources else []
                 continue
             first = lexicon.phrases.gender(atom.arguments[template.arguments[0]]) if template.slots else ""
             if not template.genders or first in template.genders:

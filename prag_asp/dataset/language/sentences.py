@@ -8,7 +8,7 @@ from functools import cached_property
 
 from prag_asp.atom import Atom, atom_of
 from prag_asp.dataset.language.descriptions import Relation
-from prag_asp.grammar.reader import FactForms, Grammar, Where
+from prag_asp.grammar.reader import FactForms, Grammar, Where, listed
 from prag_asp.grammar.template import Template, admits
 from prag_asp.grammar.ways import Signature, Way
 from prag_asp.program.facts import Facts
@@ -111,7 +111,8 @@ class SentenceTable:
                 for template, own in grammar.plain.get(signature, ())
             ]
             sources = grammar.sources.get(signature, {})
-            shorter = [each for sentence in (*given, *plain) for each in _from_phrase(sentence, sources)]
+            particles = listed(grammar.words.table.get("defaults", {}).get("particles", ()))
+            shorter = [each for sentence in (*given, *plain) for each in _from_phrase(sentence, sources, particles)]
             shorter.sort(key=lambda each: len(each.template.texts[each.moved + 1]))
             self.actions[signature] = (*given, *plain, *shorter)
         self.facts: dict[Signature, tuple[Sentence, ...]] = {}
@@ -127,14 +128,20 @@ class SentenceTable:
             )
 
 
-def _from_phrase(sentence: Sentence, sources: Mapping[str, tuple[int, Way]]) -> Iterator[Sentence]:
-    """Yield variants of a sentence without the place from which an object is moved, which follows the object."""
+def _from_phrase(
+    sentence: Sentence, sources: Mapping[str, tuple[int, Way]], particles: Sequence[str]
+) -> Iterator[Sentence]:
+    """Yield a sentence without the place from which an object is moved, if this place directly follows the object.
+
+    A particle before the place remains; without known `particles`, these are all words except the last one.
+    """
     template = sentence.template
     for place, moved in {(place, way.moved) for place, way in sources.values()}:
         slot = template.arguments.index(moved) if moved in template.arguments else -1
         if slot < 0 or template.arguments[slot + 1 : slot + 2] != (place,) or template.arguments.count(place) > 1:
             continue
-        particle = template.texts[slot + 1].rsplit(maxsplit=1)[0] if len(template.texts[slot + 1].split()) > 1 else ""
+        words = template.texts[slot + 1].split()[:-1]
+        particle = "".join(f" {word}" for word in words if word in particles or not particles)
         texts = (*template.texts[: slot + 1], particle + template.texts[slot + 2], *template.texts[slot + 3 :])
         slots = (*template.slots[: slot + 1], *template.slots[slot + 2 :])
         fluents = {atom: sources[str(atom)][1].fluent for atom in sentence.atoms if str(atom) in sources}

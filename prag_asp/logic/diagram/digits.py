@@ -26,7 +26,8 @@ EXPECTED = 5.0
 states would be expected of independent variables."""
 
 MOST_DIGITS = 200
-"""The maximum number of digits of a state, which is the recursion depth; if there are more, neighbours are joined."""
+"""The maximum number of digits of a state, which is the recursion depth; if there are more, neighbouring digits are
+merged."""
 
 ROUNDS = 30
 """The number of rounds of the FORCE heuristic."""

@@ -52,7 +52,10 @@ class Relaxation:
     ends: int
 
     def within(self, states: Rows, left: int) -> tuple[NDArray[np.bool_], bool]:
-        """Return which states may be within `left` steps of the end, and whether no other state can reach the end."""
+        """Return which states may be within `left` steps of the end, and whether no other state can reach the end.
+
+        The first result has shape (states,).
+        """
         near = np.empty(len(states), dtype=np.bool_)
         together = 64 * max(ROOM // (8 * self.circuit.widest), 4)
         forever = True

@@ -39,7 +39,7 @@ class StateBits:
     related: NDArray[np.intp]
 
     def entities(self, bits: NDArray[np.intp]) -> NDArray[np.int64]:
-        """Return the entities that the given bits name, one row for each bit."""
+        """Return the entities that the given bits name, shape (bits, most entities of a term)."""
         return self.terms.entities[self.term[bits]]
 
 
@@ -140,7 +140,7 @@ def _relations_agree(
     pairs: NDArray[np.int64],
     starts: NDArray[np.intp],
 ) -> NDArray[np.bool_]:
-    """Return whether each bit that relates several entities is also set after swapping the entities of a pair."""
+    """Return, for each pair, whether swapping its entities keeps the bits that relate several entities; shape (m,)."""
     sizes = starts[state + 1] - starts[state]
     pair = np.repeat(np.arange(len(state)), sizes)
     within = np.arange(len(pair)) - np.repeat(np.cumsum(sizes) - sizes, sizes)

@@ -46,7 +46,7 @@ class Twins:
         return result
 
     def multiplicity(self, letter: int, states: NDArray[np.intp]) -> NDArray[np.int64]:
-        """Return the number of renamings by twins of an action in each of the given states."""
+        """Return the number of renamings by twins of an action in each of the given states, shape (states,)."""
         entities = self.actions.entities[letter : letter + 1]
         result = np.ones(len(states), dtype=np.int64)
         for place in range(int(self.actions.arity[letter])):

@@ -209,7 +209,7 @@ class _LiftableLines:
 
 
 class _GivenUp(Exception):
-    """Raised when the solver reaches its limit."""
+    """The signal that the solver has reached its limit."""
 
 
 def _is_liftable(statement: Statement, data: Container[Signature]) -> bool:

@@ -17,7 +17,7 @@ POLL = 0.05
 """The time between two checks for interrupts, in seconds."""
 
 LARGEST = 2**31 - 1
-"""The largest sum of weights, because clasp merges the weights of equivalent literals in 32 bits."""
+"""The largest sum of weights, because clasp adds the weights of equivalent literals in 32 bits."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def find_optimum(given: GivenProgram, ground: GroundModels) -> Optimum | None:
                 f"{place} the weights of priority {priority} sum to more than {LARGEST}, which clingo does not add "
                 "exactly; state smaller weights"
             )
-    stage("searching the optimum")
+    stage("searching for the optimum")
     grounder = given.grounder("--opt-mode=opt")
     grounder.ground([("base", [])])
     costs: Sequence[int] | None = None

@@ -44,7 +44,7 @@ OPEN_AND_AT_LEAST_1 = 1 << 2
 """The smallest number for an open sum."""
 
 State = tuple[int, ...]
-"""The clauses that are begun and not satisfied, as bits, and a number for each sum."""
+"""The clauses that have begun and are not satisfied, as bits, and a number for each sum."""
 
 
 @dataclass

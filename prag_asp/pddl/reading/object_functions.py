@@ -47,5 +47,5 @@ class ObjectFunction:
     line: int
 
     def literal(self, value: Variable | str, *, positive: bool = True) -> Literal:
-        """Return the literal that states that the function has a value."""
+        """Return the literal that states that the function has the given value."""
         return Literal(self.predicate, (*self.terms.terms, value), positive, self.line)

@@ -26,7 +26,7 @@ Recordings, whose joints move at up to nine tenths of their speed limits, stay b
 """
 
 STRIDE, TURN = 1.0, 5.0
-"""The corresponding speeds in `ee_delta_upright`, which are lower so that agents can learn."""
+"""The greatest speeds of the tool in `ee_delta_upright`, in m/s and rad/s; they are lower so that agents can learn."""
 
 FINGERS = 0.2
 """The maximum speed of opening or closing a gripper, in metres per second."""

@@ -1,6 +1,6 @@
 """Render the table, its zones and the room with one ray per pixel.
 
-They are large, and the time that TinyRenderer takes grows with the number of pixels in a triangle.
+Their surfaces are large, and the time that TinyRenderer takes grows with the number of pixels in a triangle.
 """
 
 from __future__ import annotations

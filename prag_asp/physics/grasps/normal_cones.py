@@ -43,12 +43,14 @@ def edges_and_corners(part: Floats) -> list[Feature]:
         for i, corner in enumerate(corners):
             met[corner,].append(normal)
             met[tuple(sorted((corner, corners[i - 1])))].append(normal)
-    features = ((np.array([*place, place[-1], place[-1]][:3]), _distinct(normals)) for place, normals in met.items())
+    features = (
+        (np.array([*place, place[-1], place[-1]][:3]), distinct_normals(normals)) for place, normals in met.items()
+    )
     return [Feature(place, normals) for place, normals in features]
 
 
-def _distinct(normals: list[Floats]) -> Floats:
-    """Return the normals without those of faces in the same plane."""
+def distinct_normals(normals: list[Floats]) -> Floats:
+    """Return the unit normals (n, 3) of faces, only once for parallel faces."""
     kept: list[Floats] = []
     for normal in normals:
         if all(normal @ other < 1 - 1e-12 for other in kept):

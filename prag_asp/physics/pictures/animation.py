@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from PIL import Image
 
 RATE = 10
-"""The usual frame rate of animations, in frames per second."""
+"""The default frame rate of animations, in frames per second."""
 
 LAST_PAUSE = 1500
 """The pause at the end of an animation, in milliseconds."""

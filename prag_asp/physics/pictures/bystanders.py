@@ -30,7 +30,7 @@ from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 
 SEED = 0
-"""The seed for the places, so that all pictures of a witness show the same ones."""
+"""The seed for the places of bystanders, so that they are the same in all pictures of a witness."""
 
 MOST, TRIES = 12, 24
 """The maximum number of bystanders, and the number of places that are tried for each."""

@@ -29,10 +29,10 @@ LINE, EDGE = 2, 1
 """The width of an outline and of each of its edges, in pixels of the picture."""
 
 SPECK = 2
-"""Parts of an object that are at most twice this wide, in pixels, get no outline unless there are no others."""
+"""Half of the width in pixels up to which a part of an object gets no outline, unless the object has no wider part."""
 
 HIDDEN = 0.55
-"""An object counts as hidden if less than this share of it is visible."""
+"""The share of an object that has to be visible, or else the object counts as hidden."""
 
 INSET, BORDER = 0.40, 2
 """The side of a close-up as a share of the shorter side of the picture, and the width of its border in pixels."""

@@ -27,7 +27,7 @@ VERTICES, INDICES = 34962, 34963
 """The numbers by which glTF identifies the uses of buffers."""
 
 UPRIGHT = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
-"""The rotation that turns the z axis to the y axis."""
+"""The rotation that turns the z axis into the y axis."""
 
 ROUGHNESS = 0.7
 """The roughness of all materials, from 0 to 1: about that of plastic, lacquer and wood."""

@@ -93,9 +93,9 @@ def _contact_violations(situation: Situation, arguments: Arguments) -> Iterator[
         return
     yield abs(situation.arm(robot).width - contact.width) - GRIP_TOLERANCE
     yield abs(contact.low + contact.high) / 2 - GRIP_TOLERANCE
-    cone = math.atan(pad_friction(situation.scene, entity))
-    for patch in contact.patches:
-        yield math.acos(max(-1.0, min(1.0, patch.slope))) - cone
+    friction = pad_friction(situation.scene, entity)
+    for cosine in contact.cosines(friction):
+        yield math.acos(max(-1.0, min(1.0, cosine))) - math.atan(friction)
 
 
 def _grip_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:

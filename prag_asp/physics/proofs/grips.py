@@ -52,7 +52,7 @@ def _faults(scene: Scene, name: str, entity: str) -> Iterator[tuple[str, str, st
             wide = f"wider than {limit:.3g} mm between all opposite sides, edges and corners"
             yield "too-wide", "shapes", f"{wide}, but {closes}; make it narrower"
         elif not body_grasps(shapes[0], ParallelGripper.of(robot), pad_friction(scene, entity)):
-            text = "not held by any grasp that was found (two flat pads on opposite sides)"
+            text = "not held by any grasp that was found (two flat pads on opposite sides or edges)"
             yield "no-grasp", "shapes", f"{text}; give it a rim, a handle or parallel sides"
     else:
         width = min(shape.breadth(widest=False) for shape in shapes)

@@ -80,7 +80,7 @@ SECTOR, SIDEWAYS = math.pi / 4, 0.7
 side, that is, if the cosine of the tool's angle from straight down is below the second number."""
 
 STRAIGHT_DOWN = 1e-7
-"""How far below 1 the cosine of a tool's angle from straight down may be: about half a milliradian."""
+"""The amount by which the cosine of a tool's angle from straight down may be below 1: about half a milliradian."""
 
 
 class CollisionQuery(NamedTuple):
@@ -137,12 +137,14 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     twisting = grip_load(search.scene, entity, acting, 0.0, 1.0) * table.loads
     bearing = ((twisting <= SLIPS) & (loads[:, 1] <= STEADIEST)).tolist()
     # The best grasps of each kind come first, then the second best, because where one kind fails, another may succeed.
-    # Grasps out of which the body tilts come last, before them those that leave no room for another robot.
+    # Grasps at an edge come last, before them those out of which the body tilts, and before them those that leave no
+    # room for another robot.
     central = _leaves_no_room(search, situation, entity, table.frames)
-    counts, ranked = Counter[tuple[float, bool]](), list[tuple[bool, bool, int, int]]()
+    counts, ranked = Counter[tuple[float, bool]](), list[tuple[bool, bool, bool, int, int]]()
     for i in order.tolist():
         if bearing[i]:
-            ranked.append((bool(tilting[i] > 1.0), bool(central[i]), counts[kinds[i]], i))
+            last = bool(table.at_edge[i]), bool(tilting[i] > 1.0), bool(central[i])
+            ranked.append((*last, counts[kinds[i]], i))
             counts[kinds[i]] += 1
     if not ranked:
         raise Failure(TWISTS, entity)
@@ -153,7 +155,7 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     places, quaternions = frames[:, :3, 3].tolist(), turned.T.tolist()
     options = [
         GraspOption(Pose(tuple(places[i]), tuple(quaternions[i])), found[i].approach)
-        for *_, i in sorted(ranked, key=lambda row: row[:3])
+        for *_, i in sorted(ranked, key=lambda row: row[:4])
     ]
     first = search.passed_over % len(options)
     return options[first:] + options[:first]
@@ -162,7 +164,7 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
 def _leaves_no_room(
     search: Search, situation: Situation, entity: str, frames: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """Return which of the grasps with given frames, shape (n, 4, 4), in a long body leave no room for another robot."""
+    """Return, for each grasp frame (n, 4, 4), whether it leaves no room for another robot on a long body."""
     half = np.array(situation.shape(entity).half[:2])
     if not search.scene.shared or half.max() < LONG:
         return np.zeros(len(frames), dtype=bool)

@@ -32,6 +32,7 @@ from prag_asp.physics.search.placement import (
     parts_meet,
     placement_volume,
     sample_pose,
+    support_yaw,
 )
 from prag_asp.physics.search.spans import FINGER_ROOM
 from prag_asp.physics.situation import Situation
@@ -217,7 +218,7 @@ def _frames(situation: Situation, entity: str, support: str, about: Iterable[Fac
     If a user-defined relation requires the object to be in a rotated body, such as a slot, the yaw of that body is also
     tried.
     """
-    first = 0.0 if support == TABLE else yaw_of(situation.pose(support).quaternion)
+    first = 0.0 if support == TABLE else support_yaw(situation, support)
     yield first
     for fact in about:
         if fact.value and fact.predicate.rests_on_other and fact.arguments[0] == entity:

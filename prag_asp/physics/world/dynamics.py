@@ -34,7 +34,7 @@ POSITION_GAINS = (POSITION_GAIN,) * 9
 """The gains of seven joints and two fingers."""
 
 RESTING, RESTING_TURN = 0.005, 0.05
-"""Speeds below which a body counts as at rest, in m/s and rad/s, because held objects tremble a little."""
+"""Speeds below which a body counts as at rest, in m/s and rad/s, because held objects vibrate a little."""
 
 SLEEP_FRAMES = 4
 """The number of consecutive frames at rest after which a body is put to sleep, until a moving body comes close.

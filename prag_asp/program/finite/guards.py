@@ -322,7 +322,7 @@ def _plain_variables(term: AST) -> set[str]:
 
 
 def _is_signed(term: AST) -> bool:
-    """Return whether a term negates another or is its absolute value, and is therefore in range if the other is."""
+    """Return whether a term is the negation or the absolute value of another, and so in range if the other is."""
     return term.ast_type == ASTType.UnaryOperation and term.operator_type != UnaryOperator.Negation
 
 

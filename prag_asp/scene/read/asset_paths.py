@@ -43,6 +43,8 @@ def require_inside(path: Path, folder: Path) -> None:
     """
     if not is_inside(path, folder):
         raise SceneError(f"{path}: lies outside the domain; copy it into {folder}")
+    if path.is_dir():
+        raise SceneError(f"{path}: is a folder; give the path of a file in it")
     if not path.is_file():
         raise SceneError(f"{path}: there is no such file; give the path from the folder of the domain")
 

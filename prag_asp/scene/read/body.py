@@ -13,7 +13,7 @@ from prag_asp.errors import SceneError
 from prag_asp.scene.forms import FORMS
 from prag_asp.scene.geometry import Pose, matrix
 from prag_asp.scene.mass import MassProperties, combined, polyhedron_mass, primitive_mass, principal
-from prag_asp.scene.read.cavities import cached_cavity
+from prag_asp.scene.read.cavities.flooding import cached_cavity
 from prag_asp.scene.read.convex import convex_hull, is_closed, is_convex
 from prag_asp.scene.read.decomposition import can_decompose
 from prag_asp.scene.read.mesh import file_parts, mesh_points, state_of, thickness

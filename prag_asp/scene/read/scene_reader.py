@@ -81,7 +81,7 @@ DISTINCT = 20.0
 
 
 def read_scene(root: TableEntry, names: DomainNames) -> Scene:
-    """Return the scene that a ``[scene]`` table defines; wrong values are reported and replaced by their defaults."""
+    """Return the scene that a ``[scene]`` table defines; invalid values are reported and replaced by their defaults."""
     report = root.report
     root.require_known(SCENE_KEYS)
     if not isinstance(root.value.get("shapes", {}), Mapping) or (*root.keys, "shapes") in report.misspelt:

@@ -51,7 +51,7 @@ class Automaton:
 
     @cached_property
     def sources(self) -> NDArray[np.int64]:
-        """The source of each edge."""
+        """The source of each edge, shape (edges,)."""
         return np.repeat(np.arange(self.states), np.diff(self.offsets))
 
     @cached_property
@@ -166,7 +166,7 @@ class Completions:
         return row
 
     def following(self, row: NDArray[Any]) -> NDArray[Any]:
-        """Return the row for one more letter."""
+        """Return the row for completions with one more letter than those of `row`."""
         automaton = self.automaton
         if row.dtype != object and int(row.max(initial=1)) * self._growth >= 2**62:
             row = row.astype(object)

@@ -255,7 +255,7 @@ class _Edges:
 
     @classmethod
     def none(cls, labels: int) -> _Edges:
-        """Return no edges."""
+        """Return an empty set of edges."""
         nothing = np.zeros(0, dtype=np.int32)
         return cls(nothing, nothing, np.zeros((0, labels), dtype=np.bool_), nothing.astype(np.int64), nothing)
 

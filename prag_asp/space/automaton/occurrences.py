@@ -22,7 +22,7 @@ Marks = Sequence[NDArray[np.bool_]]
 
 
 def occurrences_by_recurrence(automaton: Automaton, kinds: Iterable[Marks], length: int) -> list[int] | None:
-    """Return, for each kind of occurrence, the total weight of all words, each counted once for every such occurrence.
+    """Return, for each kind of occurrence, the sum over all words of the weight times the number of such occurrences.
 
     The result is None if a recurrence may be slower than counting step by step.
     """

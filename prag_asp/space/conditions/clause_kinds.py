@@ -38,7 +38,7 @@ class Clause(Protocol):
 
 @dataclass(frozen=True)
 class Begins:
-    """The first actions are the given actions or have the given names."""
+    """The clause that the first actions are the given actions or have the given names."""
 
     prefix: tuple[str, ...]
     file: ClassVar[str] = "begins"
@@ -81,7 +81,7 @@ class Range:
 
 @dataclass(frozen=True)
 class Has:
-    """Matching actions, or pairs of consecutive action names, occur `times` times."""
+    """The clause that matching actions, or pairs of consecutive action names, occur `times` times."""
 
     pattern: str
     times: Range
@@ -117,7 +117,7 @@ class Has:
 
 @dataclass(frozen=True)
 class Uses:
-    """The actions use `number` entities with this name or of this class."""
+    """The clause that the actions use `number` entities with a given name or of a given class."""
 
     kind: str
     number: Range
@@ -135,7 +135,7 @@ class Uses:
 
 @dataclass(frozen=True)
 class Names:
-    """Some action, or no action, uses an entity of this kind: a special case of `Uses` that needs a smaller state."""
+    """The clause that some action, or no action, uses an entity of a kind: a case of `Uses` with a smaller state."""
 
     kind: str
     some: bool
@@ -158,7 +158,7 @@ class Names:
 
 @dataclass(frozen=True)
 class Matches:
-    """The sequence of action names matches a regular expression or, with `inverse`, does not match it."""
+    """The clause that the sequence of action names matches a regular expression or, with `inverse`, does not."""
 
     expression: str
     inverse: bool = False
@@ -177,7 +177,7 @@ class Matches:
 
 @dataclass(frozen=True)
 class Part:
-    """The skeleton belongs to one of the parts into which a random automaton divides all skeletons evenly.
+    """The clause that the skeleton is in one of the parts into which a random automaton divides skeletons evenly.
 
     Each action name stands for a random permutation, determined by `seed`, of the numbers below `modulus`; the class of
     a skeleton is the image of 0 under the permutations of its names in order.
@@ -217,7 +217,7 @@ class Part:
 
 @dataclass(frozen=True)
 class After:
-    """After `steps` actions (0: initially), fluents have these values; a value may also become known in hindsight."""
+    """The clause that fluents have given values after `steps` actions (0: initially), possibly known in hindsight."""
 
     steps: int
     formula: str
@@ -240,7 +240,7 @@ class After:
 
 @dataclass(frozen=True)
 class Ends:
-    """The final state satisfies a formula, together with the goal of the domain."""
+    """The clause that the final state satisfies a formula, together with the goal of the domain."""
 
     formula: str
     file: ClassVar[str] = "ends"
@@ -259,7 +259,7 @@ class Ends:
 
 @dataclass(frozen=True)
 class Achieves(Ends):
-    """The final state satisfies a formula that the initial state is not known to satisfy.
+    """The clause that the final state satisfies a formula that the initial state is not known to satisfy.
 
     Several such clauses share one initial state, which must not be known to satisfy any of their formulas.
     """

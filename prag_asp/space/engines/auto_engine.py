@@ -33,7 +33,7 @@ PATIENCE = 2.0
 """Seconds for which clingo enumerates alone, at about 100,000 words per second."""
 
 EARLY, SURE = 64, 4
-"""A forecast is used once states take 1/`EARLY` of the memory limit, provided that it exceeds `SURE` times this limit.
+"""A forecast is used once states take 1/`EARLY` of the memory limit, if the forecast exceeds `SURE` times this limit.
 """
 
 

@@ -94,7 +94,7 @@ class ClingoEngine:
 
         def search() -> Iterator[Letters]:
             plans = self._plans(length)
-            stage("searching words")
+            stage("searching for words")
             beginning: Letters = ()
 
             def onward(word: Letters, _: int) -> Iterator[tuple[str, Letters]]:

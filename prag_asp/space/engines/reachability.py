@@ -183,7 +183,7 @@ class Explorer:
         explored, merging = self._explore(transition, length, clock, Weights(), halt, allow)
         names = tuple(map(action_name, transition.actions))
         if self.level == "skeleton" and explored.stop not in {HALT, FORECAST}:
-            stage("merging plans of one skeleton")
+            stage("merging plans with the same skeleton")
             letters = tuple(sorted(set(names)))
             numbers = np.array([letters.index(name) for name in names], dtype=np.int64)
             automaton, stop = skeleton_automaton(explored.automaton, numbers, clock.reached_limit)

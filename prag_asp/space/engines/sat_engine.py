@@ -111,7 +111,7 @@ class SatEngine:
     def _searching(self, length: int) -> _WordSearch:
         if self._search is None or self._search.formula.length != length:
             self._search = _WordSearch(word_formula(self._model, self._level, length))
-            stage("searching words")
+            stage("searching for words")
         return self._search
 
 

@@ -78,7 +78,7 @@ class PlanLayer:
     meets: Bits
 
     def solving(self, goal: Bits) -> NDArray[np.bool_]:
-        """Return which states satisfy a goal, which is packed like a row of `meets`."""
+        """Return which states satisfy a goal, shape (states,); the goal is packed like a row of `meets`."""
         solving: NDArray[np.bool_] = self.ends & ((self.meets & goal) == goal).all(axis=1)
         return solving
 
@@ -384,7 +384,7 @@ class PlanGraph:
 
 
 def solved_by(meets: Bits, goals: Bits) -> NDArray[np.bool_]:
-    """Return which of `goals`, one per row, are contained in some row of `meets`."""
+    """Return which of `goals`, one per row, are contained in some row of `meets`, shape (goals,)."""
     exact = set(map(bytes, meets))
     solved = np.array([bytes(goal) in exact for goal in goals], dtype=np.bool_)
     if solved.all() or not len(meets):

@@ -256,7 +256,7 @@ def entropy(completions: Completions, length: int, total: int) -> Decimal:
 
 
 def _forward(automaton: Automaton, length: int) -> Iterator[tuple[int, Objects]]:
-    """Yield, for each step from 0 on, the weight of all paths that end with each edge."""
+    """Yield, for each step from 0 on, the weight of all paths that end with each edge, shape (edges,)."""
     row = np.zeros(automaton.states, dtype=object)
     row[0] = 1
     factors = _factors(automaton)

@@ -7,6 +7,8 @@ objects to fall through are closed first, so a basket is a container, and cracks
 matter. If no cavity is found, the search is repeated with walls that are thinner than a cell of the grid. Parts above a
 cavity that do not close it, such as the handle of a basket, are ignored: the surface is also measured from several
 heights, without the parts above each of them.
+
+The result is as exact as the grid, except for cavities between vertical walls, which are measured along the walls.
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.output.cache_files import cache_folder, read_cached, write_cached
+from prag_asp.scene.read.cavities.box_cavities import boxed_cavity
 from prag_asp.scene.read.scene_values import MAX_LENGTH
 from prag_asp.scene.scene import Cavity
 
@@ -55,7 +58,7 @@ STEEP = 0.2
 """The largest ratio of a triangle's projected area, seen from above, to its area for which the triangle belongs to a
 wall: its slope is then at least 78 degrees."""
 
-FORM = 1
+FORM = 2
 """The version of the search; cached cavities of other versions are not read."""
 
 LARGEST_FILE = 1_000
@@ -108,7 +111,8 @@ def find_cavity(triangles: Floats) -> Cavity | None:
                     surface = raised
                 found += _cavities(_closed(surface, round(GAP / 2 / cell)), heights[-1], float(low[2]), (xs, ys))
         if found:
-            return max(found, key=lambda row: row[0])[1]
+            cavity = max(found, key=lambda row: row[0])[1]
+            return boxed_cavity(triangles, cavity, cell, GAP) or cavity
     return None
 
 
