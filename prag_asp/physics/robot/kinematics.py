@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from functools import cache, lru_cache
 from operator import mul
 
 import numpy as np
@@ -50,7 +50,7 @@ def tool_matrix(robot: Robot, joints: Joints) -> Rows:
 @lru_cache(maxsize=1 << 8)
 def tool_pose(robot: Robot, joints: Joints) -> Pose:
     """Return the pose of a robot's tool."""
-    at = tool_matrix(robot, joints)
+    at: list[list[float]] = robot.solver.forward(joints).tolist()
     pose = Pose((at[0][3], at[1][3], at[2][3]), quaternion_of(at))
     return pose if robot.base is ORIGIN else compose(robot.base, pose)
 
@@ -125,7 +125,7 @@ def nudge_joints(
         turn = matrix(robot.base)[:3, :3].T
         twist = np.concatenate([turn @ twist[:3], turn @ twist[3:]])
     inverse = jacobian.T @ np.linalg.inv(jacobian @ jacobian.T + DAMPED)
-    posture_step = POSTURE_GAIN * (np.array(robot.posture) - joints)
+    posture_step = POSTURE_GAIN * (_posture(robot) - joints)
     posture_step[0] = 0.0
     result: NDArray[np.float64] = joints + posture_step + inverse @ (twist - jacobian @ posture_step)
     return result
@@ -136,7 +136,7 @@ def track_joints(robot: Robot, joints: NDArray[np.float64], target: NDArray[np.f
 
     `target` is a homogeneous matrix in the frame of the base. The method repeats the step that `nudge_joints` takes.
     """
-    posture_step = POSTURE_GAIN * (np.array(robot.posture) - joints)
+    posture_step = POSTURE_GAIN * (_posture(robot) - joints)
     posture_step[0] = 0.0
     for _ in range(TRACKING):
         here = robot.solver.forward(joints)
@@ -148,6 +148,12 @@ def track_joints(robot: Robot, joints: NDArray[np.float64], target: NDArray[np.f
         joints = np.clip(joints + posture_step + inverse @ (twist - jacobian @ posture_step), robot.lower, robot.upper)
         posture_step = np.zeros_like(joints)
     return joints
+
+
+@cache
+def _posture(robot: Robot) -> NDArray[np.float64]:
+    """Return the preferred posture of a robot, shape (7,)."""
+    return np.array(robot.posture)
 
 
 def _jacobian(robot: Robot, joints: NDArray[np.float64], here: NDArray[np.float64]) -> NDArray[np.float64]:
