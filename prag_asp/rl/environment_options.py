@@ -102,7 +102,7 @@ def moves_of(action: object, control: Control) -> NDArray[np.float64]:
     """
     try:
         numbers = np.asarray(action)
-        real = numbers.dtype.kind in REAL and not np.ma.is_masked(action)
+        real = numbers.dtype.kind in REAL and not (isinstance(action, np.ma.MaskedArray) and np.ma.is_masked(action))
         moves = numbers.astype(np.float64) if real else np.array(np.nan)
     except (TypeError, ValueError, OverflowError):
         moves = np.array(np.nan)

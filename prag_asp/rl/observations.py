@@ -114,7 +114,8 @@ class Layout:
     def arranged(self, values: Sequence[float]) -> NDArray[np.float32]:
         """Assemble an observation from the values of all features."""
         choose, scales = self._columns
-        chosen: NDArray[np.float32] = (np.array(choose(values)) * scales).astype(np.float32)
+        chosen = np.empty(len(scales), dtype=np.float32)
+        np.multiply(choose(values), scales, out=chosen)
         return chosen
 
     @cached_property

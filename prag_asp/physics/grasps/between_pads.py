@@ -56,7 +56,8 @@ def width_between(shape: Shape, pose: Pose, window: PadWindow, tool: Pose) -> fl
     opening = rotate(tool.quaternion, AXES[1])
     whole = width_along(shape, pose.quaternion, opening)
     place = compose(invert(tool), pose)
-    x, y, z = place.position
+    (x, y, z), (qx, qy, qz, qw) = place
+    back = (-qx, -qy, -qz, qw)
     nearest = (min(max(x, window.x[0]), window.x[1]), min(max(z, window.z[0]), window.z[1]))
     if shape.kind == "sphere":
         aside = math.dist(nearest, (x, z))
@@ -64,13 +65,13 @@ def width_between(shape: Shape, pose: Pose, window: PadWindow, tool: Pose) -> fl
     half, is_round = shape.half, shape.kind == "cylinder"
     most = whole if is_round else min(whole, _between_faces(half, pose, window, opening))
     on_line = _on_line_in_cylinder if is_round else _on_line_in_box
-    way = _direction_across(place)
-    low, high = on_line(half, place, way, nearest)
+    way = rotate(back, AXES[1])
+    low, high = on_line(half, way, rotate(back, (nearest[0] - x, 0.0, nearest[1] - z)))
     if high - low >= most - AGREEMENT:
         return most
     ends = (_ends_of_cylinder if is_round else _ends_of_box)(half, place, window)
-    for line in product(window.x, window.z):
-        low, high = on_line(half, place, way, line)
+    for side, height in product(window.x, window.z):
+        low, high = on_line(half, way, rotate(back, (side - x, 0.0, height - z)))
         if low <= high:
             ends += (y + low, y + high)
     return max(ends) - min(ends) if ends else 0.0
@@ -88,27 +89,20 @@ def _between_faces(own_half: Vector, pose: Pose, window: PadWindow, opening: Vec
     return (2 * half + (window.x[1] - window.x[0]) * math.sqrt(max(0.0, 1.0 - cosine**2))) / cosine
 
 
-def _direction_across(place: Pose) -> Vector:
-    """Return the y axis of the tool in the frame of a body."""
-    x, y, z, w = place.quaternion
-    return rotate((-x, -y, -z, w), AXES[1])
+def _on_line_in_box(half: Vector, way: Vector, start: Vector) -> Interval:
+    """Return where a line is in a box, as distances from a point of the line; empty if low > high.
 
-
-def _on_line_in_box(half: Vector, place: Pose, way: Vector, line: tuple[float, float]) -> Interval:
-    """Return where a line along y, at an x and z in the frame of the tool, is in a box; empty if low > high.
-
-    `way` is the direction of the line in the frame of the box, and the interval is relative to the y of its centre.
+    `way` is the direction of the line and `start` is the point, both in the frame of the box.
     """
-    (half_x, half_y, half_z), (way_x, way_y, way_z) = half, way
-    start_x, start_y, start_z = _start(place, line)
+    (half_x, half_y, half_z), (way_x, way_y, way_z), (start_x, start_y, start_z) = half, way, start
     low, high = _within(start_x, way_x, -half_x, half_x, -math.inf, math.inf)
     low, high = _within(start_y, way_y, -half_y, half_y, low, high)
     return _within(start_z, way_z, -half_z, half_z, low, high)
 
 
-def _on_line_in_cylinder(half: Vector, place: Pose, way: Vector, line: tuple[float, float]) -> Interval:
-    """Return where a line along y is in a cylinder, as `_on_line_in_box` does for a box."""
-    start_x, start_y, start_z = _start(place, line)
+def _on_line_in_cylinder(half: Vector, way: Vector, start: Vector) -> Interval:
+    """Return where a line is in a cylinder, as `_on_line_in_box` does for a box."""
+    start_x, start_y, start_z = start
     low, high = _within(start_z, way[2], -half[2], half[2], -math.inf, math.inf)
     # |start + t way| = radius across the axis: a t² + 2 b t + c = 0.
     a, b = way[0] ** 2 + way[1] ** 2, way[0] * start_x + way[1] * start_y
@@ -119,12 +113,6 @@ def _on_line_in_cylinder(half: Vector, place: Pose, way: Vector, line: tuple[flo
         return NOTHING
     root = math.sqrt(b * b - a * c)
     return max(low, (-b - root) / a), min(high, (root - b) / a)
-
-
-def _start(place: Pose, line: tuple[float, float]) -> Vector:
-    """Return the point of a line along y that is level with the centre of a body, in the frame of the body."""
-    x, y, z, w = place.quaternion
-    return rotate((-x, -y, -z, w), (line[0] - place.position[0], 0.0, line[1] - place.position[2]))
 
 
 def _ends_of_box(half: Vector, place: Pose, window: PadWindow) -> list[float]:

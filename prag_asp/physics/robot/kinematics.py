@@ -8,7 +8,7 @@ the coarse sweep finds nothing.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache, lru_cache
 from operator import mul
 
@@ -31,6 +31,9 @@ CAUTION, POSTURE_GAIN = 1e-3, 0.02
 """The damping of a step near singularities, and the gain of the null-space motion towards the robot's preferred
 posture."""
 DAMPED = CAUTION * np.eye(6)
+
+INVERSE: Callable[[NDArray[np.float64]], NDArray[np.float64]] = getattr(np.linalg, "_umath_linalg", np.linalg).inv
+"""`numpy.linalg.inv` without its checks, which take longer than the inversion of a small matrix."""
 
 TRACKING, TRACKING_DAMPED = 8, 1e-5 * np.eye(6)
 """The maximum number of steps towards a target pose, and their damping, which is lower because steps are repeated."""
@@ -124,10 +127,11 @@ def nudge_joints(
     if robot.base is not ORIGIN:
         turn = matrix(robot.base)[:3, :3].T
         twist = np.concatenate([turn @ twist[:3], turn @ twist[3:]])
-    inverse = jacobian.T @ np.linalg.inv(jacobian @ jacobian.T + DAMPED)
+    across = jacobian.T  # dot() is faster than @ for such small arrays
+    inverse = across.dot(INVERSE(jacobian.dot(across) + DAMPED))
     posture_step = POSTURE_GAIN * (_posture(robot) - joints)
     posture_step[0] = 0.0
-    result: NDArray[np.float64] = joints + posture_step + inverse @ (twist - jacobian @ posture_step)
+    result: NDArray[np.float64] = joints + posture_step + inverse.dot(twist - jacobian.dot(posture_step))
     return result
 
 

@@ -193,11 +193,15 @@ class Dynamics:
         `speeds` are the target speeds of the joints in rad/s. Little is computed between the time steps, because
         PyBullet displaces everything else from the caches of the processor.
         """
-        motors = [(robot, self._motors(robot, speeds[robot]), rows) for robot, rows in targets.items()]
+        client, simulate, gentle = self.client, pybullet.stepSimulation, self._gentle
+        motors = [
+            (robot, self._motors(robot, speeds[robot]), rows, self._arms[robot].forces)
+            for robot, rows in targets.items()
+        ]
         for number in range(len(motors[0][2])):
-            for robot, motor, rows in motors:
-                motor(targetPositions=rows[number], forces=self._forces(robot))
-            pybullet.stepSimulation(physicsClientId=self.client)
+            for robot, motor, rows, most in motors:
+                motor(targetPositions=rows[number], forces=self._forces(robot) if gentle[robot] else most)
+            simulate(physicsClientId=client)
 
     def _motors(self, robot: str, speeds: Sequence[float]) -> partial[None]:
         """Return the function of PyBullet that sets the targets and forces of an arm's motors for the next step."""
