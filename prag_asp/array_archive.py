@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 SUFFIX = ".npy"
 LONGEST_HEADER = 10_000
 KINDS = frozenset("biufU")
-"""NumPy's kinds of numbers and texts; objects, which are pickles, and structured types are excluded."""
+"""NumPy's kind codes of numbers and strings; objects, which are pickles, and structured types are excluded."""
 
 
 class BadArchive(Exception):
@@ -31,7 +31,7 @@ def read_arrays(file: BinaryIO, names: Collection[str], at_most: int) -> dict[st
     Raises:
         OSError: the file cannot be read.
         BadArchive: the file is not an archive or is truncated, the arrays are too large, or an array holds neither
-            numbers nor texts.
+            numbers nor strings.
     """
     try:
         with ZipFile(file) as archive:
@@ -70,7 +70,7 @@ def _array(archive: ZipFile, name: str, member: ZipInfo) -> NDArray[Any]:
     """Read one array from an archive.
 
     Raises:
-        BadArchive: the array holds neither numbers nor valid texts, or its size differs from its header.
+        BadArchive: the array holds neither numbers nor valid strings, or its size differs from its header.
     """
     import numpy as np  # noqa: PLC0415 - not every program reads an archive
     from numpy.lib import format as npy  # noqa: PLC0415
@@ -93,6 +93,6 @@ def _array(archive: ZipFile, name: str, member: ZipInfo) -> NDArray[Any]:
     if kind.kind == "U" and kind.itemsize:
         codes = array.view(np.dtype(np.uint32).newbyteorder(kind.byteorder))
         halves = (codes >= 0xD800) & (codes < 0xE000)
-        if (halves | (codes > maxunicode)).any():  # NumPy turns these into texts that crash
+        if (halves | (codes > maxunicode)).any():  # NumPy turns these into strings that crash
             raise BadArchive(f"{name} has invalid characters")
     return array.reshape(shape, order="F" if by_columns else "C")

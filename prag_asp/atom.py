@@ -27,7 +27,7 @@ class Atom(NamedTuple):
 
 
 def atom_of(term: clingo.Symbol) -> Atom:
-    """Return a clingo term as an atom: terms are used internally as symbols, and as atoms wherever users see them."""
+    """Return a clingo term as an atom, the form in which users see terms."""
     return Atom(term.name, tuple(map(str, term.arguments)))
 
 
@@ -84,7 +84,7 @@ def split_terms(text: str) -> list[str]:
 
 
 def split_actions(*texts: str) -> list[str]:
-    """Return the actions listed in texts, in order; within a text, they are separated by blanks or commas.
+    """Return the actions listed in texts, in order; within a text, they are separated by spaces or commas.
 
     Raises:
         QueryError: an action is empty, or its parentheses do not match.
@@ -93,7 +93,7 @@ def split_actions(*texts: str) -> list[str]:
 
 
 def _words(text: str) -> Iterator[str]:
-    """Yield the words between blanks; blanks inside parentheses or before an opening one do not separate words."""
+    """Yield the words of a text; spaces inside parentheses or before an opening parenthesis do not separate words."""
     depth, start = 0, 0
     for position, character in enumerate(text):
         depth += (character == "(") - (character == ")")

@@ -10,7 +10,7 @@ Item = TypeVar("Item")
 
 
 def growing_ranges(most: int) -> Iterator[tuple[int, int]]:
-    """Yield the start and the size of endless consecutive batches; sizes double from 1 up to `most`."""
+    """Yield the start and the size of each of endlessly many consecutive batches; sizes double from 1 up to `most`."""
     first, size = 0, 1
     while True:
         yield first, size

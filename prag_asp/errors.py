@@ -27,12 +27,13 @@ LONGEST = 500
 
 CUT = " ... "
 HEAD = 300
-"""The number of characters kept from the beginning of a longer line (place and problem); its end (what to do) is also
-kept."""
+"""The number of characters kept from the beginning of a longer line (location and problem); its end (what to do) is
+also kept.
+"""
 
 
 def plain(text: str) -> str:
-    """Return a text as one line without control characters.
+    """Return `text` as one line without control characters.
 
     Unprintable characters, including line ends and text direction marks, are escaped as in Python.
     """
@@ -42,7 +43,7 @@ def plain(text: str) -> str:
 
 
 def one_line(text: str) -> str:
-    """Return a text as one line of a message: it is made `plain`, and its middle is cut out if it is too long."""
+    """Return `text` as one line of a message: without control characters, and without its middle if it is too long."""
     line = plain(text)
     return line if len(line) <= LONGEST else f"{line[:HEAD]}{CUT}{line[HEAD + len(CUT) - LONGEST :]}"
 

@@ -15,7 +15,7 @@ MAX_EXPONENT = 1000
 """The maximum number of digits before and after the decimal point."""
 
 EXPONENT = re.compile(r"[-+]?(?P<digits>[\d_.]*)(?:[eE](?P<exponent>[-+]?\d{1,18}))?\d*")
-"""A number as text; digits after an exponent with 18 digits do not matter."""
+"""The pattern of a number; only the first 18 digits of its exponent are read."""
 
 
 def parse_number(what: str, number: Number) -> Fraction:
@@ -35,7 +35,7 @@ def parse_number(what: str, number: Number) -> Fraction:
 
 
 def _exponent(number: Number) -> int:
-    """Return an upper bound on the number of digits before and after the decimal point, without expanding it."""
+    """Return an upper bound on the number of digits before and after the decimal point, without writing them out."""
     if isinstance(number, Decimal):
         return abs(number.adjusted()) if number.is_finite() else 0
     if isinstance(number, str):

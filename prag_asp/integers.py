@@ -7,7 +7,8 @@ from collections.abc import Iterator
 
 LARGEST = 2**31 - 1
 """The largest number; the smallest is ``-LARGEST``. The only smaller 32-bit number has no positive counterpart, and
-dividing it by -1 would end the process."""
+dividing it by -1 would crash the process.
+"""
 
 SPELLED = re.compile(r"(?<![\w'@#])(?:0x[\da-fA-F]+|0o[0-7]+|0b[01]+|\d+)(?![\w'])")
 PLAIN_BITS = 10_000
@@ -30,7 +31,7 @@ def fits(number: int) -> bool:
 
 
 def too_large(text: str) -> Iterator[tuple[int, str]]:
-    """Yield the position and text of each number that is too large; the text has no comments or strings."""
+    """Yield the position and digits of each number that is too large; the text must have no comments or strings."""
     for match in SPELLED.finditer(text):
         digits = match[0]
         if len(digits) > LONGEST or not fits(int(digits, 0 if digits[1:2].isalpha() else 10)):
@@ -43,7 +44,7 @@ def shortened(digits: str) -> str:
 
 
 def with_short_numbers(text: str) -> str:
-    """Return a text from the user with its long numbers shortened, as messages show them."""
+    """Return `text`, which a user wrote, with its long numbers shortened for a message."""
     return re.sub(r"\d{40,}", lambda number: shortened(number[0]), text)
 
 

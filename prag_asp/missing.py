@@ -100,7 +100,7 @@ def _reason(error: ImportError) -> str:
 
 
 def advice(version: tuple[int, int]) -> str:
-    """Return how to install PyBullet and frankik on this version of Python."""
+    """Return advice on installing PyBullet and frankik for a version of Python."""
     if version <= NEWEST:
         fork = version >= (3, 12) or sys.platform != "linux"
         return f"install them: pip install {'pybullet-arm64' if fork else 'pybullet'} frankik"

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Words = NDArray[np.uint64]
-"""Words of 64 random bits."""
+"""An array of 64-bit random words."""
 
 WORD = 64
 BLOCK = 4
@@ -33,7 +33,7 @@ class Bits(Protocol):
         ...
 
     def further(self, draw: int, step: int) -> Iterator[int]:
-        """Yield more words for one step of a draw, in the rare case that 64 bits are not decisive."""
+        """Yield more words for one step of a draw, in the rare case that 64 bits do not decide it."""
         ...
 
 

@@ -26,7 +26,7 @@ STANDARD_INPUT = "-"
 """The name that stands for standard input in place of a file."""
 
 OPEN_ALREADY = ("/proc/", "/dev/fd/")
-"""The prefixes of paths that a shell has opened for the process: ``/dev/stdin``, and ``<(command)``."""
+"""The prefixes of paths that are already open in the process, such as ``/dev/stdin`` and ``<(command)``."""
 
 
 STANDARD_INPUTS = ("/dev/stdin", "/dev/fd/0", "/proc/self/fd/0")
@@ -40,7 +40,7 @@ class Refused(OSError):
 def is_inside(path: str | Path, folder: str | Path) -> bool:
     """Return whether a path leads into a folder, or to the folder itself, after following all links.
 
-    A path with a null character leads nowhere.
+    A path with a null character is never inside.
     """
     return "\0" not in str(path) and Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder))
 

@@ -35,4 +35,4 @@ class StopReason:
 
 
 LimitCheck = Callable[[], "StopReason | None"]
-"""Returns the limit that is reached, or None."""
+"""A function that returns the limit that has been reached, or None."""

@@ -57,7 +57,7 @@ class FrozenDict(dict[Key, Value]):
 
 
 KNOWN_VALUES = {True: "true", False: "false", None: ""}
-"""The values of a fluent in a table, where an unknown value is left out."""
+"""The texts of a fluent's values in a table; an unknown value leaves its cell empty."""
 
 SHOWN_ROWS, SHOWN_STATES = 100, 25
 """The maximum numbers of rows and of states that a notebook shows."""
@@ -75,11 +75,11 @@ class KnownDomain(Protocol):
 class Task:
     """A plan with the known facts of each state through which it passes.
 
-    `entities` maps each entity that an action or a known fluent names to its class. `states[k]` holds the facts that
-    are known after action k+1, and `subgoals[k]` holds the facts that this action itself makes true or false; both are
-    as long as `actions`. `goal` holds the facts that must hold at the end. `log_probability` is the natural logarithm
-    of the probability with which the task was sampled, or None if it was not sampled. `constants` maps the names of
-    those ``#const``s of the domain that were set to their values.
+    `entities` maps each entity that occurs in an action or a known fluent to its class. `states[k]` holds the facts
+    that are known after action k+1, and `subgoals[k]` holds the facts that this action itself makes true or false; both
+    are as long as `actions`. `goal` holds the facts that must hold at the end. `log_probability` is the natural
+    logarithm of the probability with which the task was sampled, or None if it was not sampled. `constants` holds the
+    values that were set for ``#const``s of the domain, by name.
     """
 
     domain: str
@@ -138,11 +138,11 @@ class Task:
         """Return the distance between two tasks, minimised over all renamings of interchangeable entities.
 
         `metric` is a name in `prag_asp.similarity.METRICS`. `within` is a task space of the domain. Without it, classes
-        have no hierarchy, what an action needs is guessed from what it changes, and entities match by their names, or
-        by their classes with ``up_to="classes"``.
+        have no hierarchy, the preconditions of an action are guessed from its effects, and entities match by name, or
+        by class with ``up_to="classes"``.
 
         Raises:
-            QueryError: there is no such metric, or it does not compare such tasks.
+            QueryError: there is no such metric, or it cannot compare these tasks.
             SimilarityMissingError: the metric needs rapidfuzz, which is not installed.
         """
         return self.compare(other, metric, within=within, up_to=up_to).distance

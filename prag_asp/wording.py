@@ -27,7 +27,7 @@ def nearest(name: str, known: Iterable[str]) -> str | None:
 
 
 def is_misspelt(name: str, known: Iterable[str]) -> bool:
-    """Return whether a name misspells a known name: similar, with equal numbers, and not just more or fewer words."""
+    """Return whether a name misspells a known one: similar, with the same numbers, and not just more or fewer words."""
     near = nearest(name, known)
     if near is None:
         return False
@@ -53,12 +53,12 @@ def listed(names: Iterable[str]) -> str:
 
 
 def plural(number: int, one: str, several: str = "") -> str:
-    """Return a number with its noun, as in ``1 task`` and ``2 tasks``; `several` is a plural that does not end in s."""
+    """Return a number with its noun, as in ``1 task`` and ``2 tasks``; `several` is an irregular plural."""
     return f"{number} {one if number == 1 else several or f'{one}s'}"
 
 
 def unknown(text: str, known: Iterable[str], kind: str) -> str:
-    """Return the message about a name that is not known."""
+    """Return the error message for an unknown name."""
     names = {*known}
     like = "(" in text and any(each.startswith(text[: text.index("(") + 1]) for each in names)
     never = ", or it can never occur" if kind == "action" and like else ""

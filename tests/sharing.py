@@ -5,6 +5,7 @@ What it says of a domain is tested elsewhere. Here spaces of equal domains share
 
 from __future__ import annotations
 
+import os
 from collections import deque
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -61,6 +62,16 @@ def shared_logic() -> Iterator[None]:
 def pictures_are_small() -> Iterator[None]:
     """Draw small pictures in all tests of a folder whose conftest imports this."""
     with small_pictures():
+        yield
+
+
+@pytest.fixture(scope="package", autouse=True)
+def automata_are_cached(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """Cache automata, as commands do for users, in one folder for all tests and processes of a run."""
+    folder = tmp_path_factory.getbasetemp()
+    with pytest.MonkeyPatch.context() as patch:
+        cache = (folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) / "cache"
+        patch.setenv("PRAG_ASP_CACHE", str(cache))
         yield
 
 

@@ -29,15 +29,15 @@ if TYPE_CHECKING:
     from prag_asp.task import KnownDomain
 
 MOST_IMAGES = 2_000_000
-"""The maximum number of renamed features for all groups of rows together, which take about 2 GB."""
+"""The maximum total number of renamed features over all groups of rows; they take about 2 GB."""
 
 STRIPE = 1 << 23
-"""The number of pairs of tasks in the rows that are expanded together, which take at most 32 MB."""
+"""The number of pairs of tasks whose distances are in memory at a time; they take at most 32 MB."""
 
 
 @dataclass(frozen=True)
 class Images:
-    """All features in each renaming that matters to a group of rows; `starts[k]` is the first image of feature k."""
+    """The images of all features under the renamings that matter to a group of rows; `starts` has the first of each."""
 
     numbers: Numbers
     starts: Numbers
@@ -52,8 +52,8 @@ class Images:
 class PairDistances:
     """The distances between all pairs of the given tasks.
 
-    `place` maps each task to its feature; several tasks can have the same feature. `groups` are the images of all
-    features for each group of rows, with the features of the group, which are consecutive.
+    `place` maps each task to its feature; several tasks can have the same feature. `groups` holds, for each group of
+    rows, the range of its features and the images of all features.
     """
 
     metric: Metric
@@ -73,17 +73,17 @@ class PairDistances:
 
     @property
     def features(self) -> int:
-        """The number of different features."""
+        """The number of distinct features."""
         return self.groups[-1][0].stop if self.groups else 0
 
     @property
     def kind(self) -> type[Any]:
-        """The type of distances in arrays."""
+        """The NumPy type of distances."""
         return small_type(self.table.largest) if self.denominator else np.float32
 
     @cached_property
     def plain(self) -> Numbers:
-        """The number that each feature has in the table without renaming."""
+        """The index of each feature in the table, without renaming."""
         return np.array([images.numbers[images.starts[at]] for own, images in self.groups for at in own], dtype=np.intp)
 
     def block(self, rows: Numbers, images: Images, columns: range) -> Values:
@@ -149,7 +149,7 @@ def pair_distances(
     """Return the distances between all pairs of tasks, computed in blocks; the arguments are those of `Task.distance`.
 
     Raises:
-        QueryError: there is no such metric, it does not compare such tasks, or too many renamings matter.
+        QueryError: there is no such metric, it cannot compare these tasks, or too many renamings matter.
         SimilarityMissingError: the metric needs rapidfuzz, which is not installed.
     """
     stage("reading tasks")
@@ -179,7 +179,7 @@ def _images(
     fixed: frozenset[str],
     numbers: dict[Feature, int],
 ) -> Images:
-    """Return the images of features that matter to rows with the entities `fixed`; `numbers` holds their numbers.
+    """Return the images of features that matter to rows with the entities `fixed`; `numbers` maps images to indices.
 
     Raises:
         QueryError: there are too many images.

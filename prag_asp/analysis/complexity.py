@@ -1,4 +1,4 @@
-"""The logical complexity of a task: how long and how constrained it is, and how far it is from a shortest plan."""
+"""The logical complexity of a task: its length, its choices, and its distance from a shortest plan."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from prag_asp.task import Task
 class Complexity:
     """The complexity of a task.
 
-    `entities` is the number of entities that its actions mention. `undone` is the number of changes that a later action
-    undoes, because one action changes the value of a fluent and a later one changes it back. `choices` holds, for each
-    action, the number of actions that could stand in its place and be continued to some plan of the space. `shortest`
-    is the length of the shortest plans of the domain that lead from the initial state of the task to its goal and make
-    nothing more known about the initial state; `shortest_plans` is their number.
+    `entities` is the number of entities that occur in the actions. `undone` is the number of changes that are undone:
+    one action changes the value of a fluent, and a later action changes it back. `choices` holds, for each action of
+    the task, the number of alternatives, including itself, that can be continued to a plan of the space. `shortest` is
+    the length of the shortest plans of the domain that lead from the initial state of the task to its goal without
+    further assumptions about the initial state; `shortest_plans` is their number.
     """
 
     length: int
@@ -38,18 +38,18 @@ class Complexity:
 
     @property
     def bits(self) -> float:
-        """The information in the choices, in bits: minus log2 of the task's probability if all choices are uniform."""
+        """The information in the choices, in bits: -log2 of the probability of the task if each choice is uniform."""
         return sum(map(log2, self.choices))
 
     @property
     def detour(self) -> int:
-        """The number of actions that the task has in excess of a shortest plan."""
+        """The number of actions in excess of a shortest plan."""
         return self.length - self.shortest
 
 
 @dataclass(frozen=True)
 class ComplexityMeasure:
-    """Measures the complexity of tasks from a space with one length, and caches what they have in common."""
+    """A measure of the complexity of tasks from a space with one length; it caches data that all tasks share."""
 
     space: TaskSpace
 
@@ -76,7 +76,7 @@ class ComplexityMeasure:
         return Complexity(len(task), len(mentioned), undone(task), choices, found.length, found.number)
 
     def _choices(self, task: Task) -> tuple[int, ...]:
-        """Return the number of possible next actions before each action of a task."""
+        """Return the number of alternatives to each action of a task, including itself."""
         words, state, choices = self._words, 0, []
         if len(task) != words.length or words.edges is None:
             raise QueryError(f"no task of {self.space.title}: {task}")

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from prag_asp.task import KnownDomain
 
 MOST_BYTES = 4 * 10**9
-"""The size in bytes of the largest matrix that is kept in memory."""
+"""The maximum size in bytes of a matrix in memory."""
 
 SUFFIXES = (".npz", ".parquet")
 """The extensions of files with distances."""
@@ -129,14 +129,14 @@ def similarity_matrix(
     """Return the distances between all pairs of tasks; the arguments are those of `Task.distance`.
 
     Raises:
-        QueryError: there is no such metric, it does not compare such tasks, or the matrix is larger than 4 GB.
+        QueryError: there is no such metric, it cannot compare these tasks, or the matrix is larger than 4 GB.
         SimilarityMissingError: the metric needs rapidfuzz, which is not installed.
     """
     return matrix_of(pair_distances(tasks, metric, within, up_to))
 
 
 def fits(pairs: PairDistances) -> bool:
-    """Return whether a matrix is small enough to keep."""
+    """Return whether a matrix is small enough to keep in memory."""
     return pairs.count**2 * np.dtype(pairs.kind).itemsize <= MOST_BYTES
 
 
@@ -171,7 +171,7 @@ def stripes_of(given: SimilarityMatrix | PairDistances) -> Stripes:
 
 @dataclass(frozen=True)
 class NearestNeighbours:
-    """The tasks nearest to each task, nearest first; at equal distances, smaller numbers come first.
+    """The tasks nearest to each task, nearest first; at equal distances, smaller indices come first.
 
     `tasks` and `distances` have shape (tasks, k).
     """
@@ -207,7 +207,7 @@ def nearest_neighbours(given: SimilarityMatrix | PairDistances, count: int = 5) 
 
 @dataclass(frozen=True)
 class NearDuplicates:
-    """Pairs of tasks at a small distance, each with the smaller number first, in order; iteration yields tuples."""
+    """Pairs of tasks at a small distance, each with the smaller index first, in order; iteration yields tuples."""
 
     tasks: Numbers
     others: Numbers
@@ -252,7 +252,7 @@ def near_duplicates(given: SimilarityMatrix | PairDistances, at_most: float = 0.
 
 
 def without_duplicates(given: SimilarityMatrix | PairDistances, at_most: float = 0.0) -> list[int]:
-    """Return the numbers of the tasks that remain if each task that is near an earlier remaining one is left out.
+    """Return the indices of the tasks that remain after dropping each task that is near an earlier remaining task.
 
     Raises:
         QueryError: `at_most` is infinite or not a number.

@@ -1,9 +1,9 @@
 """Find all tasks of a space that are at least a given number of edits away from every task of another part.
 
 A row holds, for each state of the other part, the number of edits that turn a prefix of a plan into some prefix that
-leads to that state; numbers of at least the distance are treated as equal. Rows are states of a deterministic automaton
-for the neighbourhood of a whole regular language. Its product with the automaton of the space is an automaton of the
-tasks that remain, which are counted, ranked and sampled like other tasks.
+leads to that state; numbers are capped at the required distance. Rows are states of a deterministic automaton for the
+neighbourhood of a whole regular language. Its product with the automaton of the space is an automaton of the tasks that
+remain, which are counted, ranked and sampled like other tasks.
 """
 
 from __future__ import annotations
@@ -28,13 +28,13 @@ from prag_asp.stop_reason import StopKind, StopReason
 from prag_asp.task import Task
 
 TOGETHER = 1 << 22
-"""The number of edit counts that are computed together."""
+"""The number of edit counts that are computed at a time."""
 
 FARTHEST = 100
 """The largest distance, so that rows fit into 8 bits."""
 
 MOST_ROWS = 1 << 15
-"""Maximum number of rows of edits in one layer; beyond it, their number usually grows exponentially."""
+"""The maximum number of rows of edits in one layer; beyond it, the number of rows usually grows exponentially."""
 
 Bytes = NDArray[np.int8]
 
@@ -54,7 +54,7 @@ def tasks_apart(space: TaskSpace, other: TaskSpace, distance: int) -> RankedTask
 
 
 def tasks_apart_from_all(space: TaskSpace, others: Iterable[tuple[TaskSpace, int]]) -> TasksApart:
-    """Return the tasks of a space of one length that are far from each task of other parts, whatever their lengths.
+    """Return the tasks of a space of one length that are far from each task of other parts, of any length.
 
     Raises:
         QueryError: a distance is not between 1 and 100, or the spaces have different symmetries.
@@ -81,7 +81,7 @@ def tasks_apart_from_all(space: TaskSpace, others: Iterable[tuple[TaskSpace, int
 
 @dataclass(frozen=True)
 class TasksApart:
-    """The tasks of an automaton whose letters are actions of a space."""
+    """The tasks that an automaton accepts; its letters are actions of a space."""
 
     space: TaskSpace
     letters: tuple[str, ...]
@@ -171,9 +171,9 @@ def words_apart(words: LayeredAutomaton, plans: LayeredAutomaton, distance: int,
 
 
 class EditRows:
-    """The rows of words: for each state of a layer, the least edits to a prefix of a plan that leads there.
+    """The rows of words: for each state of a layer, the fewest edits to a prefix of a plan that leads to it.
 
-    A row has a block of numbers for each layer within the distance (see `_layers`); all other layers need too many
+    A row has a block of numbers for each layer within the distance (see `_layers`); the other layers need too many
     edits.
     """
 
@@ -199,7 +199,7 @@ class EditRows:
     def move(
         self, held: Bytes, origins: NDArray[np.int64], letters: NDArray[np.int64], place: int
     ) -> tuple[Bytes, NDArray[np.int64]]:
-        """Return the distinct rows after the given rows have read one more letter, and the number of each."""
+        """Return the distinct rows after one more letter, and for each origin and letter, the index of its new row."""
         widest = max([len(sources) for sources, _, _ in self._steps], default=1)
         size = max(TOGETHER // max(widest, held.shape[1]), 1)
         parts = [
@@ -219,7 +219,7 @@ class EditRows:
         return np.ones(len(held), dtype=np.bool_) if last is None else last[:, 0] >= self._distance
 
     def _layers(self, place: int) -> range:
-        """Return the layers that plans may have reached with fewer edits than the distance after the given letters."""
+        """Return the layers of plans within fewer than `distance` edits of words with `place` letters."""
         if self._plans.edges is None:
             return range(0)
         nearest = self._distance - 1

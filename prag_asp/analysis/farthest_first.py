@@ -24,7 +24,7 @@ METRIC = "levenshtein-classes"
 objects."""
 
 CHOSEN = -1.0
-"""Stands for the distance of a chosen task from the chosen tasks, so that it is not chosen again."""
+"""The distance assigned to a task once it is chosen, so that it is not chosen again."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ def diverse_choice(given: SimilarityMatrix | PairDistances, count: int) -> Diver
 
     For metrics, no choice of `count` tasks has a `radius` below half of this one, or a `separation` above twice this
     one (Gonzalez 1985; Ravi, Rosenkrantz and Tayi 1994). Among tasks at equal distances, the one with the smallest
-    number is chosen.
+    index is chosen.
 
     Raises:
         QueryError: there are fewer than `count` tasks, or `count` is not positive.
@@ -68,7 +68,7 @@ def diverse_choice(given: SimilarityMatrix | PairDistances, count: int) -> Diver
 
 @dataclass(frozen=True)
 class Novelty:
-    """The distance of each new task from the nearest given task, shape (new tasks,), and the number of the latter."""
+    """The distance of each new task from the nearest given task, shape (new tasks,), and the index of that task."""
 
     distances: NDArray[np.float64]
     nearest: NDArray[np.int64]
@@ -81,13 +81,13 @@ def novelty(
     within: KnownDomain | None = None,
     up_to: UpTo = "names",
 ) -> Novelty:
-    """Return how far each task is from the nearest given task; the other arguments are those of `Task.distance`.
+    """Return the distance of each task from the nearest given task; other arguments are those of `Task.distance`.
 
-    Among tasks at equal distances, the smallest number is returned. For the distance from a whole space, whose tasks
-    need not be listed, use `nearest_task`.
+    Among given tasks at equal distances, the one with the smallest index is returned. For the distance from a whole
+    space, use `nearest_task`, which does not list the tasks.
 
     Raises:
-        QueryError: no task is given, or `pair_distances` raises the error.
+        QueryError: no task is given, or `pair_distances` raises this error.
         SimilarityMissingError: the metric needs rapidfuzz, which is not installed.
     """
     if not given:

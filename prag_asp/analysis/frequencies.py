@@ -2,7 +2,7 @@
 
 Occurrences within a task depend on each other, so Pearson's statistic would not have a chi-square distribution. The
 test uses the exact covariance matrix C of the occurrences in a random task instead: for the differences d from the
-expected numbers in n tasks, d' C^+ d / n has a chi-square distribution for many tasks, whose number of degrees of
+expected numbers in n tasks, d' C^+ d / n asymptotically has a chi-square distribution, whose number of degrees of
 freedom is the rank of C (Moore 1977).
 """
 
@@ -38,12 +38,12 @@ class Frequency:
 
 @dataclass(frozen=True)
 class FrequencyTest:
-    """The frequencies of a feature's values in the given tasks, and a test of whether these are a uniform sample.
+    """The frequencies of a feature's values in given tasks, and a test of whether the tasks are a uniform sample.
 
     `statistic` has a chi-square distribution with `degrees` degrees of freedom if the tasks are independent uniform
     samples from the space; it is infinite if some frequencies are impossible in the space. `p_value` is the probability
-    of at least this statistic. `few` is the number of values that are expected fewer than five times: if there are
-    many, the p-value is only approximate.
+    of a statistic at least this large. `few` is the number of values that are expected fewer than five times; if it is
+    large, the p-value is only approximate.
     """
 
     feature: Feature

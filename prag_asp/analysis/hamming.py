@@ -28,25 +28,25 @@ from prag_asp.space.task_space import TaskSpace
 from prag_asp.stop_reason import StopKind, StopReason
 
 Agreements = int
-"""The numbers of agreements between two words under each renaming, as the digits of one number in base length + 1."""
+"""The number of agreements between two words under each renaming, as the digits of one integer in base length + 1."""
 
 SAFE = 2**62
-"""Sums below this bound fit into 64 bits."""
+"""A bound on sums that are computed in 64 bits."""
 
 PRIMES_FROM = 2**31
 """Moduli are primes below this number, so that a sum of 2^31 residues fits into 64 bits."""
 
 TOGETHER = 1 << 22
-"""The amount of data that is processed together, 32 MiB: enough to amortise the overhead of NumPy."""
+"""The number of integers processed at a time, 32 MiB: enough to amortise the overhead of NumPy."""
 
 COMPARED = 1 << 33
-"""Maximum number of letters compared when all pairs of words are listed, which takes about 10 s."""
+"""The maximum number of letters to compare when all pairs of words are listed; this takes about 10 s."""
 
 FEW_COMPARED = 1 << 26
-"""Number of letters up to which all pairs of words are listed at once, in less than a second."""
+"""The number of compared letters up to which all pairs of words are simply listed, in less than a second."""
 
 MOST_AGREEMENTS = 1 << 15
-"""Maximum number of different agreements in a layer."""
+"""The maximum number of distinct agreements in a layer."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class DistanceDistribution:
         return self.mean * Fraction(self.words, max(self.words - 1, 1))
 
     def share(self, distance: int) -> Fraction:
-        """Return the probability that the distance between two independent random words is at most a given one."""
+        """Return the probability that two independent random words are at most `distance` apart."""
         return Fraction(sum(self.pairs[: distance + 1]), self.words**2)
 
 
@@ -96,7 +96,7 @@ def hamming_distribution(space: TaskSpace, by: Level = "task") -> DistanceDistri
 def mean_hamming(space: TaskSpace, by: Level = "plan") -> Fraction:
     """Return the exact mean Hamming distance between two independent random plans or skeletons, at any length.
 
-    The mean depends only on the number of occurrences of each letter at each place. For tasks, see
+    The mean depends only on the number of occurrences of each letter at each position. For tasks, see
     `hamming_distribution`.
 
     Raises:
@@ -194,7 +194,7 @@ class AgreementCount:
         return counts
 
     def _residues(self, layers: Sequence[Sequence[Agreements]], prime: int) -> list[int]:
-        """Return the numbers that `_counted` returns modulo a prime, or the numbers themselves if the prime is 0."""
+        """Return the result of `_counted` modulo a prime, or the exact result if `prime` is 0."""
         matrices = np.ones((1, 1, 1), dtype=np.int64)
         steps = self._words.edges or ()
         for place in range(len(steps) - 1, -1, -1):
@@ -226,7 +226,7 @@ class AgreementCount:
                 continue
             further = np.array([number[vector + kind] for vector in vectors])
             for part in _parts(len(vectors), len(left) * len(right)):
-                # a state has one edge with each letter, so no place of the block occurs twice
+                # a state has at most one edge per letter, so no element of the block occurs twice
                 block = matrices[part][:, step.targets[left][:, None], step.targets[right]]
                 result[np.ix_(same[part], step.sources[left], step.sources[right])] -= block
                 result[np.ix_(further[part], step.sources[left], step.sources[right])] += block
@@ -234,7 +234,7 @@ class AgreementCount:
 
 
 def related_letters(renamings: NDArray[np.int64], base: int) -> list[tuple[int, int, Agreements]]:
-    """Return the pairs of letters of one orbit; the renamings with digit 1 map the second letter to the first."""
+    """Return the pairs of letters of one orbit; digit 1 marks the renamings that map the second letter to the first."""
     related = []
     powers = [base**place for place in range(len(renamings))]
     for other, images in enumerate(renamings.T.tolist()):
@@ -279,6 +279,6 @@ def _is_prime(number: int) -> bool:
 
 
 def _parts(number: int, cost: int) -> Iterator[slice]:
-    """Yield slices of `number` items of a given cost, so that each slice costs about `TOGETHER`."""
+    """Yield slices of `number` items, each slice with a total cost of about `TOGETHER`; `cost` is that of an item."""
     size = max(TOGETHER // max(cost, 1), 1)
     return (slice(begin, begin + size) for begin in range(0, number, size))

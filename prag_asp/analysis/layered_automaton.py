@@ -1,7 +1,7 @@
 """The words of one length as the paths of the smallest automaton with one layer of states for each step.
 
-From the last layer to the first, states are merged if the same words lead from them to the end, which gives the
-smallest automaton of a finite set of words (Revuz 1992). All sums over a space become sums over its layers.
+From the last layer to the first, states are merged if the same words lead from them to the end. The result is the
+minimal automaton of a finite set of words (Revuz 1992). All sums over a space become sums over its layers.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ Objects = NDArray[np.object_]
 
 @dataclass(frozen=True)
 class LayerEdges:
-    """The edges from one layer to the next, in order of their sources and letters; arrays have the shape (edges,).
+    """The edges from one layer to the next, in order of source and letter; arrays have the shape (edges,).
 
-    `states` is the number of states in the layer, each of which has an edge.
+    `states` is the number of states in the layer; each state has an edge.
     """
 
     states: int
@@ -38,7 +38,7 @@ class LayerEdges:
 
     @cached_property
     def begins(self) -> NDArray[np.int64]:
-        """The first edge of each state."""
+        """The index of the first edge of each state, shape (states,)."""
         return np.searchsorted(self.sources, np.arange(self.states))
 
 
@@ -97,7 +97,7 @@ class LayeredAutomaton:
 
 
 def sums_at(values: Objects, places: NDArray[np.int64], size: int) -> Objects:
-    """Return, for each of `size` places, the sum of the values there."""
+    """Return the sums of the values with each index in `places`, shape (size,)."""
     order = np.argsort(places, kind="stable")
     held, begins = np.unique(places[order], return_index=True)
     sums = np.zeros(size, dtype=object)
@@ -144,9 +144,9 @@ def layers_of(automaton: Automaton, length: int) -> tuple[LayerEdges, ...] | Non
 def _merged(
     automaton: Automaton, used: NDArray[np.int64], blocks: NDArray[np.int64]
 ) -> tuple[LayerEdges, NDArray[np.int64]]:
-    """Return the layer that edges define, and the merged state of each state, or -1.
+    """Return the layer of the edges `used`, and the index of the merged state of each state, or -1 for none.
 
-    `blocks` are the merged states of the next layer. States with the same letters and targets are merged.
+    `blocks` holds the merged states of the next layer. States with the same letters and targets are merged.
     """
     letters, targets = automaton.letters[used].astype(np.int64), blocks[automaton.targets[used]]
     states, begins = np.unique(automaton.sources[used], return_index=True)

@@ -22,9 +22,9 @@ MOST = 1 << 13
 
 
 def letter_renamings(space: TaskSpace, by: Level, letters: tuple[str, ...]) -> NDArray[np.int64]:
-    """Return the distinct renamings, shape (renamings, letters), as the number of each letter's image, or -1.
+    """Return the distinct renamings, shape (renamings, letters), as the index of each letter's image, or -1.
 
-    The first is the identity. Only tasks are considered up to renaming, so plans and skeletons have no other renaming.
+    The first one is the identity, and the only one for plans and skeletons, which are not considered up to renaming.
 
     Raises:
         QueryError: there are more than `MOST` renamings.

@@ -1,8 +1,8 @@
-"""Exact second moments of the features of a plan: the numbers of words with two given values at two places.
+"""Exact second moments of the features of a plan: the numbers of words with two given values at two positions.
 
-The features of a plan are one value for each place: its actions, their names, their names with the classes of their
-arguments, or its pairs of consecutive names. The dynamic programme follows the paths through each value at one place to
-all later places, so that no word is listed.
+The features of a plan are one value for each position: the actions, their names, their names with the classes of their
+arguments, or the pairs of consecutive names. The dynamic programme follows the paths through each value at one position
+to all later positions, so that no word is listed.
 """
 
 from __future__ import annotations
@@ -31,19 +31,21 @@ Feature = Literal["actions", "names", "classes", "pairs"]
 FEATURES: tuple[Feature, ...] = ("actions", "classes", "names", "pairs")
 
 MOST_COLUMNS = 4096
-"""Maximum number of different values at all places together; the eigenvalues of such a large matrix take half a minute.
+"""The maximum number of distinct values, summed over all positions; the eigenvalues of such a matrix take half a
+minute.
 """
 
 SAFE = 2**62
-"""Sums below this bound fit into 64 bits."""
+"""A bound on sums that are computed in 64 bits."""
 
 
 @dataclass(frozen=True)
 class Moments:
-    """The numbers of words in a set in which two values occur at two places.
+    """The numbers of words in a set in which two values occur at two positions.
 
-    `columns` are all occurring pairs of a place (from 0) and a value, in order; ``joint[k, l]`` is the number of words
-    with the values of the columns k and l. Each of `words` has one value at each of `places`.
+    `columns` holds all pairs of a position (from 0) and a value that occurs there, in order; ``joint[k, l]`` is the
+    number of words with the values of the columns k and l. Each of the `words` words has one value at each of `places`
+    positions.
     """
 
     feature: Feature
@@ -54,12 +56,12 @@ class Moments:
 
     @cached_property
     def values(self) -> tuple[str, ...]:
-        """The values at any place."""
+        """The values that occur at any position."""
         return tuple(sorted({value for _, value in self.columns}))
 
     @cached_property
     def occurrences(self) -> Objects:
-        """The number of occurrences of each value in all words together, shape (values,)."""
+        """The total number of occurrences of each value in all words, shape (values,)."""
         return sums_at(np.diagonal(self.joint), self._value_of_column, len(self.values))
 
     @cached_property
@@ -77,7 +79,7 @@ class Moments:
 
 @dataclass(frozen=True)
 class ValuedSteps:
-    """The words of a space, with the number of a value for each edge of each step, or -1 for none."""
+    """The words of a space, with the index of a value in `texts` for each edge of each step, or -1 for none."""
 
     words: LayeredAutomaton
     values: tuple[NDArray[np.int64], ...]
@@ -88,7 +90,7 @@ def space_moments(space: TaskSpace, feature: Feature, by: Level = "task") -> Mom
     """Return the second moments of all words of a level of a space.
 
     Raises:
-        QueryError: the space has several lengths, no words or no places, or the level has no such feature.
+        QueryError: the space has several lengths, no words or no positions, or the level has no such feature.
         LimitReached: a limit ended the exploration.
     """
     texts_of(space, feature, by, ())  # checks the feature
@@ -146,7 +148,7 @@ def task_moments(space: TaskSpace, tasks: Iterable[Task | Sequence[str]], featur
 
 
 def texts_of(space: TaskSpace, feature: Feature, by: Level, letters: Sequence[str]) -> list[str]:
-    """Return the value of each letter.
+    """Return the value of a feature for each letter.
 
     Raises:
         QueryError: there is no such feature, or skeletons do not have it.
@@ -166,7 +168,7 @@ def texts_of(space: TaskSpace, feature: Feature, by: Level, letters: Sequence[st
 
 
 def _single(feature: Feature) -> Feature:
-    """Return the feature of single actions from which a feature is composed."""
+    """Return the feature of single actions from which the values of a feature are composed."""
     return "names" if feature == "pairs" else feature
 
 
@@ -185,7 +187,7 @@ def _check_columns(number: int) -> None:
 
 
 def _paired(words: LayeredAutomaton, names: NDArray[np.int64], texts: Sequence[str]) -> ValuedSteps:
-    """Return the words with states that know the preceding name, and the pair of names of each edge after the first."""
+    """Return words whose states also hold the preceding name, with the pair of names for each edge after the first."""
     width = len(texts)
     states, before = np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int64)
     edges, values = [], []

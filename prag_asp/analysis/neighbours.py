@@ -1,10 +1,10 @@
-"""Count the tasks of a space within an edit distance of a given task, and find the nearest, without listing tasks.
+"""Count the tasks of a space within an edit distance of a given task, and find the nearest one, without listing tasks.
 
 A row of the table of Wagner and Fischer (1974) holds the numbers of edits that turn a prefix of a word into each prefix
-of the given plan. Numbers above the radius are capped, so that few different rows remain. They are the states of a
+of the given plan. Numbers above the radius are capped, so that few distinct rows remain. They are the states of a
 deterministic Levenshtein automaton (Schulz and Mihov 2002), which is run in parallel with the automaton of the space.
-There is a row for each renaming of the given plan, and the smallest number at the end is the distance. Each task is one
-path.
+There is a row for each renaming of the given plan, and the smallest number at the end is the distance. Each task of the
+space is one path.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ METRICS: tuple[Metric, ...] = ("levenshtein", "hamming")
 Plan = Task | Sequence[str | Atom]
 
 FAR = 1 << 14
-"""A number of edits that no two plans have; the sum of two such numbers fits into 16 bits."""
+"""A number of edits that exceeds every distance; the sum of two such numbers fits into 16 bits."""
 
 FARTHEST = 100
 """The largest radius of a neighbourhood, for which capped rows fit into 8 bits."""
@@ -53,13 +53,13 @@ class NearestTask:
 
 @dataclass(frozen=True)
 class Target:
-    """A given plan under each renaming, shape (images, actions), as numbers of letters, or -1 for none."""
+    """A given plan under each renaming, shape (images, actions), as indices of letters, or -1 for none."""
 
     images: NDArray[np.int64]
     metric: Metric
 
     def start(self) -> NDArray[np.int64]:
-        """Return the edits from the empty word to each prefix of the plan."""
+        """Return the numbers of edits from the empty word to each prefix of the plan, shape (actions + 1,)."""
         row = np.arange(self.images.shape[1] + 1)
         if self.metric == "hamming":
             row[1:] = FAR
@@ -74,7 +74,7 @@ class Target:
 
 
 def _with_skips(rows: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the rows if any actions of the plan may be left out, at the cost of one edit each."""
+    """Return the rows after also allowing actions of the plan to be skipped, at one edit each."""
     places = np.arange(rows.shape[-1])
     skipped: NDArray[np.int64] = np.minimum.accumulate(rows - places, axis=-1) + places
     return skipped
@@ -106,7 +106,7 @@ def count_neighbours(space: TaskSpace, task: Plan, up_to: int = 3, metric: Metri
 def nearest_task(space: TaskSpace, task: Plan, metric: Metric = "levenshtein") -> NearestTask:
     """Return a task of a space at the smallest distance from a given task; for distances, see `count_neighbours`.
 
-    Its distance is certified: it is the length of a shortest path in the product of the automaton and the plan.
+    The distance is exact: it is the length of a shortest path in the product of the automaton and the plan.
 
     Raises:
         QueryError: the space has no task (or, with `metric` hamming, none of the same length), or there is no such
@@ -133,7 +133,7 @@ def _symbols(space: TaskSpace, task: Plan) -> tuple[clingo.Symbol, ...]:
 def _targets(
     space: TaskSpace, plan: Sequence[clingo.Symbol], metric: Metric, up_to: int | None
 ) -> Iterator[tuple[LayeredAutomaton, Target]]:
-    """Yield the words of each length that may be close enough, with the images of the plan in their letters."""
+    """Yield the words of each length that may be close enough, with the plan's images as letters of these words."""
     for length in sorted(space.lengths, key=lambda each: abs(each - len(plan))):
         away = abs(length - len(plan))
         if (metric == "hamming" and away) or (up_to is not None and away > up_to):
@@ -172,7 +172,7 @@ def _within(words: LayeredAutomaton, target: Target, up_to: int, clock: LimitClo
 
 
 def _capped(rows: NDArray[np.int64], up_to: int, left: int, size: int) -> NDArray[np.int8]:
-    """Return rows, setting to `up_to` + 1 all numbers that exceed `up_to` with the edits that are still needed."""
+    """Return rows in which a number is `up_to` + 1 if it exceeds `up_to` after adding the edits still needed."""
     needed = np.abs(size - np.arange(size + 1) - left)
     return np.where(rows + needed > up_to, up_to + 1, rows).astype(np.int8)
 
@@ -207,7 +207,7 @@ def _summed(rows: NDArray[np.int8], numbers: NDArray[Any]) -> tuple[NDArray[np.i
 
 
 def _shortest(words: LayeredAutomaton, target: Target) -> NearestTask:
-    """Return the nearest word: a shortest path, found by going back from the smallest number of edits at the end."""
+    """Return the nearest word: a shortest path, traced back from the smallest number of edits at the end."""
     rows = [np.tile(target.start(), (1, len(target.images), 1))]
     for step, states in zip(words.edges or (), words.sizes[1:], strict=True):
         order = np.argsort(step.targets, kind="stable")
@@ -232,7 +232,7 @@ def _shortest(words: LayeredAutomaton, target: Target) -> NearestTask:
 
 
 def _place_before(row: NDArray[Any], edits: int, plan: NDArray[np.int64], letter: int, place: int) -> int:
-    """Return the prefix of the plan before a letter from which `edits` lead to a prefix after the letter."""
+    """Return the length of the plan's prefix before a letter, given that of the prefix after it, `place`."""
     for skipped in count():
         after = place - skipped
         if after and row[after - 1] + (plan[after - 1] != letter) == edits - skipped:

@@ -2,8 +2,8 @@
 
 It is the exponential of the entropy of the eigenvalues of K / N, where K is the matrix of the similarities of N tasks.
 For a similarity that is a scalar product of features, the second moments of the features have the same eigenvalues
-above 0, so the score of a whole space needs no list of its tasks. By default, the similarity is the share of places
-with the same value, so that the similarity of a task to itself is 1.
+above 0, so the score of a whole space needs no list of its tasks. By default, the similarity is the share of positions
+with the same value, so that each task has similarity 1 to itself.
 """
 
 from __future__ import annotations
@@ -21,11 +21,10 @@ from prag_asp.space.task_space import TaskSpace
 from prag_asp.task import Task
 
 NEGLIGIBLE = 1e-15
-"""Eigenvalues below this bound are 0 except for rounding errors."""
+"""Eigenvalues below this bound are 0 up to rounding errors."""
 
 DIGITS = 11
-"""Significant digits of results computed from eigenvalues; the last digits of a float depend on the order of summation.
-"""
+"""The significant digits of results computed from eigenvalues; further digits depend on the order of summation."""
 
 
 @dataclass(frozen=True)
@@ -54,14 +53,14 @@ def vendi_score(
 ) -> VendiScore:
     """Return the Vendi score of all tasks of a space, or of some `tasks` of its length.
 
-    `feature` is what is compared at each place: ``actions``, ``names``, ``classes`` (the name of an action with the
-    classes of its arguments) or ``pairs`` (of consecutive names). Interchangeable entities have their canonical names,
-    which matter only for ``actions``. With `bag`, the similarity is the scalar product of the numbers of occurrences.
-    The similarity of a task to itself is then not 1, so K is divided by its trace instead of N: a task counts in
-    proportion to its similarity to itself, which is larger if values repeat.
+    `feature` is what is compared at each position: ``actions``, ``names``, ``classes`` (the name of an action with the
+    classes of its arguments) or ``pairs`` (of consecutive names). Interchangeable entities have canonical names, which
+    affect only ``actions``. With `bag`, the similarity is the scalar product of the numbers of occurrences. The
+    similarity of a task to itself is then not 1, so K is divided by its trace instead of N: a task counts in proportion
+    to its similarity to itself, which is larger if values repeat.
 
     Raises:
-        QueryError: the space has several lengths, no tasks or no places, or a task has a different length.
+        QueryError: the space has several lengths, no tasks or no positions, or a task has a different length.
         LimitReached: a limit ended the exploration.
     """
     moments = space_moments(space, feature, by) if tasks is None else task_moments(space, tasks, feature)
@@ -80,5 +79,5 @@ def score_of(moments: Moments, *, bag: bool = False) -> VendiScore:
 
 
 def rounded(number: float) -> float:
-    """Return a number, rounded to the digits that do not depend on the machine and its threads."""
+    """Return a number, rounded to the digits that do not depend on the machine or the number of threads."""
     return float(f"{number:.{DIGITS}g}")

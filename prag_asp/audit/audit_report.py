@@ -1,4 +1,4 @@
-"""The report of an audit: tables of texts, which are written as text, as a web page or as JSON."""
+"""The report of an audit: tables of strings, which are written as text, as a web page or as JSON."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from prag_asp.html import element, html_page, scroll_table
 from prag_asp.wording import plural
 
 SHOWN_GROUPS, SHOWN_MEMBERS = 5, 3
-"""The maximum number of groups of equal goals that a text shows, and of problems in each group."""
+"""The maximum numbers of groups of equal goals, and of problems in each group, that the text report shows."""
 
 
 @dataclass(frozen=True)

@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class AuditedProblem:
-    """A problem with its suite and its place, which is a file or a row.
+    """A problem with its suite and its location, which is a file or a row.
 
     `load` returns its domain with its goal, or is None if it has no actions; problems of one domain may share it.
-    `own_fact` maps a fluent of the domain to a fact of the problem. `remarks` are the mistakes that its reader found,
-    each with its place.
+    `own_fact` maps a fluent of the domain to a fact of the problem. `remarks` holds the mistakes that the reader of the
+    problem found, each with its location.
     """
 
     suite: str
@@ -42,7 +42,7 @@ class AuditedProblem:
 
     @cached_property
     def goal_form(self) -> Form:
-        """The form of the goal, up to renaming objects within a class; objects that it does not name do not matter."""
+        """The form of the goal, up to renaming objects within a class; only objects in the goal matter."""
         structure = _Structure(self.problem)
         structure.add_goal()
         return structure.form()
@@ -57,7 +57,7 @@ class AuditedProblem:
 
     @cached_property
     def goal_facts(self) -> tuple[Relation, ...]:
-        """The conjuncts of the goal as relations of objects; the label of a conjunct that is not a fact is its form."""
+        """The conjuncts of the goal as relations of objects; a conjunct other than a fact has its form as the label."""
         structure = _Structure(self.problem)
         rows = []
         for each in conjuncts(self.problem.goal):
@@ -72,7 +72,7 @@ class AuditedProblem:
 
 @dataclass
 class _Structure:
-    """Collects coloured vertices (objects, and formulas that are not facts) and the relations between them."""
+    """A collector of coloured vertices (objects, and formulas that are not facts) and the relations between them."""
 
     problem: GroundProblem
     colours: dict[Hashable, str] = field(default_factory=dict)
@@ -82,7 +82,7 @@ class _Structure:
         return canonical_form(self.colours, self.relations)
 
     def relation(self, mark: str, literal: FactValue, *before: Hashable) -> Relation:
-        """Return a fact as a relation between objects; a region joins the label, with its target in its place."""
+        """Return a fact as a relation of objects; a region becomes part of the label, and is replaced by its target."""
         label, objects = [mark, "" if literal.value else "not", literal.fact.name], [*before]
         for name in literal.fact.arguments:
             target, region = self.problem.parts.get(name, (name, ""))

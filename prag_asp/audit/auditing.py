@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 Progress = Callable[[str, int, int], None]
 
 LARGEST_DOMAIN = 1_000_000
-"""The largest number of movable objects times the square of the number of objects for which a domain is loaded.
+"""The largest product of the number of movable objects and the square of the number of objects to load a domain.
 
-The facts of manipulation domains grow with this number; 500,000 take about a minute.
+The number of facts in manipulation domains grows with this product; 500,000 take about a minute.
 """
 
 
@@ -60,11 +60,11 @@ class NearestProblem:
 
 @dataclass(frozen=True)
 class Combinations:
-    """Pairs of a class that goals move and a target.
+    """Pairs of a target and a class whose objects goals move there.
 
-    `possible` are all pairs of a class and a target that occur in some goal, `present` are the pairs that hold in the
-    initial state of some problem, and `reachable` are the pairs that the actions of some problem can make true
-    according to the delete relaxation.
+    `classes` and `targets` are those in any goal, `occurring` holds the pairs that occur in some goal, `present` holds
+    the pairs for which some problem has objects, and `reachable` holds the pairs that the actions of some problem can
+    make true according to the delete relaxation.
     """
 
     classes: tuple[str, ...]
@@ -81,7 +81,7 @@ class Combinations:
 
 @dataclass(frozen=True)
 class BenchmarkAudit:
-    """The result of an audit; `same` are the groups of problems with the same goal, largest first."""
+    """The result of an audit; `same` holds the groups of problems with the same goal, largest first."""
 
     suites: tuple[SuiteCounts, ...]
     total: SuiteCounts
@@ -162,7 +162,7 @@ def _nearest(
     train: Sequence[str],
     findings: list[AuditFinding],
 ) -> Iterator[NearestProblem]:
-    """For each problem outside `train`, yield the problem with the nearest goal; ties prefer the same initial state.
+    """Yield the problem with the nearest goal for each problem outside `train`; ties prefer the same initial state.
 
     A problem whose goal cannot be compared with every other goal is skipped, and added to the findings.
     """

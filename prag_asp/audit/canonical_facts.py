@@ -15,7 +15,7 @@ Relation: TypeAlias = "tuple[str, tuple[Hashable, ...]]"
 """A label with an ordered list of objects."""
 
 Form: TypeAlias = "tuple[object, ...]"
-"""A nested tuple of texts and numbers that names no objects."""
+"""A nested tuple of strings and numbers without the names of objects."""
 
 _Token: TypeAlias = "tuple[int, int]"
 """A distinguished object: the depth at which it was distinguished, and its rank at this depth."""
@@ -106,7 +106,7 @@ def _refined(colours: Mapping[int, object], relations: Sequence[tuple[str, tuple
 def _components(
     objects: Sequence[int], relations: Sequence[tuple[str, tuple[object, ...]]]
 ) -> list[tuple[list[int], list[tuple[str, tuple[object, ...]]]]]:
-    """Return the sets of connected objects, each with its relations."""
+    """Return the connected components: their objects and the relations between these."""
     leader = {each: each for each in objects}
 
     def find(each: int) -> int:

@@ -1,4 +1,4 @@
-"""Splits with a proof (a distance between the parts, or combinations only in the test part) and their manifests."""
+"""Splits with a guarantee (a distance between parts, or combinations only in the test part), and their manifests."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ FORMS = {"text": "txt", "jsonl": "jsonl"}
 
 @dataclass(frozen=True)
 class DistantSplit:
-    """A request for parts: what is held out from the first part, or the shares of whole skeletons, and the distance.
+    """A request for parts: what to hold out from the first part, or the shares of skeletons, and the minimum distance.
 
     If there are `combinations`, they are held out from the first part, which covers all combinations with one factor
     fewer.
@@ -58,7 +58,7 @@ class DistantSplit:
         return max(map(len, self.combinations), default=1) - 1
 
     def parts(self, space: TaskSpace) -> dict[str, TaskSpace | RankedTasks]:
-        """Return the first part, and the tasks of each later part that are at least the distance from all of its tasks.
+        """Return the first part, and the tasks of each later part that are at least `distance` from the first part.
 
         Raises:
             QueryError: the space cannot be split in this way, or the distance is wrong.
@@ -79,7 +79,7 @@ class DistantSplit:
 
 
 class SplitFile(msgspec.Struct):
-    """A part of a split: the exact number of its tasks, and a file with some of them and their ranks in the space."""
+    """A part of a split: its exact size, and a file with some of its tasks, with their ranks in the space."""
 
     name: str
     size: Decimal
@@ -151,7 +151,7 @@ def plans_of(path: Path) -> Iterator[tuple[str, ...]]:
 
 
 def wrong_split(folder: Path, *, trust: bool = False) -> Iterator[Finding]:
-    """Yield findings about a split: files, exact sizes, and tasks that are not in their part or too close to the first.
+    """Yield findings about a split: files, exact sizes, and tasks outside their part or too close to the first part.
 
     The sizes are computed again. The distance of each task from the whole first part is a shortest path, found without
     the automaton that selected the task. Held-out combinations are determined from the actions of each task, and the

@@ -11,7 +11,7 @@ from prag_asp.errors import QueryError
 Kinds = Mapping[str, str]
 
 MOST_STEPS = 1_000_000
-"""The maximum number of steps of a search for the best renaming; they take half a minute."""
+"""The maximum number of steps in the search for the best renaming; a million steps take half a minute."""
 
 
 def goal_distance(first: Sequence[Relation], second: Sequence[Relation], kinds: tuple[Kinds, Kinds]) -> int:
@@ -29,7 +29,7 @@ def goal_distance(first: Sequence[Relation], second: Sequence[Relation], kinds: 
 
 
 def _most_common(first: Sequence[Relation], second: Sequence[Relation], kinds: tuple[Kinds, Kinds]) -> int:
-    """Return the largest number of facts that a renaming maps to facts, found by branch and bound over the facts."""
+    """Return the largest number of facts that a renaming maps to facts of the other goal, by branch and bound."""
     ours = [_description(fact, kinds[0]) for fact in first]
     theirs = {fact: _description(fact, kinds[1]) for fact in second}
     left = [Counter(ours[place:]) for place in range(len(first) + 1)]

@@ -1,4 +1,4 @@
-"""Mistakes in the initial states, goals and sentences of problems."""
+"""Mistakes in the initial states, goals and instructions of problems."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ MISTAKES = {
 """The kinds of mistakes."""
 
 SHORTEST = 3
-"""The minimum length of a word in the name of a class for a sentence to mention it."""
+"""The minimum length of a word from a class name to be searched for in a sentence."""
 
 
 @dataclass(frozen=True)
 class AuditFinding:
-    """A mistake in a problem: its kind, its place, and a description."""
+    """A mistake in a problem: its kind, its location, and a description."""
 
     kind: str
     place: str

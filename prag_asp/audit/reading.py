@@ -15,7 +15,7 @@ from prag_asp.errors import QueryError
 from prag_asp.processes.progress_events import report_progress
 
 LEROBOT = "LeRobot"
-"""The format of texts without problems; their problems are looked up in other suites."""
+"""The format that has instructions but no problems; their problems are looked up in other suites."""
 
 FORMATS: Mapping[str, str] = {
     "BDDL": "prag_asp.audit.sources.bddl_source",
@@ -72,7 +72,7 @@ def audit(
 
 
 def _suite_name(path: Path, names: Mapping[str, Path]) -> str:
-    """Return the name of a folder, with the folders above it if another suite has the same name."""
+    """Return the name of a folder, preceded by as many parent folders as distinguish it from other suites."""
     parts = path.resolve().parts
     return next(name for depth in range(1, len(parts) + 1) if (name := "/".join(parts[-depth:])) not in names)
 

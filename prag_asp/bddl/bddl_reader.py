@@ -86,7 +86,7 @@ def parse_bddl(text: str, path: str | Path = "<bddl>") -> BddlProblem:
 
 @dataclass
 class _Reading:
-    """Reads one text, and collects remarks on the parts that it ignores."""
+    """A reader of one text, which collects remarks on the parts that it ignores."""
 
     path: Path
     remarks: list[tuple[int, str]] = field(default_factory=list)
@@ -98,7 +98,7 @@ class _Reading:
                 found[0].line if found else 1, "not a problem of BDDL; begin it with (define (problem NAME)"
             )
         if len(found) > 1:
-            raise self.error(found[1].line, "this list follows the problem; look for a ')' too many before it")
+            raise self.error(found[1].line, "this list follows the problem; look for an extra ')' before it")
         name, sections = self.sections(found[0])
         parsers: Mapping[str, Callable[[Expression], object]] = {
             ":objects": lambda each: self.typed(each, "object"),
@@ -130,7 +130,9 @@ class _Reading:
             elif head == "domain":
                 raise self.error(each.line, "this is a domain; give its problems, which begin with (define (problem")
             elif head in sections:
-                raise self.error(each.line, f"a second ({head} ...); merge it with that of line {sections[head].line}")
+                raise self.error(
+                    each.line, f"a second ({head} ...); merge it with the one in line {sections[head].line}"
+                )
             elif head in SECTIONS:
                 sections[head] = each
             else:
@@ -206,7 +208,7 @@ class _Reading:
         return Region(self.name(item.head), target, ranges, yaw, item.line)
 
     def rows(self, item: Item) -> list[Expression]:
-        """Return the rows of numbers in a list of rows; a single row may be given without a list around it."""
+        """Return the rows of numbers in a list of rows; a single row need not be enclosed in a list."""
         whole = self.list(item)
         return (
             [whole]

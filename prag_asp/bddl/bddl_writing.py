@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from prag_asp.bddl.bddl_problem import BddlFact, BddlFormula, BddlProblem, Connective, Region
 
 SYNTAX = str.maketrans("();", "[],")
-"""Replaces the characters of a sentence that are syntax in BDDL."""
+"""The replacements for characters of a sentence that are syntax in BDDL."""
 
 
 def bddl_text(problem: BddlProblem) -> str:

@@ -40,7 +40,7 @@ def logic_text() -> str:
 class SuiteDomain:
     """A domain for several problems, given by file name: one program, in which a constant selects the problem.
 
-    A kind of object holds objects, opens or is switched if an object of this kind does so in any of the problems.
+    If an object of some kind holds objects, opens or is switched in any problem, all objects of this kind can do so.
     """
 
     problems: Mapping[str, GroundProblem]
@@ -72,7 +72,7 @@ class SuiteDomain:
         return "\n".join([*head, logic_text(), *self._union_of(name), "", *self._problem(name, "")]) + "\n"
 
     def _union_of(self, name: str) -> list[str]:
-        """Return what any problem of the suite shows about the kinds that occur in one problem."""
+        """Return the rules about the kinds of objects in one problem, from all problems of the suite."""
         kinds = {self._kinds[each] for each in self.problems[name].kinds.values()}
         return [line for line in self._rules if set(KIND.findall(line)) <= kinds]
 
@@ -130,7 +130,7 @@ class SuiteDomain:
         return [*lines, "", '#include "rules/closed_world.lp".', f'#include "{LOGIC}".', ""]
 
     def _union(self) -> list[str]:
-        """Return the facts about kinds of objects that any of the problems shows."""
+        """Return rules that state, for each kind of object, the properties that it has in any of the problems."""
         opens = {kind for each in self._kind_facts() if each[0] == OPEN for kind in each[1][:1]}
         movable = {each.kinds[name] for each in self.problems.values() for name in each.movable}
         takes = dict.fromkeys((name, kinds[1]) for name, kinds in self._moves())

@@ -23,7 +23,7 @@ def goal_rules(formulas: Sequence[GroundFormula], fluent: Callable[[Atom], str],
 
 @dataclass
 class _GoalRules:
-    """Collects rules for `satisfied(P,N,t)`, which states that formula N of problem P is true in the final state."""
+    """A collector of rules for `satisfied(P,N,t)`: formula N of problem P is true in the final state."""
 
     fluent: Callable[[Atom], str]
     problem: str
@@ -42,7 +42,7 @@ class _GoalRules:
         return self.atoms[formula]
 
     def rules(self, head: str, formula: Threshold, number: int) -> list[str]:
-        """Return the rules that count true parts: in `true_parts(P,N,I,J,t)`, J of the first I parts are true."""
+        """Return the rules that count true parts; `true_parts(P,N,I,J,t)`: at least J of the first I parts are true."""
         parts = [self.atom(each) for each in formula.parts]
         if formula.low == formula.high == len(parts):
             return [statement(head, parts)]

@@ -31,7 +31,7 @@ class FactValue:
 
 @dataclass(frozen=True)
 class Threshold:
-    """At least `low` and at most `high` of the parts are true."""
+    """A formula: at least `low` and at most `high` of its parts are true."""
 
     low: int
     high: int
@@ -117,7 +117,7 @@ def ground_goal(problem: BddlProblem) -> GroundFormula:
 
 
 def _ground(formula: BddlFormula, scope: Mapping[str, str], members: Mapping[str, list[str]]) -> GroundFormula:
-    """Replace the free variables of a formula with the objects in `scope`; `members` gives the objects of a class."""
+    """Replace the free variables of a formula with the objects in `scope`; `members` maps each class to its objects."""
     if isinstance(formula, BddlFact):
         terms = tuple(scope[term[1:]] if term.startswith("?") else term for term in formula.terms)
         return literal_of(BddlFact(formula.predicate, terms))

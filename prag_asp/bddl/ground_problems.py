@@ -14,8 +14,9 @@ ROOM, AGENT = "inroom", "agent"
 """The predicate with which BEHAVIOR places fixtures, and the class of its robot up to the first dot."""
 
 LOCATIONS = {"on": False, "ontop": False, "in": True, "inside": True}
-"""The predicates that state where an object is, each with a flag: true if within the place, behind its door if it has
-one."""
+"""The predicates that state where an object is, each with a flag that is true if the object is within a place, and thus
+behind the door of that place, if it has one.
+"""
 
 
 @dataclass(frozen=True)

@@ -16,14 +16,15 @@ if TYPE_CHECKING:
 __all__ = ["cli", "main"]
 
 GARBAGE = (100_000, 50, 100)
-"""Thresholds at which Python's garbage collector seldom runs, because ground programs are many small values without
-cycles."""
+"""Thresholds with which Python's garbage collector runs rarely, because ground programs consist of many small values
+without cycles.
+"""
 
 
 def main() -> None:
     """Run the command, and exit with its code."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)  # until the command handles signals, it ends without a traceback
+        signal.signal(signal.SIGINT, signal.SIG_DFL)  # without a traceback until the command handles signals
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # the matrices here are small, and each thread takes memory
     gc.set_threshold(*GARBAGE)  # set before the imports, which take a third of the time of a short command
     code = 1
@@ -46,7 +47,7 @@ def main() -> None:
         from prag_asp.cli.exit_control import finish
 
         finish(code)
-        gc.freeze()  # the collection at the end would visit each object, but the system frees all memory at once
+        gc.freeze()  # the collection at exit would visit each object, although the system frees all memory at once
     sys.exit(code)
 
 

@@ -21,7 +21,7 @@ def domain_and_others(words: Sequence[str]) -> tuple[tuple[str, ...], tuple[str,
 
 
 def parse_lengths(text: str) -> int | Sequence[int]:
-    """Return the number of actions in a text, or all numbers of a range or a list such as ``3..6`` or ``2,4``.
+    """Return the length that a text gives, or all lengths of a range or a list such as ``3..6`` or ``2,4``.
 
     Raises:
         QueryError: the text is none of these.
@@ -30,7 +30,7 @@ def parse_lengths(text: str) -> int | Sequence[int]:
 
 
 def parse_length(text: str) -> int:
-    """Return the number of actions in a text.
+    """Return the length that a text gives, which is a number of actions.
 
     Raises:
         QueryError: the text is not a number.

@@ -12,11 +12,11 @@ from prag_asp.scene.read.decomposition import can_decompose
 from prag_asp.scene.read.mesh import is_concave, mesh_parts
 from prag_asp.scene.read.scene_values import ancestors
 from prag_asp.scene.robots import robot_of
-from prag_asp.scene.scene import BodyModel, Scene, Shape
+from prag_asp.scene.scene import BodyModel, Cavity, Scene, Shape
 from prag_asp.wording import plural
 
 FAR = math.radians(30.0)
-"""The tilt in radians above which a body probably rests in an unintended pose, because scans lean by a few degrees."""
+"""The tilt in radians above which a resting pose is probably unintended; scans often lean by a few degrees."""
 
 
 def body_lines(scene: Scene) -> Iterator[str]:
@@ -27,8 +27,7 @@ def body_lines(scene: Scene) -> Iterator[str]:
         size = " x ".join(f"{side * 1000:.3g}" for side in shape.size)
         parts = plural(sum(len(mesh_parts(s.mesh, s.size)) if s.mesh else 1 for s in model.solids), "convex part")
         cavity = model.cavity
-        sides = "" if cavity is None else " x ".join(f"{side * 1000:.0f}" for side in cavity.sides)
-        room = f"; cavity: {sides} mm" if sides else ""
+        room = "" if cavity is None else f"; cavity: {cavity_text(cavity)}"
         rest = f"; {rest_text(model)}" if model.settled > 0.0 else ""
         concave = not can_decompose() and any(s.mesh and is_concave(s.mesh, s.size) for s in model.solids)
         hull = '; its mesh is not convex and stands for its hull: pip install "prag_asp[meshes]"' if concave else ""
@@ -36,8 +35,14 @@ def body_lines(scene: Scene) -> Iterator[str]:
         yield f"{', '.join(entities)}: {size} mm, {model.mass:.3g} kg, {parts}{rest}{room}{ways}{hull}"
 
 
+def cavity_text(cavity: Cavity) -> str:
+    """Describe the size of a cavity, and how it is turned in its body."""
+    turned = f", turned by {math.degrees(cavity.yaw):.1f} degrees" if cavity.yaw else ""
+    return f"{' x '.join(f'{side * 1000:.3g}' for side in cavity.sides)} mm{turned}"
+
+
 def grasps_text(scene: Scene, entity: str) -> str:
-    """Describe how many grasps were found for a body that has a model, for each direction of the hand."""
+    """Describe the numbers of grasps that were found for a body from a file, by direction of the hand."""
     from prag_asp.physics.grasps.antipodal import SIDEWAYS, SLANTED
     from prag_asp.physics.grasps.body_grasps import body_grasps
     from prag_asp.physics.grasps.pads import ParallelGripper
@@ -46,7 +51,7 @@ def grasps_text(scene: Scene, entity: str) -> str:
     gripper = ParallelGripper.of(robot_of(scene, next(iter(scene.robots))))
     tilts = [grasp.tilt for grasp in body_grasps(scene.shapes[entity], gripper, pad_friction(scene, entity))]
     above, side = sum(tilt < SLANTED for tilt in tilts), sum(tilt >= SIDEWAYS for tilt in tilts)
-    return f"grasps: {above} from above, {len(tilts) - above - side} at a slant, {side} from the side"
+    return f"grasps: {above} from above, {len(tilts) - above - side} at an angle, {side} from the side"
 
 
 def solid_containers(domain: Domain, scene: Scene) -> Iterator[Problem]:

@@ -29,7 +29,8 @@ if TYPE_CHECKING:
 class DomainOptions:
     """The domain and the task space defined by a command line.
 
-    `recorded` is a task read from a file, with constants for the domain; constants on the command line override these.
+    `recorded` is a task read from a file, which has constants for the domain; constants on the command line override
+    them.
     """
 
     names: tuple[str, ...] = ()
@@ -49,7 +50,7 @@ class DomainOptions:
     recorded: Record | None = None
 
     def of(self, record: Record, folder: Path) -> DomainOptions:
-        """Return the options for a task read from a file: its constants, and its domain unless the options name one."""
+        """Return the options for a task read from a file, with its constants; its domain is the default."""
         from prag_asp.dataset.task_origin import named_domain
 
         recorded = record if record.task.constants else None
@@ -57,7 +58,7 @@ class DomainOptions:
         return replace(self, names=names, recorded=recorded)
 
     def of_scenario(self, scenario: Scenario) -> DomainOptions:
-        """Return the options for a scenario: its constants, and its domain unless the options name one."""
+        """Return the options for a scenario, with its constants; its domain is the default."""
         from prag_asp.dataset.task_origin import named_domain
 
         names = self.names or (named_domain(scenario.domain, f"scenario {scenario}", Path()),)
@@ -114,7 +115,7 @@ class DomainOptions:
 
     @property
     def one_length(self) -> int:
-        """The length, for a command that takes only one."""
+        """The length, for a command that takes only one length."""
         assert isinstance(self.length, int), "several lengths are refused where the option is read"
         return self.length
 
@@ -130,7 +131,7 @@ class DomainOptions:
 
 
 def domain_options(*options: Decorator) -> Decorator:
-    """Add these options to a command, which receives them as a single argument `request`."""
+    """Return a decorator that adds options to a command, which receives them as a single argument `request`."""
     return grouped("request", DomainOptions, options)
 
 
@@ -145,7 +146,7 @@ def _note_unread_settings(names: Sequence[str]) -> None:
 
 
 def source_of(name: str) -> str | Source:
-    """Return the program with a name as a source; standard input is read only once, even if it is loaded repeatedly."""
+    """Return the name of a program, or standard input as a source, which is read only once per command."""
     if name != STANDARD_INPUT:
         return name
     from prag_asp.program.sources import standard_input

@@ -1,7 +1,7 @@
 """End a command after a result, an error, a signal or a limit, with at most one line on stderr and an exit code.
 
-On Linux, the command runs as the child of a supervisor (`prag_asp.cli.supervision`). It reports its limits, its stage
-and its end through a pipe, so that the supervisor can print the line when the command itself cannot.
+On Linux, the command runs as the child of a supervisor (`prag_asp.cli.supervision`). The command reports its limits,
+its stage and its end through a pipe, so that the supervisor can print the line when the command cannot.
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ if TYPE_CHECKING:
     from prag_asp.space.limits import Limits
 
 AGAIN = 0.01
-"""Seconds until a signal is sent again, after the callback that dropped its exception has ended."""
+"""The time in seconds until a signal is sent again, after the end of the callback that dropped the exception."""
 
 LONGEST_REPORT = 1000
-"""The maximum number of bytes in a report, which is below the 4096 bytes that a pipe accepts atomically."""
+"""The maximum size of a report in bytes, which is below the 4096 bytes that a pipe accepts atomically."""
 
 STAGE, LIMITS, SIGNALLED, DONE = "stage", "limits", "signalled", "done"
 """The kinds of reports to the supervisor."""
 
 
 class Terminated(KeyboardInterrupt):
-    """SIGTERM has arrived."""
+    """The command has received SIGTERM."""
 
 
 class LimitStruck(BaseException):
@@ -54,7 +54,7 @@ SIGNALS: dict[int, type[BaseException]] = {
 """The exception that each signal raises in a command; only the supervisor sends SIGALRM."""
 
 ENDS = {signal.SIGINT: ("interrupted", Exit.INTERRUPTED), signal.SIGTERM: ("terminated", Exit.TERMINATED)}
-"""The line and the exit code for a command that a signal from the user ends."""
+"""The message and the exit code of a command that is ended by a signal from the user."""
 
 ERRORS = (Exception, KeyboardInterrupt, LimitStruck)
 """The types of errors that `report_end` accepts."""
@@ -76,7 +76,7 @@ _state = _CommandState()
 
 
 def begin(pipe: int) -> None:
-    """Begin a command under a supervisor, which reads reports from `pipe` and passes on signals."""
+    """Begin a command under a supervisor, which reads reports from `pipe` and forwards signals."""
     global _state  # noqa: PLW0603  a process runs one command at a time
     os.set_blocking(pipe, False)
     _state = _CommandState(pipe)
@@ -105,10 +105,10 @@ def running() -> Iterator[None]:
 
 
 def _on_signal(number: int, frame: FrameType | None) -> None:
-    """Raise the exception for a signal once, because Ctrl-C arrives twice, from the terminal and from the supervisor.
+    """Raise the exception for a signal, but only once: Ctrl-C arrives from the terminal and from the supervisor.
 
-    From then on, Python does not report errors from objects that the exception left incomplete. An exception that
-    Python drops, because it was raised in a finalizer or a callback of a weak reference, is raised again.
+    From then on, errors from objects that the exception left incomplete are not reported. If Python drops the
+    exception, because it was raised in a finalizer or a callback of a weak reference, it is raised again.
     """
     if _state.signal is not None and _state.pipe is not None:
         return
@@ -120,10 +120,10 @@ def _on_signal(number: int, frame: FrameType | None) -> None:
 
 
 def _raise_again(dropped: sys.UnraisableHookArgs) -> None:
-    """Send the signal again soon if Python has dropped its exception; ignore any other dropped error."""
+    """Send the signal again soon if Python has dropped the exception for it; ignore any other dropped error."""
     number = _state.signal
     if number is not None and dropped.exc_type is SIGNALS[number]:
-        # Until then, a second signal is still ignored, because an exception raised in this hook would be printed.
+        # Until then, further signals are ignored, because an exception raised in this hook would be printed.
         again = Timer(AGAIN, _send_again, (number,))
         again.daemon = True
         again.start()
@@ -135,18 +135,18 @@ def _send_again(number: int) -> None:
 
 
 def interrupted() -> bool:
-    """Return whether the command has received a signal that ends it."""
+    """Return whether the command has received a signal to end."""
     return _state.signal is not None
 
 
 def set_limits(seconds: float | None = None, memory: int | None = None) -> None:
-    """Limit the number of seconds since the command began, and the memory in bytes of all its processes together."""
+    """Limit the time in seconds since the command began, and the total memory in bytes of all its processes."""
     _state.seconds, _state.memory = seconds or _state.seconds, memory or _state.memory
     _report(LIMITS, f"{_state.seconds or 0} {_state.memory or 0}")
 
 
 def limits(*, cached: bool = True) -> Limits:
-    """Return the limits of the command, by default a share of the machine's memory and no limit on time."""
+    """Return the limits of the command; by default, a share of the machine's memory and no time limit."""
     from prag_asp.processes.machine import usual_memory
     from prag_asp.space.limits import Limits
 
@@ -156,8 +156,8 @@ def limits(*, cached: bool = True) -> Limits:
 def report_end(error: BaseException) -> int:
     """Print the reason why the command ends, and return its exit code.
 
-    After a signal, any error counts as an interruption, because native code may turn the interruption into another
-    error.
+    After a signal, any error counts as an interruption, because native code may raise other errors when it is
+    interrupted.
 
     Raises:
         BaseException: the error itself, if it is a bug of this package.
@@ -192,7 +192,7 @@ def report_end(error: BaseException) -> int:
 
 
 def finish(code: int) -> None:
-    """Ignore signals from now on, and report the exit code, unless the supervisor is about to print a line itself."""
+    """Ignore signals from now on, and report the exit code unless the supervisor has stopped the command at a limit."""
     _ignore_signals()
     try:
         if sys.stdout is not None:
@@ -205,12 +205,12 @@ def finish(code: int) -> None:
 
 
 def while_(stage: str) -> str:
-    """Return `` while STAGE`` for a message, or an empty text if there is no stage."""
+    """Return `` while STAGE`` for a message, or "" if there is no stage."""
     return f" while {stage}" if stage else ""
 
 
 def reopen_closed_streams() -> None:
-    """Open /dev/null for each standard stream that is closed; writing to stdout then fails, as it should.
+    """Open /dev/null for each closed standard stream; stdout is opened for reading, so that writing to it fails.
 
     Otherwise, the next file that is opened would get the file descriptor of the closed stream. `sys.stdin` remains
     None, so that a command that reads standard input is refused.
@@ -232,7 +232,7 @@ def _ignore_signals() -> None:
 
 
 def _out_of_memory(error: BaseException | None) -> bool:
-    """Return whether the system refused memory when this error, or one that led to it, was raised."""
+    """Return whether an error, or one of its causes, was raised because the system refused memory."""
     seen: set[int] = set()  # causes that a library sets may form a cycle
     while error is not None and id(error) not in seen:
         if isinstance(error, MemoryError) or (isinstance(error, OSError) and error.errno == errno.ENOMEM):

@@ -39,5 +39,5 @@ OF_ERRORS = {NotFound: Exit.NOT_FOUND, LimitReached: Exit.LIMIT, OutputError: Ex
 
 
 def exit_of(error: BaseException) -> Exit:
-    """Return the exit code for an error of this package; errors that are not in the table concern the input."""
+    """Return the exit code for an error of this package; errors that are not in `OF_ERRORS` are errors in the input."""
     return next((code for kind, code in OF_ERRORS.items() if isinstance(error, kind)), Exit.BAD_INPUT)

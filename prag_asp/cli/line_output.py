@@ -19,15 +19,15 @@ BUFFER = 1 << 20
 
 
 class Writer(Protocol):
-    """Accepts lines."""
+    """A writer of lines."""
 
     def write(self, line: str, *, flush: bool = False) -> None:
-        """Write a line; with `flush`, a stream shows it at once."""
+        """Write a line; with `flush`, a stream is flushed after it."""
         ...
 
 
 class _StreamWriter:
-    """Writes lines to a stream immediately."""
+    """A writer of lines to a stream."""
 
     def __init__(self, stream: Any, name: str) -> None:
         self._stream, self._name = stream, name
@@ -44,7 +44,7 @@ class _StreamWriter:
 
 
 class _FileWriter:
-    """Writes lines to a file in batches."""
+    """A writer of lines to a file, in batches."""
 
     def __init__(self, file: AtomicFile) -> None:
         self._file, self._buffer = file, bytearray()
@@ -94,7 +94,7 @@ def _stream(output: str | None) -> Iterator[_StreamWriter]:
 
 @contextmanager
 def recordings_folder(folder: str | None) -> Iterator[Path | None]:
-    """Yield a folder for recordings, which is written atomically, or None if no folder is named.
+    """Yield a folder for recordings, which is written atomically, or None if `folder` is None.
 
     Raises:
         OutputError: the folder exists and is not empty, or cannot be written.
@@ -107,7 +107,7 @@ def recordings_folder(folder: str | None) -> Iterator[Path | None]:
 
 
 def require_writable(output: str | None) -> None:
-    """Check that a file can be written, without changing it; None stands for stdout.
+    """Check that a file can be written, without changing it; None means stdout.
 
     Raises:
         OutputError: the file cannot be written.

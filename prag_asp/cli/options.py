@@ -21,7 +21,7 @@ Function = Callable[..., Any]
 Decorator = Callable[[Function], Function]
 
 MOST = 10**15
-"""The largest number that an option accepts: more than any disk can store, but far from an overflow of 64 bits."""
+"""The largest number that an option accepts: larger than any plausible request, and far below the limit of 64 bits."""
 
 LEAST_MEMORY = 10**7
 """The smallest memory limit in bytes, because Python itself needs more."""
@@ -110,7 +110,7 @@ trust = click.option("--trust", is_flag=True, help="Run the Python files that do
 
 @dataclass(frozen=True)
 class Approximation:
-    """Options for estimates: whether to estimate, and how precisely."""
+    """The options for estimates: whether to estimate, the tolerance, the confidence and the seed."""
 
     approximate: bool
     epsilon: float | None
@@ -142,19 +142,19 @@ approximation = grouped(
         ),
         click.option(
             "--delta", type=float, metavar="D",
-            help="With --approximate: probability that it is off by more.  [default: 0.2]",
+            help="With --approximate: probability that the estimate is off by more.  [default: 0.2]",
         ),
         click.option(
             "--seed", type=click.IntRange(min=0), help="With --approximate: random seed of the estimate.  [default: 0]"
         ),
     ),
 )  # fmt: skip
-"""Give a command the options for estimates, as a single value `approximation`."""
+"""The decorator that gives a command the options for estimates, as a single value `approximation`."""
 
 
 @dataclass(frozen=True)
 class WeightOptions:
-    """Options that set the weights for sampling."""
+    """The options that set the weights for sampling."""
 
     weight: tuple[str, ...] = ()
     uniform: bool = False
@@ -184,12 +184,12 @@ weight_options = grouped(
         ),
     ),
 )  # fmt: skip
-"""Give a command the options for weights, as a single value `weighting`."""
+"""The decorator that gives a command the options for weights, as a single value `weighting`."""
 
 
 @dataclass(frozen=True)
 class StrataOptions:
-    """Options that divide a sample into strata."""
+    """The options that divide a sample into strata."""
 
     strata: str | None = None
     allocation: str | None = None
@@ -226,7 +226,7 @@ strata_options = grouped(
         ),
     ),
 )  # fmt: skip
-"""Give a command the options for strata, as a single value `stratifying`."""
+"""The decorator that gives a command the options for strata, as a single value `stratifying`."""
 
 over = click.option(
     "--over", type=click.Choice(["skeletons", "goals"]),

@@ -21,11 +21,11 @@ if TYPE_CHECKING:
     from prag_asp.explore.turns import Turns
 
 ENGINES = ("auto", "diagram", "clingo")
-"""The engines that can find facets."""
+"""The engines that can compute facets."""
 
 
 def serve_page(views: Mapping[str, View], turns: Turns, page: str, *, port: int, opens: bool) -> None:
-    """Serve views, and print the link of a page, given by its file and query; with `opens`, open it in the browser."""
+    """Serve views, and print the link of `page` (file and query); with `opens`, open the page in the browser."""
     from prag_asp.explore.page_server import PageServer
     from prag_asp.explore.space_pages import PAGE
     from prag_asp.processes.progress_events import hear
@@ -69,7 +69,7 @@ def serve_models(request: DomainOptions, *, project: bool, optimal: bool, port: 
             tell=lambda line: tell_line(f"note: {line}"),
             progress=watch.look,
         )
-        answers.where(*request.where)  # a wrong choice is reported here
+        answers.where(*request.where)  # reports a wrong choice
     end_progress()
     for line in answers.ground.remarks:
         tell_line(line)

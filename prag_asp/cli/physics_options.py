@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 BUDGET, TIER = "10x10", "kinematics"
 
 LONGEST_SIZE = 20
-"""The maximum number of characters of WxH, because larger numbers are not image sizes, and are slow to parse."""
+"""The maximum number of characters of WxH; larger numbers are not image sizes, and are slow to parse."""
 
 OPTIONS = (
     click.option(
@@ -44,7 +44,7 @@ OPTIONS = (
 
 @dataclass(frozen=True)
 class PhysicsOptions:
-    """Options for validation by physics simulation."""
+    """The options for validation by physics simulation."""
 
     workers: int
     budget: str
@@ -68,7 +68,7 @@ class PhysicsOptions:
                 raise QueryError(f"{option} needs physics; leave it out, or use a domain with a [scene]")
 
     def parse_budget(self) -> Budget:
-        """Return the budget; with --demonstrate, its most expensive tier is demonstration.
+        """Return the budget; with --demonstrate, the most expensive tier of the budget is demonstration.
 
         Raises:
             QueryError: --budget is not of the form RxS with positive numbers.
@@ -87,10 +87,10 @@ class PhysicsOptions:
 
 
 physics_options = grouped("validation", PhysicsOptions, OPTIONS)
-"""Give a command the options for physics, as a single value `validation`."""
+"""The decorator that gives a command the options for physics, as a single value `validation`."""
 
 physics_options_without_folder = grouped("validation", PhysicsOptions, OPTIONS[:-1])
-"""Give a command the same options except --demonstrate DIR."""
+"""The decorator that gives a command the same options, except --demonstrate DIR."""
 
 ray = click.option(
     "--on", type=click.Choice(["ray"]),
@@ -106,7 +106,7 @@ max_draws = click.option(
 
 @dataclass(frozen=True)
 class CameraOptions:
-    """Options for demonstrations: the cameras that record them, and the properties that are randomized."""
+    """The options for demonstrations: the cameras that record them, and the properties that are randomized."""
 
     cameras: str | None = None
     size: str | None = None
@@ -119,10 +119,10 @@ class CameraOptions:
         return self.cameras is not None or self.vary is not None
 
     def check(self, demonstrate: str | None) -> None:
-        """Before anything is loaded, check that the options are consistent.
+        """Check that the options are consistent, before anything is loaded.
 
         Raises:
-            QueryError: an option is given without the one that it depends on.
+            QueryError: an option is given without another one that it requires.
         """
         for option, value in (("--size", self.size), ("--rate", self.rate)):
             if value is not None and self.cameras is None:
@@ -167,7 +167,7 @@ camera_options = grouped(
         ),
     ),
 )  # fmt: skip
-"""Give a command the options for cameras, as a single value `filming`."""
+"""The decorator that gives a command the options for cameras, as a single value `filming`."""
 
 
 def _parse_names(option: str, text: str | None) -> tuple[str, ...]:

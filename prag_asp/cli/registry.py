@@ -1,4 +1,4 @@
-"""The commands of ``prag-asp``, each of which is imported only when it is needed."""
+"""The commands of ``prag-asp``; each one is imported on first use."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from prag_asp.cli.terminal import say, shown_progress, tell_line
 from prag_asp.integers import with_short_numbers
 
 PROGRAM, COMPLETION = "prag-asp", "_PRAG_ASP_COMPLETE"
-"""The name of the program, and the environment variable with which a shell requests completions."""
+"""The name of the program, and the environment variable through which a shell requests completions."""
 
 COMMANDS = {
     "audit": "audit",
@@ -51,7 +51,7 @@ COMMANDS = {
     "validate": "validate",
     "verify": "verify",
 }
-"""The commands, each with the module in `prag_asp.cli.commands` that defines it under the command's name."""
+"""The commands, each with the module in `prag_asp.cli.commands` that defines it."""
 
 GROUPS = {
     "Define": ("domains", "new", "check", "import", "explain"),
@@ -80,7 +80,7 @@ class WholeSentences(click.Group):
 
 
 class Commands(click.Group):
-    """A group that imports a command when it is needed, and turns errors into one line and an exit code."""
+    """A group that imports a command on first use, and turns errors into one line and an exit code."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         """Return the names of all commands."""

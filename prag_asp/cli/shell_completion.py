@@ -24,14 +24,14 @@ Items = list["CompletionItem[Any]"]
 Completer = Callable[[click.Context, click.Parameter, str], Items]
 
 ONE_WORD = re.compile(r"[\w./:=+@%^-]*")
-"""The texts that bash reads as one word."""
+"""The pattern of texts that bash reads as one word."""
 
 ENTITIES, ACTIONS = ("uses", "avoids"), ("begins", "has", "lacks")
 """Keywords of conditions on entities and classes, and of conditions on actions."""
 
 
 def _completer(candidates: Callable[[click.Context, str], Iterable[str]]) -> Completer:
-    """Return a completer that offers the candidates that begin with what has been typed."""
+    """Return a completer that offers the candidates that begin with the typed text."""
 
     @wraps(candidates)
     def complete(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
@@ -46,14 +46,14 @@ def _completer(candidates: Callable[[click.Context, str], Iterable[str]]) -> Com
 
 
 def files(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
-    """Complete files and folders, which the shell finds itself."""
+    """Leave the completion of files and folders to the shell."""
     from click.shell_completion import CompletionItem
 
     return [CompletionItem(typed, type="file")]
 
 
 def domains(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
-    """Complete shipped domains, and folders and files that are domains, or any files if none of these fit."""
+    """Complete shipped domains, and folders and files that are domains, or else any files."""
     words = context.params.get(parameter.name or "") or ()
 
     @_completer
@@ -77,7 +77,7 @@ def actions(context: click.Context, parameter: click.Parameter, typed: str) -> I
 
 
 def shares(context: click.Context, parameter: click.Parameter, typed: str) -> Items:
-    """Complete a domain; the names of the parts that follow it are the user's choice and are not completed."""
+    """Complete a domain; the names of the parts after it are free, and are not completed."""
     domain, _ = domain_and_others(context.params.get(parameter.name or "") or ())
     return [] if domain and not is_file_name(typed) else domains(context, parameter, typed)
 
@@ -122,7 +122,7 @@ def languages(context: click.Context, typed: str) -> Iterable[str]:
 
 @_completer
 def plan(context: click.Context, typed: str) -> Iterable[str]:
-    """Return completions for the next action of a plan."""
+    """Complete the next action of a plan."""
     return _after(typed, map(str, _domain(context).facts.actions))
 
 
@@ -173,7 +173,7 @@ def conditions(context: click.Context, typed: str) -> Iterator[str]:
 
 
 def _domain(context: click.Context) -> Domain:
-    """Load the domain named so far; click has not parsed the command line if an option still lacks its value."""
+    """Load the domain in an incomplete command line, which click has not parsed if an option still lacks its value."""
     from prag_asp.domain.load import load_domain
 
     sources, _ = domain_and_others(context.params.get("names") or context.params.get("words") or context.args)
@@ -190,7 +190,7 @@ def _names_of(actions: Iterable[Any]) -> list[str]:
 
 
 def _after(typed: str, candidates: Iterable[str]) -> Iterator[str]:
-    """Yield candidates, each appended to the typed text up to its last blank or comma outside of parentheses."""
+    """Yield candidates, each appended to the typed text up to the last space or comma outside parentheses."""
     depth, start = 0, 0
     for position, character in enumerate(typed):
         depth += (character == "(") - (character == ")")
@@ -212,7 +212,7 @@ def add_shells() -> None:
     from click.shell_completion import BashComplete, FishComplete, add_completion_class
 
     class Bash(BashComplete):
-        """Quotes texts that bash would not read as one word."""
+        """The completion for bash, which quotes texts that bash would not read as one word."""
 
         def format_completion(self, item: CompletionItem[Any]) -> str:
             """Return an item in the format of the script, quoted unless the user has opened a quote."""
@@ -224,7 +224,7 @@ def add_shells() -> None:
             return super().format_completion(item)
 
     class Fish(FishComplete):
-        """Splits off only the type of an item, because its value may contain commas."""
+        """The completion for fish, which splits an item only at the first comma, because values may contain commas."""
 
         source_template = FishComplete.source_template.replace('split ","', 'split --max 1 ","')
 

@@ -24,21 +24,21 @@ READINGS = 5
 """The maximum number of readings of a plan that are printed."""
 
 KINDS = {"not_found": "not found", "infeasible": "proved infeasible", "witness_fails": "witness fails"}
-"""The names that failures have in the table, by status."""
+"""The names of failures in the table, by status."""
 
 
 def tally_line(tally: Tally, what: tuple[str, str], limits: str) -> str:
-    """Return a line with the number of tasks that passed; `what` is the noun for one task and for several."""
+    """Return a line with the number of tasks that passed; `what` holds the noun for one task and for several."""
     share = f" ({100 * tally.passed / tally.seen:.1f} %, {limits})" if tally.seen else ""
     return f"{plural(tally.seen, *what)}, {tally.passed} passed{share}"
 
 
 @contextmanager
 def tallied(tally: Tally, line: Callable[[], str]) -> Iterator[None]:
-    """Print a line on stderr at the end, and, if anything failed, the table of causes.
+    """Print a line on stderr at the end and, if anything failed, the table of causes.
 
     This also happens after an interruption, but not after an error in the input. An error after a signal counts as an
-    interruption, because native code may have turned the interruption into another error.
+    interruption, because native code may raise other errors when it is interrupted.
     """
     failed = False
     try:
@@ -100,7 +100,7 @@ def _table(tally: Tally) -> Table:
 
 
 def described(found: Task, space: TaskSpace, *, false_facts: bool = False) -> list[str]:
-    """Describe a task in lines: its rank, initial state, the effects of its actions, its goal and its readings.
+    """Return lines that describe a task: its rank, initial state, effects of actions, goal and readings.
 
     For each state, the true facts are listed and, with `false_facts`, the facts that are known to be false.
     """

@@ -5,8 +5,8 @@
         └── waits, checks limits, passes on signals, and prints the line that the command can no longer print
 
 Native code (clingo's grounder, solvers, PyBullet) reacts neither to Ctrl-C nor to a limit, and may end the process
-without a message. The supervisor therefore first sends a signal, after which the command should end as it does after
-Ctrl-C. If it does not end within 2 s, or 8 s after it has handled the signal, it is killed with all its workers. If the
+without a message. The supervisor therefore first sends a signal, after which the command should end as after Ctrl-C. A
+command that does not end within 2 s, or within 8 s if it has handled the signal, is killed with all its workers. If the
 supervisor is killed, the kernel ends the command.
 
 This works on Linux only; on other systems, limits are checked only by prag_asp's own code.
@@ -29,31 +29,31 @@ from prag_asp.processes.lifeline import hang_on, held_line
 from prag_asp.processes.machine import SHARE, family_of, memory_of, signal_name, usual_memory
 
 POLL = 0.05
-"""Seconds between two checks of the time and the memory."""
+"""The time in seconds between two checks of time and memory."""
 
 UNHEARD, HEARD = 2.0, 8.0
-"""Seconds within which the command has to end after a signal, before and after it has handled the signal.
+"""The times in seconds within which the command has to end after a signal, before and after handling the signal.
 
-Only the time in which this process runs counts, not the time in which the machine or a terminal has suspended it.
+Only the time in which the supervisor runs counts, not the time in which it is suspended.
 """
 
 SOON = 0.3
-"""Seconds within which several signals count as one; a later signal kills the command."""
+"""The time in seconds within which several signals count as one; a later signal kills the command."""
 
 LEAST_GRACE, MOST_GRACE = 1.0, 10.0
-"""Bounds, in seconds, on the time that a command has for reporting its results after the time limit; see `grace`."""
+"""Bounds in seconds on the time for reporting results after the time limit; see `grace`."""
 
 LEAST_ADDRESSES = 200_000_000
-"""Bytes of address space that clingo and NumPy need for loading; with fewer, they crash."""
+"""The address space in bytes that clingo and NumPy need for loading; with less, they crash."""
 
 TOO_MUCH = 1.1
 """The multiple of the memory limit at which the command is killed without a prior signal."""
 
 
 def supervise() -> None:
-    """Continue in a child process; this process watches it, and exits with its code.
+    """Continue in a child process; the parent process watches it, and exits with the exit code of the child.
 
-    It exits with an error if `ulimit -v` allows less address space than the libraries need.
+    The process exits with an error if `ulimit -v` allows less address space than the libraries need.
     """
     if sys.platform != "linux" or active_count() > 1:
         return
@@ -85,7 +85,7 @@ def supervise() -> None:
 
 
 class _Supervisor:
-    """Waits for a command, and makes sure that it ends."""
+    """The part of a supervisor that waits for a command, and makes sure that it ends."""
 
     def __init__(self, command: int, reports: int, watched: set[signal.Signals]) -> None:
         os.set_blocking(reports, False)
@@ -101,15 +101,15 @@ class _Supervisor:
         self._done: int | None = None
         """The exit code that the command has reported."""
         self._stop: tuple[float, int, str] | None = None
-        """The time at which the command was signalled to end, with the exit code and the line that gives the reason."""
+        """The time of the signal to end, the exit code, and the line that gives the reason; None before that signal."""
         self._waited = 0.0
-        """The number of seconds since then."""
+        """The number of seconds since that signal."""
 
     def wait(self) -> int:
         """Wait until the command has ended, and return the exit code; kill it and its workers if it does not end."""
         while True:
             before = monotonic()
-            # The result is ignored, because it is arbitrary if a stop (Ctrl-Z) interrupts the wait.
+            # The result is ignored, because it is arbitrary if the process was suspended (Ctrl-Z) while waiting.
             signal.sigtimedwait({signal.SIGCHLD}, POLL)
             sent = signal.sigtimedwait(self._watched, 0)
             if sent is not None:  # comes first, because the command may already have ended for this reason
@@ -149,7 +149,7 @@ class _Supervisor:
                 self._done = int(text)
 
     def _pass_on(self, number: int) -> None:
-        """Pass a signal on to the command; kill the command at the second signal."""
+        """Forward a signal to the command; kill the command at the second signal."""
         now, (line, code) = monotonic(), ENDS[signal.Signals(number)]
         if self._stop is None or self._stop[1] == Exit.LIMIT:
             self._stop, self._waited = (now, code, line), 0.0
@@ -176,7 +176,7 @@ class _Supervisor:
         os.kill(self._command, signal.SIGALRM)
 
     def _code_of(self, status: int) -> int:
-        """Return the exit code for the status of an ended command; print the reason unless it reported a code."""
+        """Return the exit code for the status of an ended command; if none was reported, print the reason."""
         if self._done is not None:
             return status if status >= 0 else self._done
         if self._stop is not None:
@@ -196,7 +196,7 @@ class _Supervisor:
 
 
 def grace(seconds: float) -> float:
-    """Return the seconds that a command may take to report its results after its time limit: a tenth of the limit."""
+    """Return the time in seconds for reporting results after a time limit: a tenth of the limit, within bounds."""
     return min(max(seconds / 10, LEAST_GRACE), MOST_GRACE)
 
 

@@ -43,7 +43,7 @@ class TaskSelection:
         return (self.plan, self.index, self.tasks) != (None, None, None)
 
     def check(self, where: Sequence[str] = ()) -> None:
-        """Before anything is loaded, check that the options and the conditions are consistent.
+        """Check that the options and the conditions are consistent, before anything is loaded.
 
         Raises:
             QueryError: two options exclude each other, or one needs another.
@@ -60,7 +60,7 @@ class TaskSelection:
             raise QueryError("--where is for tasks; select some with --plan, --index or --tasks")
 
     def of(self, space: TaskSpace) -> tuple[list[str], Iterator[Task]]:
-        """Return a suffix for the name of each task, and a lazy iterator over the tasks, which may differ in length.
+        """Return suffixes for the files of the tasks, and a lazy iterator over the tasks, which may differ in length.
 
         Raises:
             OSError: the file of tasks cannot be read.
@@ -97,7 +97,7 @@ task_selection = grouped(
         ),
     ),
 )  # fmt: skip
-"""Give a command the options that select tasks, as a single value `selection`."""
+"""The decorator that gives a command the options that select tasks, as a single value `selection`."""
 
 
 def _parse_ranks(text: str) -> range:
@@ -118,7 +118,7 @@ def _parse_ranks(text: str) -> range:
 
 
 def task_at(space: TaskSpace, rank: int, place: str) -> Task:
-    """Return the task with a given rank; `place` says in an error where the rank was given.
+    """Return the task with a given rank; errors name `place`, where the rank was given.
 
     Raises:
         QueryError: there is no such task.
@@ -177,7 +177,7 @@ class TaskFormat:
     def line(self, space: TaskSpace, seed: int = 0, staging: Staging | None = None) -> Callable[[Record], str]:
         """Return a function that formats the record of a task in a space as one line.
 
-        The seed selects the phrasing of instructions; `staging` is the staging of the demonstration of a record.
+        The seed selects the phrasing of instructions; `staging` is the staging of demonstrations.
 
         Raises:
             QueryError: the domain does not have the language, or the options contradict each other.
@@ -203,10 +203,10 @@ class TaskFormat:
         return forms[self.form]
 
     def check(self, by: str = "task") -> None:
-        """Check that options for instructions are given only with that format, and that the requested ids exist.
+        """Check that options for instructions are given only with that format, and scenario ids only for tasks.
 
         Raises:
-            QueryError: such an option is given with another format, or ids of plans are requested.
+            QueryError: an option for instructions is given with another format, or ids of plans are requested.
         """
         if self.form == SCENARIO and by != "task":
             raise QueryError(f"a scenario id is that of a task, not of a {by}; leave --by {by} out")
@@ -216,7 +216,7 @@ class TaskFormat:
 
 
 def format_options(form: Decorator) -> Decorator:
-    """Add the format options to a command, as a single argument `task_format`; `form` is its option --format."""
+    """Return a decorator that adds `form`, the option --format, and the options for instructions to a command."""
     return grouped(
         "task_format", TaskFormat,
         (

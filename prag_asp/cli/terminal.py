@@ -16,8 +16,9 @@ if TYPE_CHECKING:
     from rich.progress import Progress, TaskID
 
 PATIENCE, LOG_EVERY, WATCH = 2.0, 60.0, 0.25
-"""Seconds without output after which a terminal shows progress, seconds between two lines in a log, and seconds between
-two checks."""
+"""The times in seconds without output before a terminal shows progress, between two lines in a log, and between two
+checks.
+"""
 
 
 def say(text: object) -> None:
@@ -42,7 +43,7 @@ def for_terminal(text: str) -> str:
 
 
 def aligned(rows: Iterable[Sequence[str]]) -> Iterator[str]:
-    """Yield the lines of a table, the first column left-aligned, the others right-aligned; rows have equal lengths."""
+    """Yield the lines of a table, with the first column left-aligned and the others right-aligned."""
     listed = list(rows)
     widths = [max(map(len, column)) for column in zip(*listed, strict=True)]
     for first, *others in listed:
@@ -51,14 +52,14 @@ def aligned(rows: Iterable[Sequence[str]]) -> Iterator[str]:
 
 
 class Tell(Protocol):
-    """Reports progress: a message and, if known, the number of finished items and the total."""
+    """A function that reports progress: a message and, if known, the number of finished items and the total."""
 
     def __call__(self, words: str, done: float = 0, total: int | None = None) -> None:
         """Report progress."""
 
 
 class _Display:
-    """The display of a command's activity: a line on a terminal, or a line of a log file each minute.
+    """The display of a command's activity: a line on a terminal, or a line per minute in a log file.
 
     On a terminal, the line appears once `PATIENCE` seconds have passed without any output. A thread watches the time,
     because native code may run for minutes without a report.
@@ -127,7 +128,7 @@ _display: _Display | None = None
 
 @contextmanager
 def shown_progress() -> Iterator[None]:
-    """Show a command's activity on stderr: on a terminal after two seconds without output, elsewhere once a minute."""
+    """Show the activity of a command on stderr: on a terminal after 2 s without output, elsewhere once a minute."""
     global _display  # noqa: PLW0603  a process runs one command at a time
     if _display is not None or sys.stderr is None:
         yield
@@ -144,7 +145,7 @@ def shown_progress() -> Iterator[None]:
 def progress() -> Iterator[Tell]:
     """Yield a function that reports progress, which `shown_progress` shows.
 
-    A note is a permanent line; equal notes are printed once.
+    A note is printed as a permanent line; equal notes are printed once.
     """
     printed: set[str] = set()
 
@@ -167,7 +168,7 @@ def end_progress() -> None:
 
 
 def hide_progress() -> None:
-    """Remove the progress line, before output that may go to the same terminal; it appears again after two seconds."""
+    """Remove the progress line before output that may go to the same terminal; it reappears after 2 s."""
     if _display is not None:
         _display.hide()
 

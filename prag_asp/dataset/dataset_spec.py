@@ -1,4 +1,4 @@
-"""The request for a dataset as one value: all inputs other than the task space that determine its bytes."""
+"""The request for a dataset as one value: all inputs, apart from the task space, that determine the bytes."""
 
 from __future__ import annotations
 
@@ -30,8 +30,7 @@ SHARD = 1000
 """The default number of tasks in a full shard."""
 
 LARGEST_SHARD, MOST_STARTS = 20_000, 1000
-"""The maximum number of tasks in a shard and of witnesses for a task, which are all in memory together (a few GB at
-most)."""
+"""The maximum numbers of tasks in a shard and of witnesses for a task; they are in memory together (up to a few GB)."""
 
 MOST_CANDIDATES = 100_000
 """The maximum number of candidates for tasks that are far apart; they are all in memory, at a few kB each."""
@@ -40,13 +39,13 @@ FOR_EACH_DIVERSE = 20
 """The default number of candidates per requested task."""
 
 DRAWS_FOR_EACH = 1000
-"""The default number of draws, per requested task, after which sampling for a part stops."""
+"""The default limit on draws for a part, per requested task."""
 
 ExcludedTask = Annotated[str, msgspec.Meta(pattern="^(0|[1-9][0-9]{0,8}):(0|[1-9][0-9]*)$")]
 """The length and the rank of a task, such as ``2:181``."""
 
 LARGEST_SEED = 2**63 - 1
-"""The largest seed that a column of 64-bit integers holds."""
+"""The largest seed; seeds are stored in columns of 64-bit integers."""
 
 
 class ApartSpec(msgspec.Struct, frozen=True):
@@ -57,7 +56,7 @@ class ApartSpec(msgspec.Struct, frozen=True):
     where: list[str]
 
     def space(self, near: TaskSpace) -> TaskSpace:
-        """Return the tasks, given a space of the same domain, whose limits apply."""
+        """Return the set of tasks as a space, with the domain and the limits of another space."""
         from prag_asp.space.task_space import TaskSpace
 
         return TaskSpace(near.domain, self.lengths, limits=near.engines.limits).where(*self.where)
@@ -67,12 +66,12 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     """The request for a dataset, as passed to `generate` and stored in dataset.json.
 
     `split` holds the exact share of each part. `weights` and `temperature` are exact numbers as text. Without a
-    `budget`, tasks are not validated by physics. Unless `trivial` is set, tasks whose final state is the initial state
-    are left out. `part`, such as ``3/64``, selects every 64th draw from the third on; other machines generate the rest.
-    `excluded` identifies tasks to leave out by their length and rank. With `over`, a skeleton or a goal is sampled
+    `budget`, tasks are not validated by physics. Unless `trivial` is set, tasks whose final state equals the initial
+    state are left out. `part`, such as ``3/64``, selects every 64th draw from the third on; other machines generate the
+    rest. `excluded` holds the length and rank of each task to leave out. With `over`, a skeleton or a goal is sampled
     uniformly before a task. With `strata`, the parts are the strata of a sample. With `cover`, the first tasks cover
     all combinations of that many factors; all of these are included, even if `tasks` is smaller. With `candidates`,
-    tasks that are far apart are chosen among that many sampled ones. With `apart`, all tasks are far from other sets of
+    tasks that are far apart are chosen from that many sampled ones. With `apart`, all tasks are far from other sets of
     tasks.
 
     Raises:
@@ -134,26 +133,26 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         apart: Sequence[ApartSpec] = (),
         **fields: Any,
     ) -> DatasetSpec:
-        """Return the request for a dataset of `tasks` different feasible tasks from a domain, given its `fields`.
+        """Return the request for a dataset of `tasks` distinct feasible tasks from a domain; `fields` holds the others.
 
         Tasks are sampled without replacement, with `weights` or the weights of the domain; lengths occur in exact
-        proportion, or in turn with `evenly`. With ``over="skeletons"`` (or ``"goals"``, at one length), a skeleton (or
-        a goal) is sampled uniformly first. With `split`, each part gets its share of the tasks, and no two parts have a
-        task (or, with `skeletons`, a skeleton) in common; with `hold_out`, only ``test`` has the held-out tasks. For
-        each task, witnesses are searched for from `starts` initial states. Unless `trivial` is set, tasks whose final
-        state is the initial state are left out. With `demonstrate`, the robot performs each task; `staging` specifies
-        the cameras that record it and the properties that vary. Without `physics`, which is the default if the domain
-        has no scene, all sampled tasks are accepted. Instructions are in a `language` of the domain, and use some of
-        its `phrasings`, such as ``1 of 2``. A shard has at most `shard` tasks. With ``part="3/64"``, only every 64th
-        draw from the third on is validated, for a 64th of the tasks.
+        proportion to their numbers of tasks, or in turn with `evenly`. With ``over="skeletons"`` (or ``"goals"``, at
+        one length), a skeleton (or a goal) is sampled uniformly first. With `split`, each part gets its share of the
+        tasks, and no two parts have a task (or, with `skeletons`, a skeleton) in common; with `hold_out`, only ``test``
+        has the held-out tasks. For each task, witnesses are searched for from `starts` initial states. Unless `trivial`
+        is set, tasks whose final state equals the initial state are excluded. With `demonstrate`, the robot executes
+        each task; `staging` specifies the cameras that record it and the properties that vary. Without `physics`, which
+        is the default if the domain has no scene, all sampled tasks are accepted. Instructions are in a `language` of
+        the domain, and use only some of the `phrasings`, such as ``1 of 2``. A shard has at most `shard` tasks. With
+        ``part="3/64"``, only every 64th draw from the third on is validated, to find a 64th of the tasks.
 
         `excluded` holds the tasks to leave out, as pairs of a length and a rank. With `strata`, `split` holds the
         share of each stratum in the sample, as `stratified_shares` returns it; strata are sampled uniformly.
 
         With `cover`, the first tasks cover all reachable combinations of that many factors; if physics rejects one,
         others replace it. `tasks` can then be omitted; if it is larger, further tasks are sampled uniformly. With
-        `diverse` instead of `tasks`, that many tasks are far apart; they are chosen among `candidates`, by default 20
-        times as many sampled tasks. With `apart`, only tasks that are far from all tasks of other sets are sampled.
+        `diverse` instead of `tasks`, that many tasks are far apart; they are chosen from `candidates` sampled tasks, by
+        default 20 times as many. With `apart`, only tasks that are far from all tasks of other sets are sampled.
 
         Raises:
             QueryError: a value is out of range, or two of them contradict each other.
@@ -191,7 +190,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         return msgspec.structs.replace(spec, budget=budget)
 
     def _budget_in(self, domain: Domain, physics: bool) -> Budget | None:
-        """Check the physics options, and return the budget, with the tier of demonstrations if there are any."""
+        """Check the physics options, and return the budget; with demonstrations, its tier includes them."""
         from prag_asp.physics import require_physics
 
         if physics:
@@ -231,13 +230,13 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
 
     @property
     def deal(self) -> Deal:
-        """Which of all draws this machine validates."""
+        """The draws that this machine validates."""
         return ALL if self.part is None else Deal.parse(self.part)
 
     def tasks_of(self, share: Fraction) -> int:
-        """Return the number of tasks in a part with a share, rounded up so that a larger request never yields fewer.
+        """Return the number of tasks in a part with a share, rounded up so that it never shrinks when a request grows.
 
-        Each of several machines generates the same number of tasks.
+        If there are several machines, this is the number of tasks for each of them.
         """
         return ceil(Fraction(ceil(self.tasks * share), self.deal.of))
 
@@ -250,7 +249,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         return max_draws or DRAWS_FOR_EACH * self.tasks_of(share)
 
     def fixed(self) -> dict[str, Any]:
-        """Return the values that must not change when a dataset grows: all except the number of tasks."""
+        """Return the values that must not change when a dataset is extended: all except the number of tasks."""
         return {name: value for name, value in msgspec.to_builtins(self).items() if name != "tasks"}
 
 
@@ -277,7 +276,7 @@ def _check_choice(
     cover: int | None, diverse: int | None, division: Division, part: str | None, apart: Sequence[ApartSpec],
     others: Sequence[str],
 ) -> None:  # fmt: skip
-    """Check that the options for choosing tasks do not conflict with each other, nor with `others`, which are given.
+    """Check that the options for choosing tasks conflict neither with each other nor with `others`, which are given.
 
     Raises:
         QueryError: two options exclude each other.
@@ -305,7 +304,7 @@ def _check_choice(
 
 
 def budget_of(budget: Budget | None, demonstrate: str | Path | None) -> Budget:
-    """Return a budget that includes the tier of demonstrations if demonstrations are recorded."""
+    """Return a budget, with the tier of demonstrations if demonstrations are recorded."""
     budget = budget or Budget()
     return budget if demonstrate is None else Budget(budget.restarts, budget.samples, Tier.DEMONSTRATION)
 

@@ -21,7 +21,7 @@ def name_of(number: int) -> str:
 
 
 def write_episode(folder: Path | None, number: int, demonstration: Demonstration | None) -> str | None:
-    """Write the demonstration of a task into a folder, and return the file's name; do nothing if an argument is None.
+    """Write a task's demonstration into a folder, and return the name of the file, or None if an argument is None.
 
     Raises:
         OutputError: the file cannot be written.

@@ -37,7 +37,7 @@ def generate(
     progress: Progress = report_progress,
     **request: Any,
 ) -> Dataset:
-    """Write a dataset of different feasible tasks from a space into a folder, and open it.
+    """Write a dataset of distinct feasible tasks from a space into a folder, and open it.
 
     The request is a `spec`, or keywords such as ``tasks=100, seed=7, split={"train": 0.8, "test": 0.2}``, which
     `DatasetSpec.of` documents. Sampling for a part of the split stops after `max_draws` draws, by default 1000 per
@@ -46,9 +46,9 @@ def generate(
 
     With ``cover=2`` instead of a number of tasks, the tasks cover all combinations of 2 factors of an action; if
     physics rejects a task, others with its combinations replace it. With ``diverse=50``, there are 50 tasks that are
-    far apart, chosen among sampled ones. dataset.json states what they achieve.
+    far apart, chosen from sampled ones. dataset.json states the coverage or the distances.
 
-    With a `stratification`, the parts are the strata of a sample, and dataset.json has the exact weight of a task in
+    With a `stratification`, the parts are the strata of a sample, and dataset.json has the exact weight of the tasks in
     each part.
 
     The same call resumes an interrupted run; a larger number of tasks extends the dataset. The bytes of the dataset
@@ -60,7 +60,8 @@ def generate(
         QueryError: the space is empty, or the request is wrong.
         SceneError: the domain has no scene, or the scene lacks the shape of an entity in a task.
         OutputError: the folder contains something else, or a file cannot be written.
-        NotFound: `max_draws` draws per part, or the whole space, contain too few feasible tasks; these are written.
+        NotFound: `max_draws` draws per part, or the whole space, contain too few feasible tasks; those found are
+            written.
         WorkerError: workers died repeatedly.
         DatasetsMissingError: pyarrow is not installed.
         RayMissingError: Ray is requested, but not installed.

@@ -23,8 +23,8 @@ from prag_asp.task import FrozenDict, Task
 class Record:
     """A task with its verdict and witness as plain values; without physics, both are None.
 
-    In a stratified sample, it has the name of its `stratum` and its `weight`. `place` is the source of the record as
-    ``file:line``.
+    In a stratified sample, a record has the name of the `stratum` and the `weight` of the task. `place` is the source
+    of the record as ``file:line``.
     """
 
     task: Task
@@ -70,7 +70,7 @@ def _mapping_json(values: Mapping[Any, Any]) -> str:
 
 @lru_cache(maxsize=1 << 14)
 def _shared_json(value: Atom | Mapping[Any, Any]) -> str:
-    """Return an action or a mapping in a task as JSON, which is cached because tasks share most of them."""
+    """Return an action or a mapping in a task as JSON, cached because tasks share most of these values."""
     return _json(str(value) if isinstance(value, Atom) else {str(key): each for key, each in value.items()})
 
 

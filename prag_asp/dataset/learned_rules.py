@@ -1,4 +1,4 @@
-"""Learned rules: combinations of facts that physics proves impossible in a domain's scene, stated as invariants."""
+"""Learned rules: invariants about facts that are proved impossible in the scene of a domain."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Learned:
-    """Rules ``impossible(F,G)``, the number of their proofs, the `text` of learned.lp, and the extended `domain`."""
+    """The rules ``impossible(F,G)``, the number of `proofs`, the `text` of learned.lp, and the extended `domain`."""
 
     rules: tuple[str, ...]
     proofs: int
@@ -34,7 +34,7 @@ class Learned:
 def learn(
     domain: Domain, *, path: Path = Path(LEARNED), progress: Callable[[str], None] = lambda words: None
 ) -> Learned:
-    """Return rules for the facts that physics proves impossible and that the domain does not itself exclude.
+    """Return rules for facts that are proved impossible in the scene and not excluded by the domain.
 
     An existing learned.lp of the domain is ignored. Messages about the rules refer to the file `path`.
 

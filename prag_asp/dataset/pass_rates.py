@@ -1,4 +1,4 @@
-"""Rates with confidence intervals, and pass rates of physics: the feasible tasks, and the reasons why others failed."""
+"""Success rates with confidence intervals, and tallies of physics: feasible tasks, and reasons for failure."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Rate(NamedTuple):
     def share(self) -> Fraction:
         """The exact share of successes, or 0 if there are no trials.
 
-        For tasks of one length, the product of the shares of the stages is the share of whole tasks.
+        For tasks of one length, the share of whole tasks is the product of the shares of the stages.
         """
         return Fraction(self.successes, self.trials) if self.trials else Fraction(0)
 
@@ -43,7 +43,7 @@ class Rate(NamedTuple):
         z, n, p = NormalDist().inv_cdf(0.5 + confidence / 2), self.trials, self.successes / self.trials
         middle, spread = p + z * z / (2 * n), z * math.sqrt(p * (1 - p) / n + z * z / (4 * n * n))
         low, high = (middle - spread) / (1 + z * z / n), (middle + spread) / (1 + z * z / n)
-        # if all or none succeed, the bound is known exactly, and floats would miss it
+        # if all or none succeed, the bound is exactly 1 or 0, which floats would miss
         return (0.0 if self.successes == 0 else low), (1.0 if self.successes == n else high)
 
     def __str__(self) -> str:
@@ -56,7 +56,7 @@ class Rate(NamedTuple):
 
 @dataclass
 class Tally:
-    """The numbers of validated tasks, of feasible tasks, and of failures by reason.
+    """The numbers of validated tasks, of feasible tasks, and of failures by reason and by cause.
 
     `reasons` counts the failed tasks by status and reason, and `causes` counts the failed attempts at all tasks.
     `nearest` describes how far the best attempts got at the first task with the status not_found.

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 class TaskStream(Protocol):
-    """A domain and a stream of its tasks, such as a `TaskSpace` or given tasks."""
+    """A domain with a stream of its tasks, such as a `TaskSpace`."""
 
     @property
     def domain(self) -> Domain:
@@ -31,7 +31,7 @@ class TaskStream(Protocol):
 
     @property
     def stream(self) -> Callable[..., Iterator[Task]]:
-        """The function that yields tasks for a seed and options of sampling."""
+        """The function that yields tasks, given a seed and sampling options."""
 
 
 def feasible(
@@ -51,13 +51,12 @@ def feasible(
 ) -> Generator[Record, None, None]:
     """Yield feasible tasks sampled from a space, each with its verdict and its witness, endlessly.
 
-    By default, `scene` is the scene of the domain; `drawing` holds options of `TaskSpace.stream`; with
+    By default, `scene` is the scene of the domain. `drawing` holds options of `TaskSpace.stream`; with
     ``distinct=True``, no task is sampled twice, and the iterator ends with the last task. It also ends after `draws`
-    draws, feasible or not; `tally` counts all of them, and `progress` is called after each. Tasks that do not satisfy
-    `keep`, which is a function such as `exclude` returns, do not count as draws. With `demonstrate`, the robot performs
-    each task, and recordings are written into that folder, which is created if it is missing; `staging` holds the
-    cameras that record the tasks and the properties that vary. The results depend only on the seed, not on the number
-    of `workers`.
+    draws, feasible or not; `tally` counts all draws, and `progress` is called after each draw. Tasks that do not
+    satisfy `keep` (see `exclude`) do not count as draws. With `demonstrate`, the robot executes each task, and
+    recordings are written into that folder, which is created if it is missing; `staging` holds the cameras that record
+    the tasks and the properties that vary. The results depend only on the seed, not on the number of `workers`.
 
     Raises:
         SceneError: the domain has no scene, or the scene lacks the shape of an entity in a task.

@@ -1,4 +1,4 @@
-"""Revalidate the tasks in a file: check that their plans are valid and physically feasible."""
+"""Revalidate the tasks in a file: check that the plans are valid and physically feasible."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 BATCH = 128
-"""The maximum number of tasks that are read ahead and whose states are computed together."""
+"""The maximum number of tasks that are read ahead; their states are computed together."""
 
 CheckedRecord = tuple[Record, str]
-"""A record, and the fault of its task, or "" if it is valid."""
+"""A record, and the fault of its task, or "" if the task is valid."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The outcome of checking a task: its status, its reason and the causes of failed attempts.
+    """The outcome of checking a task: the status, the reason and the causes of failed attempts.
 
     `status` is feasible, not_found, infeasible, invalid or witness_fails. `detail` names the fact or the bodies
     responsible, if they are known.
@@ -68,11 +68,11 @@ def recheck(
 ) -> Generator[Outcome, None, None]:
     """Check that the plan of each task in a file, or in records, is valid and feasible, and yield the outcomes.
 
-    Physics searches for new witnesses, and the outcome does not depend on the position of the task; with
-    `witness_only`, it checks the witnesses in the file. Without a `domain`, each record names its own domain: a shipped
-    domain, or a folder in the current folder or next to the file (for records, in `folder`); `load` replaces the
-    default loader. Tasks have to satisfy the conditions `where`. With `demonstrate`, the robot performs each task, and
-    recordings are written into that folder, with the cameras and variations of `staging`. Records are read a little
+    Physics searches for new witnesses, with an outcome that does not depend on the position of the task; with
+    `witness_only`, physics checks the witnesses in the file. Without a `domain`, each record names its own domain: a
+    shipped domain, or a folder in the current folder or next to the file (for records, in `folder`); `load` replaces
+    the default loader. Tasks have to satisfy the conditions `where`. With `demonstrate`, the robot executes each task,
+    and recordings are written into that folder, with the cameras and variations of `staging`. Records are read a little
     ahead.
 
     Raises:
@@ -110,7 +110,7 @@ def _load(record: Record, folder: Path) -> Domain:
 
 
 def _with_faults(records: Iterable[Record], space: TaskSpace) -> Iterator[CheckedRecord]:
-    """Yield records with the faults of their tasks."""
+    """Yield records, each with the fault of its task."""
     for batch in growing_batches(records, BATCH):
         valid = [record.task in space.at(len(record.task)) for record in batch]
         plans = (tuple(map(str, r.task.actions)) for r, is_plan in zip(batch, valid, strict=True) if is_plan)
@@ -134,7 +134,7 @@ def _fault(task: Task, expected: Task) -> str:
 def _outcomes(
     records: Iterator[CheckedRecord], scene: Scene, witness_only: bool, options: Mapping[str, Any]
 ) -> Iterator[Outcome]:
-    """Yield the outcome of each task, in order: search for a new witness, or check the witness that it has."""
+    """Yield the outcome of each task, in order, after a search for a new witness or a check of the given one."""
     waiting: deque[tuple[Record, Outcome | None]] = deque()
 
     def jobs() -> Iterator[tuple[int, Any]]:

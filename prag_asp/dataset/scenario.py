@@ -1,15 +1,15 @@
-"""Scenario ids: short texts that name a task and its initial state, the same in every process.
+"""Scenario ids: short texts that identify a task and its initial state in every process.
 
 An id is ``DOMAIN:DIGEST:LENGTH:RANK[:START][~CONDITION...]``, such as ``tabletop:8f6c01b2d4:2:181:7.3~uses+can_1``:
 
 - the name of the domain, with set constants as ``,NAME=VALUE``, and a digest of everything on which its tasks and
   initial states depend (`prag_asp.dataset.scenarios`);
 - the length of the task, and its rank among the tasks of this length that satisfy the conditions;
-- the search that found the initial state, as ``SEED.INDEX``, followed by ``.RESTARTSxSAMPLES-TIER-KIND...`` if its
-  budget is not the default or if properties vary in its demonstration; without physics, it is missing;
+- the search that found the initial state, as ``SEED.INDEX``, followed by ``.RESTARTSxSAMPLES-TIER-KIND...`` if the
+  budget is not the default or properties vary in the demonstration; without physics, the search is missing;
 - the conditions, each after a ``~``.
 
-Texts are percent-encoded as in a URL; a blank becomes ``+``. Each scenario has exactly one id.
+Texts are percent-encoded as in a URL; a space becomes ``+``. Each scenario has exactly one id.
 """
 
 from __future__ import annotations
@@ -28,8 +28,9 @@ if TYPE_CHECKING:
     from prag_asp.physics import Budget, Staging
 
 DIGITS = 10
-"""The number of hexadecimal digits in the digest of a domain; two versions of a domain agree by chance in one of 10^12
-pairs."""
+"""The number of hexadecimal digits in the digest of a domain; two versions have the same digest with probability
+10^-12.
+"""
 
 LONGEST = 100_000
 """The maximum number of characters in an id; ranks of tasks with thousands of actions have thousands of digits."""
@@ -56,7 +57,7 @@ class SearchStart:
 
     @classmethod
     def of(cls, seed: int, index: int, budget: Budget | None, staging: Staging | None = None) -> SearchStart:
-        """Return the search with a seed, an index, a budget and the staging of demonstrations, in its shortest form."""
+        """Return a search in its shortest form, without a default budget and without properties that do not vary."""
         from prag_asp.physics import Budget, Tier
 
         budget = budget or Budget()
@@ -65,7 +66,7 @@ class SearchStart:
 
     @classmethod
     def parse(cls, text: str) -> SearchStart:
-        """Return the search that a text written by `str` describes.
+        """Return the search described by a text that `str` has written.
 
         Raises:
             QueryError: the text is malformed.
@@ -142,10 +143,10 @@ class Scenario:
 
     @property
     def task(self) -> Scenario:
-        """The scenario without its initial state; it is equal for all scenarios of a task."""
+        """The scenario without its initial state, which is equal for all scenarios of a task."""
         return Scenario(self.domain, self.digest, self.length, self.rank, None, self.where, self.constants)
 
 
 def _quoted(text: str, quoting: Callable[..., str] = quote) -> str:
-    """Return a text with all characters encoded except letters, digits, ``-``, ``_`` and ``.``."""
+    """Return a text in which all characters except letters, digits, ``-``, ``_`` and ``.`` are percent-encoded."""
     return quoting(text, safe="").replace("~", "%7E")

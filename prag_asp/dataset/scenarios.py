@@ -31,13 +31,13 @@ if TYPE_CHECKING:
 class Scenarios:
     """The scenarios of a domain.
 
-    A scenario belongs to this domain if their digests are equal. The digest covers the statements of the program
+    A scenario belongs to the domain if the digests are equal. The digest covers the statements of the program
     (regardless of their order), whether composites count, and the table and the files of the scene, but not comments,
     weights or sentences.
     """
 
     def __init__(self, domain: Domain, space: TaskSpace | None = None) -> None:
-        """If a `space` of the domain is given, its engines are used for tasks that satisfy its conditions."""
+        """Use the engines of `space`, if it is given, for tasks that satisfy its conditions."""
         self.domain = domain
         self._whole = None if space is None else space.whole
         self._spaces: dict[tuple[tuple[str, ...], int], TaskSpace] = {}
@@ -61,7 +61,7 @@ class Scenarios:
         return Scenario(name, self.digest, length, rank, start, tuple(sorted(where)), constants)
 
     def of(self, space: TaskSpace, task: Task, start: SearchStart | None = None) -> Scenario:
-        """Return the scenario of a task from a space; the lengths of the space do not matter.
+        """Return the scenario of a task from a space; the task may have a length that the space lacks.
 
         Raises:
             QueryError: the space has no such task; a plan with renamed interchangeable entities is not a task.
@@ -121,7 +121,7 @@ class Scenarios:
 
 
 def verdict_of(task: Task, start: SearchStart, validator: Validator) -> Verdict:
-    """Return the verdict on a scenario's task that its search yields."""
+    """Return the verdict that the search of a scenario yields on its task."""
     from prag_asp.physics import Staging
 
     staging = Staging(vary=start.vary)
@@ -129,10 +129,10 @@ def verdict_of(task: Task, start: SearchStart, validator: Validator) -> Verdict:
 
 
 def searched(task: Task, start: SearchStart, validator: Validator) -> Record:
-    """Return a task with the verdict and the witness that its scenario's search finds.
+    """Return a task with the verdict and the witness that the search of its scenario finds.
 
     Raises:
-        QueryError: the search finds no witness, because the version of prag_asp or PyBullet differs.
+        QueryError: the search finds no witness, because the versions of prag_asp or PyBullet differ.
     """
     verdict = verdict_of(task, start, validator)
     if verdict.witness is None:
@@ -145,7 +145,7 @@ def searched(task: Task, start: SearchStart, validator: Validator) -> Record:
 
 
 def start_of(record: Record, staging: Staging | None = None) -> SearchStart | None:
-    """Return the search that found the witness of a record, if any; `staging` is the staging of its demonstration."""
+    """Return the search that found the witness of a record, if any; `staging` is that of the demonstration."""
     if record.verdict is None:
         return None
     from prag_asp.physics import Budget
@@ -155,7 +155,7 @@ def start_of(record: Record, staging: Staging | None = None) -> SearchStart | No
 
 
 def read_scenarios(file: str | Path) -> Iterator[Scenario]:
-    """Yield the scenarios from a file with an id on each line; blank lines are skipped.
+    """Yield the scenarios in a file with one id per line; blank lines are skipped.
 
     Raises:
         OSError: the file cannot be read.
@@ -171,7 +171,7 @@ def read_scenarios(file: str | Path) -> Iterator[Scenario]:
 
 
 def exclude(space: TaskSpace, scenarios: Iterable[Scenario]) -> Callable[[Task], bool]:
-    """Return a function that is true for those tasks of a space that belong to none of the given scenarios.
+    """Return a predicate that is true for the tasks of a space that belong to none of the given scenarios.
 
     Initial states do not matter. If the tasks of the scenarios are left out of a sample without replacement, the
     remaining tasks are a sample without replacement from all other tasks.
@@ -187,7 +187,7 @@ def exclude(space: TaskSpace, scenarios: Iterable[Scenario]) -> Callable[[Task],
 def excluded_ranks(
     space: TaskSpace, scenarios: Iterable[Scenario], here: Scenarios | None = None
 ) -> Iterator[tuple[int, int]]:
-    """Yield the lengths and ranks of the tasks in scenarios; `here` may hold the `Scenarios` of the domain.
+    """Yield the lengths and ranks of the tasks of scenarios; `here` may hold the `Scenarios` of the domain.
 
     Raises:
         QueryError: the domain or the conditions of a scenario differ from those of the space.
@@ -204,5 +204,5 @@ def excluded_ranks(
 
 
 def _clauses(space: TaskSpace) -> tuple[str, ...]:
-    """Return the conditions of a space as texts; ranks do not depend on their order."""
+    """Return the conditions of a space as sorted texts, because ranks do not depend on the order of conditions."""
     return tuple(sorted(str(clause) for clause in space.condition.clauses))

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def scene_of(domain: Domain) -> Scene:
-    """Return the scene of a domain, with its user-defined spatial predicates loaded.
+    """Return the scene of a domain, and load its user-defined spatial predicates.
 
     Raises:
         SceneError: the domain has no scene, or one of its Python files is not trusted or fails.

@@ -10,7 +10,7 @@ from prag_asp.dataset.scenarios import read_scenarios
 
 
 def read_earlier(path: str | Path) -> Iterator[Scenario]:
-    """Yield the scenarios of the tasks in a dataset, or in a file with an id on each line.
+    """Yield the scenarios of the tasks in a dataset, or in a file with one id per line.
 
     Raises:
         OSError: the file cannot be read.

@@ -1,4 +1,4 @@
-"""The origin of a task in a file: its domain, its search index, and its line."""
+"""The origin of a task in a file: its domain, its search index, and its location."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ if TYPE_CHECKING:
     from prag_asp.scene.scene import Scene
 
 INDEX_BYTES = 6
-"""The number of bytes in an index derived from a plan; every JSON reader can represent a number of 6 bytes exactly."""
+"""The number of bytes in an index derived from a plan; every JSON reader represents 6-byte integers exactly."""
 
 MEND = "sample the task again, or set its witness to null"
 
 
 def named_domain(own: str, place: str, folder: Path) -> str:
-    """Return the shipped domain with a name, or the folder of another domain in the current folder or in `folder`.
+    """Return the name of a shipped domain, or the path of a domain in the current folder or in `folder`.
 
     `place` is the location of the name, for errors. A name that leads outside these folders, even through a link, is
-    refused: a file must not make prag_asp read other folders.
+    refused, because a file must not make prag_asp read other folders.
 
     Raises:
         QueryError: there is no such domain.
@@ -46,7 +46,7 @@ def named_domain(own: str, place: str, folder: Path) -> str:
 
 
 def foreign(record: Record, domain: Domain) -> str:
-    """Return a message if a record names another domain, or "" if it names this one."""
+    """Return a message if a record names a domain other than the given one, or "" otherwise."""
     own = record.task.domain
     return (
         "" if own == domain.name else f"the file says that it is of {own!r}, but it is read as one of {domain.name!r}"
@@ -69,7 +69,7 @@ def read_witness(record: Record, scene: Scene) -> Witness:
 
 @contextmanager
 def errors_with_place(record: Record, domain: Domain | None = None, advice: str = "") -> Iterator[None]:
-    """Add the file and the line of a record at the beginning of an error message, and advice at its end.
+    """Add the file and the line of a record to the beginning of an error message, and advice to the end.
 
     If the record names a domain other than `domain`, the message says so.
 
@@ -86,7 +86,7 @@ def errors_with_place(record: Record, domain: Domain | None = None, advice: str 
 
 
 def index_of(record: Record) -> int:
-    """Return the search index in a record's verdict, to repeat the search, or else a hash of the plan."""
+    """Return the search index in the verdict of a record, to repeat the search, or else a hash of the plan."""
     index = (record.verdict or {}).get("index")
     if type(index) is int and index >= 0:
         return index

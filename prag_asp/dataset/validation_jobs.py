@@ -1,4 +1,4 @@
-"""Validation jobs: the verdict on the task of a draw, further initial states for it, and its texts."""
+"""Validation jobs: the verdict on the task of a draw, further initial states, and the texts of the task."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ START = 1 << 32
 """The difference between the indices of consecutive searches for the same task."""
 
 TRIES = 4
-"""The maximum number of searches per requested initial state; a search that finds no new one is replaced by the next.
+"""The maximum number of searches per requested initial state; after a search that finds no new state, another follows.
 """
 
 
 class ValidationJob(NamedTuple):
-    """A draw to validate: its number in its part, the index of its first search, and its task or its undecoded draw."""
+    """A draw to validate: its number in the part, the index of its first search, and the task or the undecoded draw."""
 
     number: int
     search: int
@@ -39,7 +39,7 @@ class ValidationJob(NamedTuple):
 
 
 class JobResult(NamedTuple):
-    """The result of a job: a `DrawResult` as JSON, the recording from each initial state, and its row.
+    """The result of a job: a `DrawResult` as JSON, the recording from each initial state, and the row.
 
     The row is None if the job came with its task.
     """
@@ -53,7 +53,7 @@ class JobResult(NamedTuple):
 class ValidationSetup:
     """The options for validating the draws of a part of a dataset, with physics if there is a `scene`.
 
-    If draws have to be decoded into tasks and their texts written, `space` gives the domain, lengths and conditions.
+    If draws have to be decoded into tasks with texts, `space` holds the domain, lengths and conditions.
     """
 
     part: str
@@ -64,10 +64,10 @@ class ValidationSetup:
 
 @contextmanager
 def open_job_validator(setup: ValidationSetup) -> Iterator[Callable[[int, ValidationJob], JobResult]]:
-    """Yield a function that validates a job with a task; the index of search s of a draw is ``search + s * START``.
+    """Yield a function that validates a job with a task; search s of a draw has the index ``search + s * START``.
 
-    The results depend only on the seed and on this index. A search that finds no witness, or a witness from an initial
-    state that another search found, is replaced by the next one, up to `TRIES` for each initial state.
+    The results depend only on the seed and on this index. A search that finds no witness, or only one from a known
+    initial state, is followed by another one; there are at most `TRIES` searches per initial state.
 
     Raises:
         SceneError: the scene cannot be built, or lacks the shape of an entity in a task.
@@ -85,7 +85,7 @@ def open_job_validator(setup: ValidationSetup) -> Iterator[Callable[[int, Valida
 def open_draw_validator(
     setup: ValidationSetup,
 ) -> Iterator[Callable[[Sequence[ValidationJob]], tuple[list[JobResult], bytes]]]:
-    """Yield a function that decodes draws into tasks and validates them; it returns results and, as Arrow, their rows.
+    """Yield a function that decodes draws and validates the tasks; it returns the results, and the rows as Arrow IPC.
 
     Raises:
         SceneError: the scene cannot be built, or lacks the shape of an entity in a task.
@@ -103,7 +103,7 @@ def open_draw_validator(
 
         def results(jobs: Sequence[ValidationJob]) -> tuple[list[JobResult], bytes]:
             draws = [job.drawn for job in jobs if not isinstance(job.drawn, Task)]
-            job_results, rows = [], TableBuilder("rejected")  # the table of tasks has all of its columns, too
+            job_results, rows = [], TableBuilder("rejected")  # the table of tasks also has all columns of this table
             for job, draw, task in zip(jobs, draws, space.tasks_of_draws(draws), strict=True):
                 result, encoded = _result(setup, job, task, validator)
                 job_results.append(encoded)
@@ -128,7 +128,7 @@ def _validator(setup: ValidationSetup) -> Iterator[Validator | None]:
 def _result(
     setup: ValidationSetup, job: ValidationJob, task: Task, validator: Validator | None
 ) -> tuple[DrawResult, JobResult]:
-    """Return the result of a draw, as a value and encoded."""
+    """Return the result of a draw, as a value and in encoded form."""
     left_out = task.trivial and not setup.spec.trivial
     result, recordings = DrawResult(setup.part, job.number, None, [], left_out), tuple[bytes | None, ...]()
     if validator is not None and not left_out:
@@ -150,7 +150,7 @@ def _result(
 
 
 def _verdicts(setup: ValidationSetup, job: ValidationJob, task: Task, validator: Validator) -> list[Verdict]:
-    """Return the verdict on a task or, if it is feasible, on each of its initial states, in order of search."""
+    """Return the verdict on a task or, if it is feasible, one verdict per initial state, in order of search."""
 
     def verdict(search: int) -> Verdict:
         index = job.search + search * START

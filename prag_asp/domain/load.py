@@ -62,11 +62,11 @@ class Domain:
 
     `program` is the whole logic program (encodings, files of the domain and selected rules), and `facts` are the facts
     of its base part. `folder` is None unless the domain was loaded by its name or folder. Physics runs the Python files
-    of the domain only if it is `trusted`. `learned` are the impossible pairs of fluents that only the file of learned
+    of the domain only if it is `trusted`. `learned` holds the impossible pairs of fluents that only the file of learned
     invariants states, and `constants` are the values set for ``#const``s, by name. `reduction` is the small-model
     reduction of `program`, if there is one: counts use it, whereas `facts` is ground with all entities. `irreducible`
-    is the reason why a domain with many interchangeable entities has no reduction. `derived` has what is computed from
-    the domain once, such as its logic, by name; it is neither compared nor pickled.
+    is the reason why a domain with many interchangeable entities has no reduction. `derived` caches values that are
+    computed from the domain, such as its logic, by name; it is neither compared nor pickled.
     """
 
     name: str
@@ -106,20 +106,20 @@ def load_domain(
     strict: bool = False,
     untimed: bool = False,
 ) -> Domain:
-    """Read and check a domain: the name of a shipped domain, a folder, files that end in .lp, or a text.
+    """Read and check a domain, given by the name of a shipped domain, a folder, files that end in .lp, or a text.
 
     Files (``-`` is standard input) and a text together form one domain, named after the first. Includes are resolved in
     the folder of the file or, for a text, in the working directory; such a domain has no domain.toml. Two files that
     end in .pddl are a PDDL domain and its problem; a single file may contain both. `constants` are values for
-    ``#const``s of the domain. `settings` is a file to read in place of the folder's domain.toml; its paths are relative
-    to its folder.
+    ``#const``s of the domain. `settings` is a file to read in place of the folder's domain.toml; paths in it are
+    relative to the folder that contains it.
 
     `rules` are names of files in the encodings' folder ``rules``; a rule with arguments, such as ``at_most(grasp,2)``,
     is also stated as a fact. `encodings` is a folder to use in place of the shipped encodings. With `flat`, the
     composites of the domain are ignored: any sequence of its actions can be a plan. With `trust`, physics may run the
     Python files that domain.toml names; nothing else runs them. Without `learned`, the folder's file of learned
-    invariants is not read. With `settings`, it is not read either, because that file may describe a different scene.
-    With `strict`, warnings are errors. With `untimed`, durative actions in PDDL are read as instantaneous ones.
+    invariants is not read. It is not read with `settings` either, because these settings may describe a different
+    scene. With `strict`, warnings are errors. With `untimed`, durative actions in PDDL are read as instantaneous ones.
 
     Raises:
         DomainError: the files have problems; the message contains one line for each problem.

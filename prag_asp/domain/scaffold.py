@@ -17,8 +17,8 @@ NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]*")
 def write_new_domain(name: str, parent: Path = Path(), *, plain: bool = False, like: str | None = None) -> Path:
     """Write a domain as a starting point into a new folder `name` in `parent`, and return the folder.
 
-    It is a small domain with comments and a robot, whose tasks are feasible; a `plain` domain has no robot. `like` is
-    the name of a shipped domain to copy instead, without its known counts.
+    By default, it is a small commented domain with a robot, and its tasks are feasible; a `plain` domain has no robot.
+    `like` is the name of a shipped domain to copy instead, without its known counts.
 
     Raises:
         DomainError: the name is invalid, the folder exists, or `like` is not a shipped domain or is given with

@@ -23,7 +23,7 @@ entity(tray_1, tray).
 
 % Fluents --------------------------------------------------------------------------------------------------
 
-% Physics gives these four a meaning by their names.
+% Physics knows the meaning of these four by their names.
 fluent(holding(R,O))   :- is_a(R,robot), is_a(O,cube).
 fluent(reachable(R,O)) :- is_a(R,robot), is_a(O,cube).
 fluent(on_top(O,T))    :- is_a(O,cube), is_a(T,table).
@@ -63,7 +63,7 @@ postcondition(put(R,O,T), reachable(R,O), true) :- action(put(R,O,T)).
 
 % Rules of a step --------------------------------------------------------------------------------------------
 
-% The step is t, and the step before it is t-1. This rule forbids to pick a cube up right after it was put down.
+% The step is t, and the step before it is t-1. This rule forbids picking up a cube right after putting it down.
 #program step(t).
 :- occurs(put(R,O,T),t-1), occurs(pick(R,O,T),t).
 """
@@ -158,7 +158,7 @@ postcondition(cross(A,B), ferry_at(B), true)  :- action(cross(A,B)).
 
 % Rules of a step --------------------------------------------------------------------------------------------
 
-% The step is t, and the step before it is t-1. This rule forbids to cross and to return at once.
+% The step is t, and the step before it is t-1. This rule forbids crossing back right after crossing.
 #program step(t).
 :- occurs(cross(A,B),t-1), occurs(cross(B,A),t).
 """

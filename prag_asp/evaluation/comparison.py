@@ -20,8 +20,8 @@ class PolicyComparison:
     """Pairs of episodes from two evaluations: one pair for each shared scenario.
 
     `only_first` and `only_second` count episodes without a counterpart; `other_states` counts scenarios whose initial
-    states differ, because different versions searched for them. None of these are compared. `strata` are those of both
-    evaluations if these are stratified and all their episodes are paired.
+    states differ, because different versions searched for them. None of these are compared. `strata` holds the strata
+    if both evaluations have the same ones and all their episodes are paired.
     """
 
     pairs: tuple[tuple[EvaluatedEpisode, EvaluatedEpisode], ...]
@@ -94,7 +94,7 @@ class PolicyComparison:
 
 
 PAIRED = tuple(what for what in GROUPINGS if what != "action")
-"""The groupings of pairs; there is none by action, because the subgoals that two policies pursue are not paired."""
+"""The groupings of pairs; they exclude actions, because the subgoals that two policies pursue are not paired."""
 
 
 def compare(first: Results, second: Results, *, across: bool = False) -> PolicyComparison:

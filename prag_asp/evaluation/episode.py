@@ -1,4 +1,4 @@
-"""Episodes in an evaluation: their scenarios, their results, and their execution by a policy."""
+"""Episodes in an evaluation: their scenarios, their results, and the rollout of a policy."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 SUCCESS, LIMIT, GAVE_UP = "success", "step limit", "gave up"
-"""The reasons why an episode ends: the task is done, the step limit is reached, or the policy returns no action."""
+"""The reasons why an episode ends: success, the step limit, or a policy that returns no action."""
 
 SEED_BYTES = 6
 """The size of the seed of an episode in bytes, which every generator accepts."""
@@ -46,10 +46,10 @@ class EvaluatedEpisode(msgspec.Struct, frozen=True):
     """The result of an episode.
 
     `part` is the part of a dataset or a suite, the stratum of a stratified sample, or "". `initial` is a digest of the
-    initial state, and `classes` are the classes of the entities that the actions name. `reached` counts the subgoals
-    that were reached; `subgoals` holds a result for each subgoal that was pursued. `cause` is one of `SUCCESS`, `LIMIT`
-    and `GAVE_UP`; `seconds` is the simulated time. `weight` is the exact weight of the episode in a stratified sample,
-    as text, and `weight_value` is the nearest float; without strata, they are "" and 0.
+    initial state, and `classes` holds the classes of the entities in the actions. `reached` counts the subgoals that
+    were reached; `subgoals` holds a result for each subgoal that was pursued. `cause` is one of `SUCCESS`, `LIMIT` and
+    `GAVE_UP`; `seconds` is the simulated time. `weight` is the exact weight of the episode in a stratified sample, as
+    text, and `weight_value` is the nearest float; without strata, these are "" and 0.
     """
 
     scenario: str
@@ -72,7 +72,7 @@ class EvaluatedEpisode(msgspec.Struct, frozen=True):
 class EpisodeJob(NamedTuple):
     """An episode to run: its part, its scenario, and its task with a witness, or None to search for one.
 
-    `texts` are the texts of the task from a dataset.
+    `texts` holds the instructions of the task from a dataset.
     """
 
     part: str
@@ -82,9 +82,9 @@ class EpisodeJob(NamedTuple):
 
 
 class JobGroup(NamedTuple):
-    """The numbered jobs for a stratum or for all scenarios; they are run until `requested` of them have a witness.
+    """The numbered jobs for a stratum or for all scenarios; they run until `requested` of them have a witness.
 
-    `size` is the number of tasks from which they are drawn, or `requested` if the scenarios are given.
+    `size` is the number of tasks from which the jobs are sampled, or `requested` if the scenarios are given.
     """
 
     name: str
@@ -111,7 +111,7 @@ Watch = Callable[[gymnasium.Env[Any, Any]], None]
 
 
 class EpisodeRunner:
-    """Runs episodes in one environment with one policy."""
+    """A runner of episodes in one environment with one policy."""
 
     def __init__(self, setup: EpisodeSetup, env: gymnasium.Env[Any, Any], policy: Policy, validator: Validator) -> None:
         self._setup, self._env, self._policy, self._validator = setup, env, policy, validator
@@ -204,7 +204,7 @@ def open_runner(setup: EpisodeSetup, **options: Any) -> Iterator[EpisodeRunner]:
 
 @contextmanager
 def _constructing(what: str) -> Iterator[None]:
-    """Name the policy or the wrapper whose constructor raises an error, unless the error already has a message."""
+    """Name the policy or the wrapper in an error from its constructor, unless the error is a `PragError`."""
     try:
         yield
     except PragError:
@@ -230,7 +230,7 @@ def open_episodes(setup: EpisodeSetup) -> Iterator[Callable[[int, EpisodeJob], E
 
 
 def classes_of(task: Task) -> list[str]:
-    """Return the classes of the entities that the actions of a task name."""
+    """Return the classes of the entities in the actions of a task."""
     return sorted(
         {task.entities[name] for action in task.actions for name in action.arguments if name in task.entities}
     )

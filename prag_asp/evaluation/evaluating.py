@@ -49,7 +49,7 @@ VIDEOS = "videos"
 """The folder for the videos of failures."""
 
 Progress = Callable[[str, int, int], None]
-"""Reports progress: a message, the number of episodes so far, and the number requested."""
+"""A callback that reports progress: a message, the number of episodes so far, and the number requested."""
 
 
 def evaluate(
@@ -70,13 +70,12 @@ def evaluate(
     with that name), or a class whose instances are such functions. `environment` holds `TaskEnv` options (see
     `ENVIRONMENT`). They override options set by the policy, such as the control mode of a LeRobot checkpoint. A
     `wrapper` wraps the environment, as in training. The global random generators of Python, NumPy and PyTorch are
-    seeded for each episode, so results do not depend on the number of `workers`, unless the policy itself depends on
-    it.
+    seeded for each episode, so results do not depend on the number of `workers`, unless the policy does.
 
     With a `folder`, the results are written there: evaluation.json, a table of episodes, and `videos` of the first
-    failures. An interrupted evaluation resumes from this folder, and keeps all episodes before the first one that was
-    still running. If an option or a file of the policy has changed since, it begins again instead; the results of a
-    complete evaluation are not overwritten. Of a Python policy or wrapper, only the file that defines it is considered.
+    failures. An interrupted evaluation resumes from this folder; it keeps all episodes before the first unfinished one.
+    If an option or a file of the policy has changed since, the evaluation starts again. The results of a complete
+    evaluation are never overwritten. Of a Python policy or wrapper, only the file that defines it is considered.
 
     Raises:
         QueryError: an argument is wrong, or the policy fails.
@@ -145,7 +144,7 @@ def _evaluated(
     write: Callable[[bytes], None],
     progress: Progress,
 ) -> tuple[EvaluationRecord, tuple[EvaluatedEpisode, ...]]:
-    """Return the record and the episodes, first those of an interrupted evaluation; `write` stores new episodes.
+    """Return the record and all episodes, beginning with the stored ones in `lines`; `write` stores new ones.
 
     Raises:
         NotFound: there are fewer feasible scenarios than requested, except in strata that have no more.
@@ -223,5 +222,5 @@ def _jobs_of(results: Results, source: ScenarioSource) -> Iterator[tuple[int, Ep
 
 
 def _name(function: Any) -> str:
-    """Return the module and the name of a function or a class."""
+    """Return the name of a function or a class, preceded by its module."""
     return f"{getattr(function, '__module__', '')}:{getattr(function, '__qualname__', type(function).__qualname__)}"

@@ -20,8 +20,9 @@ if TYPE_CHECKING:
     Integers = NDArray[np.int64]
 
 DEVIATIONS = math.log(1e18) / 2
-"""A sum of n independent or hypergeometric bits is farther than sqrt(DEVIATIONS * n) from its mean, on one side, with a
-probability of at most 1e-18 (Hoeffding, 1963)."""
+"""A sum of n bits, independent or sampled without replacement, exceeds its mean by sqrt(DEVIATIONS * n) with a
+probability of at most 1e-18 (Hoeffding, 1963).
+"""
 
 CLOSE = 1e-8
 """The relative difference from the significance level below which integers decide; the error of floats is smaller.
@@ -62,10 +63,10 @@ def paired_power(scenarios: int, first: float, second: float, alpha: Fraction) -
 
 
 def fisher_critical_values(scenarios: int, totals: Integers, alpha: Fraction) -> Integers:
-    """For each number of successes, return the largest number in one sample that Fisher's test rejects as too few.
+    """Return, for each total number of successes, the largest number in one sample that Fisher's test rejects.
 
-    Both samples have `scenarios` members. A result is rejected if twice the tail is at most alpha. If no number is
-    rejected, the result is one less than the smallest possible number.
+    Both samples have `scenarios` members. A number is rejected as too small if twice the tail is at most alpha. If no
+    number is rejected, the result is one less than the smallest possible number.
     """
     depth = math.ceil(math.sqrt(DEVIATIONS * scenarios)) + 2
     numbers = totals[:, None] // 2 - np.arange(depth)[::-1]
@@ -85,7 +86,7 @@ def fisher_critical_values(scenarios: int, totals: Integers, alpha: Fraction) ->
 
 
 def sign_test_critical_values(differing: Integers, alpha: Fraction) -> Integers:
-    """Return the largest numbers of pairs won by one policy that McNemar's test rejects as too few, or -1.
+    """Return the largest numbers of pairs won by one policy that McNemar's test rejects as too small, or -1.
 
     A policy wins a pair if only it succeeds. There is one result for each number of differing pairs. Twice the tail of
     the binomial distribution with probability 1/2 must be at most alpha.

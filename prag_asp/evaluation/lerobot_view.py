@@ -22,7 +22,7 @@ CAMERA = "camera_"
 
 
 def arm_state(env: TaskEnv, names: Sequence[StateName]) -> NDArray[np.float32]:
-    """Return the state of the robots in given conventions; `state_names` gives the names of its numbers."""
+    """Return the state of the robots in given conventions; `state_names` returns the names of the components."""
     arms = [env.situation.arm(robot) for robot in env.scene.robots]
     rows = np.array([[[*arm.joints, arm.width] for arm in arms]])
     state: NDArray[np.float32] = states_in(names, env.scene, rows)[0].astype(np.float32)
@@ -30,12 +30,11 @@ def arm_state(env: TaskEnv, names: Sequence[StateName]) -> NDArray[np.float32]:
 
 
 class LeRobotView(gymnasium.Wrapper[Any, Any, Any, Any]):
-    """Converts observations to those of an exported dataset, under the names that LeRobot expects and renames.
+    """A wrapper that converts observations to those of an exported dataset, under names that LeRobot expects.
 
     ``agent_pos`` is ``observation.state`` (in the conventions `state`), ``environment_state`` holds the poses of
-    objects, which are left out if there are cameras, and ``pixels`` holds the images from the cameras. The attribute
-    `task_description` is the instruction of the episode; `steps` is the largest number of steps in an episode, which
-    LeRobot needs.
+    objects if there are no cameras, and ``pixels`` holds the images from the cameras. The attribute `task_description`
+    is the instruction of the episode; `steps`, which LeRobot needs, is the maximum number of steps in an episode.
 
     Raises:
         QueryError: there is no such state.

@@ -35,8 +35,8 @@ class Pairs(NamedTuple):
     def p_value(self) -> Fraction:
         """Return the exact two-sided p-value of McNemar's test (1947), from the binomial distribution.
 
-        If both policies are equally likely to succeed, each of the n pairs that differ is equally likely to favour
-        either of them. The p-value is the probability of a split at least as uneven as the one observed, in either
+        If both policies are equally likely to succeed, each of the n discordant pairs is equally likely to favour
+        either policy. The p-value is the probability of a split at least as uneven as the one observed, in either
         direction.
         """
         differ, fewer = self.first + self.second, min(self.first, self.second)

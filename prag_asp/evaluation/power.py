@@ -21,24 +21,24 @@ from prag_asp.evaluation.exact_power import CLOSE, paired_power, unpaired_power
 from prag_asp.exact_numbers import parse_number
 
 Probability = int | float | str | Fraction
-"""A probability; a float stands for its shortest decimal."""
+"""A probability; a float means its shortest decimal representation."""
 
 MOST = 100_000
 """The maximum number of scenarios, which is more than any evaluation has; computing its power takes a second."""
 
 AHEAD = 30
-"""How many of the next numbers of scenarios must also reach the power, because exact power is not monotone.
+"""The number of following numbers of scenarios that must also reach the power, because exact power is not monotone.
 
-Critical values are integers, so power falls where one of them changes. The fluctuation is largest if all results
-differ: for effects of 0.06 to 0.3, there is then a range of 7 to 39 numbers in which some reach a power of 0.8 and
-others do not, and the next 200 numbers all reach it.
+Critical values are integers, so power drops where one of them changes. The fluctuation is largest if all results
+differ: for effects from 0.06 to 0.3, some numbers in a range of 7 to 39 numbers then reach a power of 0.8 and others do
+not; the next 200 numbers all reach it.
 """
 
 STEP = Fraction(1, 10_000)
 """The resolution of smallest effects, which is a hundredth of a percentage point."""
 
 LEAST_ALPHA = Fraction(1, 10**6)
-"""The smallest significance level, because tails of tests are sums of floats that neglect parts of 1e-18."""
+"""The smallest significance level, because tails of tests are sums of floats that omit probabilities of 1e-18."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class ComparisonDesign:
         return self._power(self._effective(scenarios), _exact("effect", effect))
 
     def scenarios(self, effect: Probability, power: Probability = Fraction(4, 5)) -> int:
-        """Return how many scenarios each policy needs so that the test finds an effect with a given power.
+        """Return the number of scenarios for each policy with which the test finds an effect with a given power.
 
         Exact power is not monotone in the number of scenarios. Apart from the correction for `tasks`, the test has the
         given power with the returned number and with each of the next `AHEAD` numbers, but not with the number before
@@ -157,7 +157,7 @@ class ComparisonDesign:
         return z / (1 + z * z / number) * math.sqrt(p * (1 - p) / number + z * z / (4 * number * number))
 
     def _effective(self, scenarios: int, *, whole: bool = True) -> float:
-        """Return how many scenarios from an infinite space give the same variance as `scenarios` out of `tasks`."""
+        """Return the number of scenarios from an infinite space that has the variance of `scenarios` out of `tasks`."""
         if not 1 <= scenarios <= MOST:
             raise QueryError(f"{scenarios} scenarios: give a number from 1 to {MOST:,}")
         if self.tasks is None:
@@ -206,7 +206,7 @@ class ComparisonDesign:
         spread = math.sqrt(first * (1 - first) * second * (1 - second))
         both_succeed = float(first * second) + correlation * spread
         shares = [float(first) - both_succeed, float(second) - both_succeed]
-        undefined = spread == 0 != correlation  # a result that never varies is not correlated with anything
+        undefined = spread == 0 != correlation  # a constant result is not correlated with anything
         if undefined or min(both_succeed, 1 - both_succeed - sum(shares), *shares) < -CLOSE:
             return -1.0, -1.0
         return max(shares[0], 0.0), max(shares[1], 0.0)
@@ -228,7 +228,7 @@ class ComparisonDesign:
 
     @staticmethod
     def _least(reaches: Callable[[int], bool], what: str) -> int:
-        """Return a number of scenarios that suffices, as do the next `AHEAD` numbers; the number before it does not."""
+        """Return a number of scenarios that suffices, as do the next `AHEAD` numbers, unlike the number before it."""
         low, high = 0, 16
         while not reaches(high):
             if high == MOST:
@@ -246,7 +246,7 @@ class ComparisonDesign:
 
 
 def _exact(name: str, value: Probability) -> Fraction:
-    """Return a number as a fraction; a float stands for its shortest decimal.
+    """Return a number as a fraction; a float means its shortest decimal representation.
 
     Raises:
         QueryError: the value is not a number.

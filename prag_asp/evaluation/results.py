@@ -70,8 +70,8 @@ EVALUATION = ManifestFile("evaluation.json", EvaluationRecord, "prag_asp evaluat
 class Results:
     """The results of an evaluation, in the order of the scenarios.
 
-    Wilson's intervals assume independent episodes; episodes of the same task from several initial states are not quite
-    independent.
+    Wilson's intervals assume independent episodes; episodes of the same task from different initial states are not
+    fully independent.
     """
 
     record: EvaluationRecord
@@ -151,7 +151,7 @@ class Results:
         return {str(key): Rate(successes[key], trials[key]) for key in sorted(trials)}
 
     def causes(self) -> Mapping[str, int]:
-        """Return how many episodes ended for each cause."""
+        """Return the number of episodes that ended for each cause."""
         return dict(Counter(episode.cause for episode in self.episodes).most_common())
 
     def table(self) -> str:
@@ -177,7 +177,7 @@ def rate(episodes: Sequence[EvaluatedEpisode]) -> Rate:
 
 
 def _outcomes(episode: EvaluatedEpisode, what: str) -> Iterable[tuple[Any, bool]]:
-    """Yield the groups to which an episode belongs, with the success that counts for each group."""
+    """Yield the groups to which an episode belongs, each with the success that counts in the group."""
     if what == "action":
         return ((parse_atom(subgoal.action).name, subgoal.success) for subgoal in episode.subgoals)
     groups: Mapping[str, Sequence[Any]] = {

@@ -49,7 +49,7 @@ class ScenarioSource(Protocol):
 
     @property
     def identity(self) -> str:
-        """A text that two sources share only if their scenarios are the same in the same order."""
+        """A string that two sources share only if they have the same scenarios in the same order."""
         ...
 
     @property
@@ -58,7 +58,7 @@ class ScenarioSource(Protocol):
         ...
 
     def groups(self) -> list[JobGroup]:
-        """Return the jobs, by stratum if there are strata; jobs whose search finds no witness are left out later."""
+        """Return the jobs, by stratum if there are strata; jobs without a witness are dropped later."""
         ...
 
     def strata(self, feed: StratumFeed[EpisodeJob]) -> list[StratumFigures]:
@@ -68,10 +68,10 @@ class ScenarioSource(Protocol):
 
 @dataclass(frozen=True)
 class FreshScenarios:
-    """Distinct feasible tasks from a space that satisfy `keep`, sampled uniformly without replacement.
+    """Distinct feasible tasks that satisfy `keep`, sampled uniformly without replacement from a space.
 
-    Tasks whose final state is the initial state are left out unless `trivial` is true. With a `stratification`, tasks
-    are sampled from each stratum.
+    Tasks whose final state equals the initial state are excluded unless `trivial` is true. With a `stratification`,
+    tasks are sampled from each stratum.
     """
 
     space: TaskSpace
@@ -101,7 +101,7 @@ class FreshScenarios:
 
     @property
     def identity(self) -> str:
-        """The space, and the options for sampling."""
+        """A digest of the space and the options for sampling."""
         scenarios = Scenarios(self.space.domain, self.space)
         return digest([scenarios.digest, self.title, self.count, str(self.budget), self.excluded, self.trivial])
 
@@ -130,7 +130,7 @@ class FreshScenarios:
         return (task for _, task in with_tasks(self.space, stratum.order.pick(numbers_from(0))))
 
     def _jobs(self, name: str, tasks: Iterator[Task]) -> Iterator[tuple[int, EpisodeJob]]:
-        """Yield the job for each task, with its number among the sampled tasks; trivial ones are left out."""
+        """Yield the job for each task, with the task's index in the sample; trivial tasks are left out."""
         scenarios = Scenarios(self.space.domain, self.space)
         for index, task in enumerate(tasks):
             if self.trivial or not task.trivial:
@@ -166,7 +166,7 @@ class NamedScenarios:
 
     @property
     def identity(self) -> str:
-        """The ids."""
+        """A digest of the ids."""
         return digest([str(each) for each in self.scenarios])
 
     @property
@@ -180,7 +180,7 @@ class NamedScenarios:
         return [JobGroup("", self.count, self.count, jobs)]
 
     def strata(self, feed: StratumFeed[EpisodeJob]) -> list[StratumFigures]:
-        """Return no strata, because ids do not show what they were sampled from."""
+        """Return no strata, because ids do not show how they were sampled."""
         return []
 
 
@@ -233,7 +233,7 @@ class StoredScenarios:
 
     @property
     def identity(self) -> str:
-        """The files of the parts, and the number of tasks."""
+        """A digest of the files of the parts and of the maximum number of tasks."""
         files = [
             [
                 name,

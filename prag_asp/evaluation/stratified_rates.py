@@ -17,7 +17,7 @@ from prag_asp.evaluation.episode import EvaluatedEpisode
 from prag_asp.integers import number_of
 
 Outcomes = Mapping[str, Sequence[Fraction]]
-"""For each stratum, the value of each of its evaluated tasks, which is the share of its episodes that succeed."""
+"""For each stratum, the values of its evaluated tasks; the value of a task is the share of successful episodes."""
 
 
 class StratifiedRate(NamedTuple):
@@ -53,10 +53,10 @@ class StratifiedDifference(NamedTuple):
 
 @dataclass(frozen=True)
 class EvaluatedStratum:
-    """A stratum with its weight, the estimated number of its tasks that count, and the values of its sampled tasks.
+    """A stratum: its weight, the estimated number of tasks that count, and the values of the sampled tasks.
 
     `population` is never smaller than the number of sampled tasks, and is equal to it if all tasks were drawn.
-    `share_variance` is the variance of the estimated share of its tasks that count, divided by the squared share.
+    `share_variance` is the variance of the estimated share of tasks that count, divided by the squared share.
     """
 
     weight: Fraction
@@ -71,7 +71,7 @@ class EvaluatedStratum:
 
     @property
     def left(self) -> Fraction:
-        """The finite-population correction: the share of its tasks that are not in the sample."""
+        """The finite-population correction: the share of tasks that are not in the sample."""
         return 1 - len(self.values) / self.population
 
     @property
@@ -81,7 +81,7 @@ class EvaluatedStratum:
         return float(n * (self.population - 1) / (self.population - n)) if self.left else math.inf
 
     def covariance(self, values: Sequence[Fraction], others: Sequence[Fraction]) -> float:
-        """Return the covariance of the means of two values of its tasks (Cochran 1977, theorem 5.3, for variances)."""
+        """Return the covariance of two sample means over the tasks (Cochran 1977, theorem 5.3, for variances)."""
         n = len(values)
         if n < 2 or not self.left:
             return 0.0
@@ -91,13 +91,13 @@ class EvaluatedStratum:
 
     @property
     def shifted(self) -> float:
-        """The mean after adding one success and one failure, so that its variance is not 0."""
+        """The mean after adding one success and one failure, so that the variance is not 0."""
         n = len(self.values)
         return float((self.mean * n + 1) / (n + 2))
 
 
 def weighted(episodes: Sequence[EvaluatedEpisode], strata: Sequence[StratumFigures]) -> tuple[EvaluatedEpisode, ...]:
-    """Return the episodes with their weights, which sum to 1; without strata, the episodes as they are.
+    """Return the episodes with weights that sum to 1; without strata, return the episodes unchanged.
 
     The weight of a stratum is divided equally among its evaluated tasks, and the weight of a task equally among its
     initial states.
@@ -206,7 +206,7 @@ def _evaluated_strata(outcomes: Outcomes, strata: Sequence[StratumFigures]) -> l
 
 
 def _interval(strata: Sequence[EvaluatedStratum], z: float) -> tuple[float, float]:
-    """Return Wilson's interval for the weighted mean, with the number of independent tasks that the sample is worth.
+    """Return Wilson's interval for the weighted mean, with the effective number of independent tasks.
 
     This number is the ratio of the variance of a single task to that of the weighted mean, both computed with shifted
     means, so that strata with few tasks that all succeed do not make the estimate certain. For a single stratum, it is

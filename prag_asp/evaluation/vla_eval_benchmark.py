@@ -1,7 +1,7 @@
-"""A benchmark for vla-eval: the scenarios of a dataset or a suite, with a model server of vla-eval as the policy.
+"""A benchmark for vla-eval: the scenarios of a dataset or a suite; the policy is a model server of vla-eval.
 
-Its configuration refers to it as ``prag_asp.evaluation.vla_eval_benchmark:ScenarioBenchmark``. Only this module imports
-vla-eval.
+A configuration of vla-eval refers to it as ``prag_asp.evaluation.vla_eval_benchmark:ScenarioBenchmark``. Only this
+module imports vla-eval.
 """
 
 from __future__ import annotations
@@ -34,15 +34,15 @@ ARM_ACTIONS = {
     "joint_position": {"joints": DimSpec("joints", 7, "joint_positions")},
     "joint_delta": {"joints": DimSpec("joints", 7, "joint_delta", (-1, 1))},
 }
-"""The numbers in an action of one arm, apart from the gripper, in vla-eval's terms."""
+"""The components of an action of one arm, without the gripper, in vla-eval's terms."""
 
 
 class ScenarioBenchmark(StepBenchmark):  # type: ignore[misc]  # vla-eval has no types for mypy
-    """One task of vla-eval for each scenario; their suites are the parts of the dataset.
+    """A benchmark with one task of vla-eval for each scenario; the suites are the parts of the dataset.
 
     `data` is the folder of a dataset or a suite with physics; `parts` and `most` are as in `StoredScenarios.open`.
-    Actions follow the convention `control`, with `rate` actions per second; an episode has at most `steps` for each
-    subgoal. Observations contain ``images`` from the `cameras`, which are `size` pixels wide and high,
+    Actions follow the convention `control`, with `rate` actions per second; an episode has at most `steps` steps for
+    each subgoal. Observations contain ``images`` from the `cameras`, which are `size` pixels wide and high,
     ``task_description`` (the instruction, by default that of the dataset), and ``state`` in a convention.
     """
 
@@ -122,11 +122,11 @@ class ScenarioBenchmark(StepBenchmark):  # type: ignore[misc]  # vla-eval has no
         return {"success": "mean", "subgoals": "mean"}
 
     def get_metadata(self) -> dict[str, Any]:
-        """Return the number of steps after which every episode has ended."""
+        """Return the maximum number of steps in an episode."""
         return {"max_steps": self._steps * max(job.scenario.length for job in self._jobs.values())}
 
     def get_action_spec(self) -> dict[str, DimSpec]:
-        """Describe the numbers of an action; with several arms, the numbers are not named."""
+        """Describe the components of an action; with several arms, they are not named."""
         control = self._env.control
         if len(control.robots) > 1 or control.name not in ARM_ACTIONS:
             return {"raw": RAW}

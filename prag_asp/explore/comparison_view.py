@@ -15,7 +15,7 @@ from prag_asp.space.engines.engine import Level
 
 @dataclass(frozen=True)
 class ComparedConditions:
-    """The conditions on one side, the number of tasks that satisfy them, and how many of these the other side lacks."""
+    """The conditions on one side, the number of tasks that satisfy them, and the number that satisfy only them."""
 
     where: tuple[str, ...]
     count: str
@@ -27,10 +27,10 @@ class ComparedConditions:
 
 @dataclass(frozen=True)
 class ComparisonView:
-    """The numbers of tasks under each of two conditions, both or only one; `all` is the number without conditions.
+    """The numbers of tasks under each of two conditions, under both, and under either; `all` counts all tasks.
 
-    If the conditions distinguish interchangeable entities, `level` is ``plan`` and plans are counted, because tasks
-    would be counted up to different renamings under each condition.
+    If the conditions distinguish interchangeable entities, `level` is ``plan`` and plans are counted, because the tasks
+    of the two sides would be counted up to different renamings.
     """
 
     level: str
@@ -44,7 +44,7 @@ class ComparisonView:
 
 
 def comparison_view(explored: ExploredDomain, state: PageState) -> ComparisonView:
-    """Return the comparison of the two conditions on a page; chosen actions do not matter.
+    """Return the comparison of the two conditions on a page, regardless of the chosen actions.
 
     Raises:
         PragError: there is no second condition, a condition does not fit the domain, or a limit was reached.

@@ -14,8 +14,8 @@ from prag_asp.space.emptiness import why_empty
 class EmptyView:
     """A minimal set of conditions, and of lines as ``file:line: text``, that exclude every task.
 
-    Both are empty if a task remains, or if the declarations of the domain by themselves allow no task; `empty` says
-    which.
+    Both are empty if a task remains, in which case `empty` is False, or if the declarations of the domain alone allow
+    no task.
     """
 
     empty: bool

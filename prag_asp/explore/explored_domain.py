@@ -1,4 +1,4 @@
-"""A domain that pages explore: its task spaces by length and conditions, and recent numbers of next actions."""
+"""A domain that pages explore: its task spaces by length and conditions, and recent counts of next actions."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from prag_asp.space.limits import UNLIMITED, Limits
 from prag_asp.space.task_space import TaskSpace
 
 SPACES, PREFIXES = 16, 2048
-"""The numbers of task spaces and of prefixes whose results are cached."""
+"""The numbers of task spaces and of prefixes that are cached."""
 
 Value = TypeVar("Value")
 
@@ -29,7 +29,7 @@ class Cache:
     _values: OrderedDict[Hashable, Any] = field(default_factory=OrderedDict)
 
     def get(self, key: Hashable, make: Callable[[], Value]) -> Value:
-        """Return the value for a key, after making it if it is not cached."""
+        """Return the value for a key; if it is not cached, make it first."""
         if key not in self._values:
             self._values[key] = make()
             while len(self._values) > self.size:
@@ -44,7 +44,7 @@ class ExploredDomain:
     """A domain with its task spaces.
 
     `words` are the arguments that name the domain on a command line, and `call` is the code that loads it in Python;
-    both are shown beside each view. `progress` receives reports.
+    both are shown beside each view. `progress` receives messages about progress.
     """
 
     domain: Domain
@@ -75,7 +75,7 @@ class ExploredDomain:
         return self.space(state.length, state.where)
 
     def chosen(self, state: PageState) -> Letters:
-        """Return the actions chosen on a page; those of tasks have canonical names of entities.
+        """Return the actions chosen on a page; for tasks, entities have their canonical names.
 
         Raises:
             QueryError: there are more actions than the length allows, or one of them is not an action of the domain.
@@ -90,7 +90,7 @@ class ExploredDomain:
         return prefix
 
     def following(self, state: PageState, prefix: Letters) -> dict[str, int]:
-        """Return each action that may follow a canonical prefix in a page's space, with the number of words left."""
+        """Return each action that may follow a canonical prefix in a page's space, with the number of words for it."""
         key = (state.length, state.where, state.by, prefix)
         space = self.space_of(state)
         return self._following.get(key, lambda: space.next_actions(prefix, state.by))

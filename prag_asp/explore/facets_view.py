@@ -1,4 +1,4 @@
-"""The facets: facts of the final state, each with the share of tasks in which it holds, and what choosing it leaves."""
+"""The facets: facts of the final state, the shares of tasks in which they hold, and what remains after a choice."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ from prag_asp.logic.symmetry.symmetries import Symmetries
 class GoalFacet:
     """A fact of the final state, or the facts that renamings of interchangeable entities map to each other.
 
-    `holding` is the number of tasks that are known to end with one of the facts, and `share` is the corresponding
-    share. The condition `choose` leaves `chosen` tasks, and `exclude` leaves `excluded`; in an open world, values may
-    be unknown, so both may leave the same task. The numbers are empty texts if the facts are not counted.
+    `holding` is the number of tasks that are known to end with one of the facts, and `share` is their share of all
+    tasks. The condition `choose` leaves `chosen` tasks, and `exclude` leaves `excluded`; in an open world, values may
+    be unknown, so a task may satisfy both conditions. The numbers are empty strings if the facts are not counted.
     """
 
     facts: tuple[str, ...]
@@ -77,7 +77,7 @@ def facets_view(explored: ExploredDomain, state: PageState) -> FacetsView:
 
 
 def fact_orbits(fluents: Sequence[clingo.Symbol], symmetries: Symmetries) -> list[tuple[str, ...]]:
-    """Return the facts in groups such that renamings of interchangeable entities map those of a group to each other."""
+    """Return the groups of facts that renamings of interchangeable entities map to each other."""
     swaps: list[Mapping[clingo.Symbol, clingo.Symbol]] = []
     for alike in (*symmetries.joint, *(tuple((entity,) for entity in group) for group in symmetries.groups)):
         for one, other in pairwise(alike):

@@ -1,4 +1,4 @@
-"""The jumps of a page: to the task with a given rank, and to a random one of the remaining tasks."""
+"""The jumps of a page: to the task with a given rank, and to a random task among those that remain."""
 
 from __future__ import annotations
 

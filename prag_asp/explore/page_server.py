@@ -32,7 +32,7 @@ MOST_FIELDS = 16
 """The maximum number of fields in a request."""
 
 LARGEST_NUMBER = 10**15
-"""The largest number that a window may give a request."""
+"""The largest number that a window may assign to a request."""
 
 KINDS = {
     ".html": "text/html; charset=utf-8",
@@ -55,7 +55,7 @@ HEADERS = {
 
 Fields = Mapping[str, str]
 View = Callable[[Fields], Any]
-"""Returns the dataclass of a view, given the fields of a request."""
+"""A function from the fields of a request to the dataclass of a view."""
 
 
 @dataclass(frozen=True)
@@ -74,9 +74,9 @@ class Elsewhere:
 
 
 class PageServer(ThreadingHTTPServer):
-    """Serves the files in a folder, the player of 3D scenes, and views, each as JSON.
+    """A server of the files in a folder, the player of 3D scenes, and views as JSON.
 
-    `turns` lets only one request compute at a time. `report` receives one line for each mistake of this package.
+    `turns` lets only one request compute at a time. `report` receives one line for each internal error.
 
     Raises:
         QueryError: the port is in use, or may not be used.
@@ -124,7 +124,7 @@ class PageServer(ThreadingHTTPServer):
         super().server_close()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
-        """Ignore a connection that its client has closed; the handler itself reports errors of this package."""
+        """Ignore a connection that its client has closed; the handler itself reports internal errors."""
 
 
 class _Handler(BaseHTTPRequestHandler):
@@ -190,7 +190,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._send_refusal(*error.lines)
         except RecursionError:
             self._send_refusal("the condition is nested too deeply; make it flatter")
-        except Exception as error:  # a mistake in this package ends one request, not the server
+        except Exception as error:  # an internal error ends one request, not the server
             self.server.report(f"{urlsplit(self.path).path.rpartition('/')[2]}: {type(error).__name__}: {error}")
             self._send_problem(HTTPStatus.INTERNAL_SERVER_ERROR, "prag_asp made a mistake; see the terminal")
         else:
@@ -212,7 +212,7 @@ class _Handler(BaseHTTPRequestHandler):
         self._send_json(status, {"lines": lines})
 
     def _send_refusal(self, *lines: str) -> None:
-        """Answer a mistake of the user; browsers would report another status than 200 as an error of the page."""
+        """Answer a mistake of the user with status 200, because browsers report any other as an error of the page."""
         self._send_json(HTTPStatus.OK, {"refused": lines})
 
     def _send_json(self, status: HTTPStatus, value: Any) -> None:

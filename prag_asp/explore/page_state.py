@@ -19,7 +19,7 @@ LONGEST_LENGTH = 10_000
 
 @dataclass(frozen=True)
 class PageState:
-    """What a page shows: the tasks of a given length under conditions that begin with the chosen actions.
+    """What a page shows: the tasks of a given length that satisfy conditions and begin with the chosen actions.
 
     `beside` are the conditions to compare with `where`. With the level ``plan``, interchangeable entities are shown
     separately; with ``task``, they are shown as one.

@@ -18,24 +18,22 @@ from prag_asp.stop_reason import StopKind
 from prag_asp.wording import plural
 
 LONGEST = 120
-"""The number of seconds after which physics gives up on a page's task; almost all tasks of the examples take less than
-10 s."""
+"""The time limit of physics for the task on a page, in seconds; almost all example tasks take less than 10 s."""
 
 VERDICTS, EPISODES, PICTURES = 64, 12, 12
 """The numbers of verdicts, episodes and pictures that are cached; a picture takes 0.3 MB, a video or 3D scene up to 3
 MB."""
 
 Call = Callable[..., Any]
-"""Calls a function with arguments, here or in another process."""
+"""A function that calls a given function with arguments, in this process or in another one."""
 
 
 @dataclass(frozen=True)
 class TaskVerdict:
-    """A verdict in plain values: its status (``feasible``, ``not_found`` or ``infeasible``), and what that means.
+    """A verdict in plain values: its status (``feasible``, ``not_found`` or ``infeasible``), and the status in words.
 
-    `cause` is the proof or the most common cause of failed attempts, and `nearest` says how close the best attempts
-    came; both are empty for a feasible task. `causes` counts the failed attempts. `effort` states the budget and
-    the seed.
+    `cause` is the proof, or the most common cause of failed attempts. `nearest` says how close the best attempts came.
+    Both are empty for a feasible task. `causes` counts the failed attempts. `effort` states the budget and the seed.
     """
 
     status: str
@@ -53,7 +51,7 @@ def call_here(function: Callable[..., Any], *arguments: Any) -> Any:
 
 
 def calls_elsewhere(explored: ExploredDomain) -> Call:
-    """Return calls in another process, which ends after `LONGEST` seconds or once the page no longer needs it."""
+    """Return a `Call` in another process, which ends after `LONGEST` seconds or when the page no longer needs it."""
 
     def call(function: Callable[..., Any], *arguments: Any) -> Any:
         limits = explored.limits
@@ -142,7 +140,7 @@ def _key(trial: Trial) -> tuple[object, ...]:
 
 
 def task_verdict(explored: ExploredDomain, trial: Trial, verdict: Verdict) -> TaskVerdict:
-    """Return a verdict in plain values, with the commands and the Python code that yield the same."""
+    """Return a verdict in plain values, with the commands and the Python code that reproduce it."""
     tried = plural(verdict.restarts, "initial state")
     words = {
         "feasible": f"Feasible: the search found a witness after {tried}, which passes the tier {trial.budget.tier}.",
@@ -162,10 +160,10 @@ def task_verdict(explored: ExploredDomain, trial: Trial, verdict: Verdict) -> Ta
 
 
 def same_by_physics(explored: ExploredDomain, trial: Trial, *, feasible: bool) -> tuple[SameResult, ...]:
-    """Return how to get the verdict elsewhere and, for a feasible task, its pictures.
+    """Return commands and Python code for the verdict and, if the task is feasible, for its pictures.
 
-    The commands for pictures have no option for the search budget, so there are none for budgets other than the
-    default.
+    `prag-asp render` has no option for the search budget, so there are commands for pictures only with the default
+    budget.
     """
     state, budget = trial.state, trial.budget
     effort = f"{budget.restarts}x{budget.samples}"

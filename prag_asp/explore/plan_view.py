@@ -1,6 +1,6 @@
-"""The main view: the chosen actions, what may follow them with exact numbers, and the states beside the plan.
+"""The main view: the chosen actions, the possible next actions with exact counts, and the states beside the plan.
 
-Numbers are texts of digits, because JavaScript's numbers are exact only up to 2^53. Shares are decimal texts.
+Numbers are strings of digits, because JavaScript's numbers are exact only up to 2^53. Shares are decimal strings.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class NextAction:
 
 @dataclass(frozen=True)
 class Step:
-    """One step of the plan: its action and how many tasks remain after it; the initial state has no action.
+    """One step of the plan: its action and the number of tasks that remain after it; the initial state has no action.
 
     `true` are the facts that hold after the step, `changed` are those that it made true, and `undone` are those that it
     made false. `query` is the state of the page after this step. The facts are None if they are not known.
@@ -144,7 +144,7 @@ class CountView:
 
 
 def count_view(explored: ExploredDomain, state: PageState) -> CountView:
-    """Return only the numbers on a page, for conditions that are still being typed.
+    """Return only the counts on a page, for conditions that the user is still typing.
 
     Raises:
         PragError: the state does not fit the domain, or a limit was reached.
@@ -155,7 +155,7 @@ def count_view(explored: ExploredDomain, state: PageState) -> CountView:
 
 
 def share(part: int, whole: int) -> str:
-    """Return a share of a whole as a decimal text, rounded half to even unless it is exactly ``0`` or ``1``.
+    """Return a share of a whole as a decimal string, rounded half to even unless it is exactly ``0`` or ``1``.
 
     The share of 0 in 0 is 0.
     """
@@ -205,7 +205,7 @@ def _task(explored: ExploredDomain, state: PageState) -> Task | None:
 
 
 def _tree(space: TaskSpace, chosen: Letters) -> Tree | None:
-    """Return the readings of the longest beginning that has one, or None if the domain has no composites."""
+    """Return the readings of the longest prefix that has one, or None if the domain has no composites."""
     hierarchy = space.engines.hierarchy
     if hierarchy.units is None:
         return None

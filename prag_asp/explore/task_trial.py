@@ -44,7 +44,7 @@ class Trial:
 
     @property
     def headings(self) -> list[str]:
-        """The words for each action."""
+        """The description of each action."""
         return [heading.partition(". ")[2] for heading, _ in self.captions[1:]]
 
 

@@ -1,4 +1,4 @@
-"""The requests of pages: one computes at a time, and a newer request from a window ends the work on its older ones.
+"""Turns for the requests of pages: one computes at a time, and a newer request ends older ones of the same window.
 
 The work on a request also ends when its client closes the connection, as a browser does when a window is closed. Work
 in another process takes a separate turn, so that the views of a page are answered in the meantime.
@@ -21,14 +21,14 @@ WINDOWS = 256
 """The number of windows whose latest requests are remembered."""
 
 POLL = 0.02
-"""Seconds between two checks of a waiting request."""
+"""The time between two checks of a waiting request, in seconds."""
 
 CANCEL = StopReason(StopKind.CANCEL)
 
 
 @dataclass(frozen=True)
 class Doing:
-    """What the computing request is doing, in words; `note` says why it will take long, if that is forecast."""
+    """The progress of the request that computes, in words; if it is expected to take long, `note` says why."""
 
     words: str = ""
     note: str = ""
@@ -36,7 +36,7 @@ class Doing:
 
 @dataclass
 class Request:
-    """A request of a window; `gone` says whether its client has closed the connection, and is called every `POLL`."""
+    """A request of a window; `gone` returns whether the client closed the connection, and is called every `POLL` s."""
 
     window: str = ""
     number: int = 0
@@ -45,7 +45,7 @@ class Request:
     _was_gone: bool = False
 
     def has_gone(self) -> bool:
-        """Return whether the client had closed the connection at the latest look."""
+        """Return whether the client had closed the connection at the latest check."""
         now = monotonic()
         if not self._was_gone and now >= self._next_look:
             self._was_gone, self._next_look = self.gone(), now + POLL
@@ -53,7 +53,7 @@ class Request:
 
 
 class Turns:
-    """Lets requests take turns. Each window numbers its requests; requests with equal numbers do not end each other."""
+    """The turns of requests. Each window numbers its requests; requests with equal numbers do not end each other."""
 
     def __init__(self) -> None:
         self._latest: OrderedDict[str, int] = OrderedDict()
@@ -67,7 +67,7 @@ class Turns:
         self._closed = True
 
     def stop(self) -> StopReason | None:
-        """Return why the request of this thread should end, or None; this serves as a check for `Limits`."""
+        """Return the reason why the request of this thread should end, or None; `Limits` can use this as a check."""
         request: Request | None = getattr(self._current, "request", None)
         if self._closed:
             return CANCEL
@@ -85,9 +85,9 @@ class Turns:
     def turn(
         self, window: str, number: int, *, elsewhere: bool = False, gone: Callable[[], bool] = lambda: False
     ) -> Iterator[None]:
-        """Wait until no other request computes or, with `elsewhere`, until none has work in another process.
+        """Wait until no other request computes or, with `elsewhere`, until no other one works in another process.
 
-        `gone` says whether the client has closed the connection.
+        `gone` returns whether the client has closed the connection.
 
         Raises:
             LimitReached: the window has sent a newer request in the meantime, or its connection is closed.

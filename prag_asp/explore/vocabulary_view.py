@@ -1,4 +1,4 @@
-"""What conditions can refer to: the parts from which a page composes conditions by clicks."""
+"""What conditions can refer to: the parts from which users compose conditions with clicks."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Check that the word table of a language is complete: types of values, braces, and a form for each gender and case."""
+"""The check that the word table of a language is complete: types, braces, and a form for each gender and case."""
 
 from __future__ import annotations
 
@@ -22,9 +22,15 @@ BRACES: Mapping[str, Mapping[str, tuple[str, ...]]] = {
         "digits": ("number",),
         "start": (),
     },
-    "joints": {"sentences": (), "facts": (), "many": (), "steps": ()},
+    "joints": {"sentences": (), "facts": (), "many": (), "goal": (), "steps": ()},
 }
 """The names in braces in the texts of a language; the second frame of an exact instruction also has the facts."""
+
+NUMBERS: Mapping[str, int] = {"exact": 2, "many": 2, "goal": 3}
+"""The numbers of texts in lists of a fixed length."""
+
+OPTIONAL_JOINTS = frozenset(["many", "goal"])
+"""The texts between clauses that a language may lack."""
 
 
 def check_kinds(words: TableEntry) -> None:
@@ -56,22 +62,25 @@ def check_forms(entry: TableEntry, words: Words) -> None:
     for key, names, needed in (
         ("named", ("the", "noun", "name"), "name"),
         ("modified", ("phrase", "where", "is"), "where"),
-        ("formerly", ("phrase", "where"), "where"),
+        ("formerly", ("phrase", "where", "was"), "where"),
+        ("repeated", ("action",), ""),
+        ("varied", ("action", "manner"), "manner"),
     ):
         if key not in table:
             continue
         for text in [table[key]] if isinstance(table[key], str) else table[key]:
             braces = _braces(text)
-            if braces is None or not set(braces) <= set(names) or needed not in braces:
-                entry.at(key).add(f"has {{{needed}}}, and no other braces than {listed(names)}; got {text!r}")
+            if braces is None or not set(braces) <= set(names) or needed not in (*braces, ""):
+                needs = f"{{{needed}}}, and " if needed else ""
+                entry.at(key).add(f"has {needs}no other braces than {listed(names)}; got {text!r}")
     if any(_braces(text) and (_braces(text) or ())[:1] != ("phrase",) for text in table["modified"]):
-        entry.at("modified").add("says where before the {phrase}; begin with it")
+        entry.at("modified").add("does not begin with {phrase}; write the place after it")
     contractions = table.get("contractions", {})
     for long, short in contractions.items():
         if not isinstance(short, str) or not short.strip() or not long.strip():
-            entry.at("contractions").add(f'what {long!r} becomes is not a word; write "zu dem" = "zum"')
+            entry.at("contractions").add(f'the contraction of {long!r} is not a word; write "zu dem" = "zum"')
         elif list(contractions.values()).count(short) > 1 or short in contractions:
-            entry.at("contractions").add(f"{short} stands for several; nobody could read it back: leave one out")
+            entry.at("contractions").add(f"{short} stands for several texts, so it is ambiguous; leave one out")
     _check_texts(entry, table)
     _check_agreement(entry, words)
 
@@ -81,9 +90,9 @@ def _check_texts(words: TableEntry, table: Mapping[str, Any]) -> None:
     for part, keys in BRACES.items():
         for key, names in keys.items():
             entry, value, like = words.at(part).at(key), table[part].get(key), shipped_table("en")[part][key]
-            if key == "many" and value is None:
+            if key in OPTIONAL_JOINTS and value is None:
                 continue
-            if not _is_like(value, like) or (key in {"exact", "many"} and len(value) != 2):
+            if not _is_like(value, like) or len(value) != NUMBERS.get(key, len(value)):
                 entry.add("has to be of the same kind as in the table of English; fix it")
                 continue
             for number, text in enumerate(value if isinstance(value, list) else [value]):
@@ -95,7 +104,7 @@ def _check_texts(words: TableEntry, table: Mapping[str, Any]) -> None:
 
 def _check_agreement(entry: TableEntry, words: Words) -> None:
     """Report missing forms for genders and cases."""
-    for word in ("the", "it", "is", "is_not"):
+    for word in ("the", "it", "is", "is_not", *(["was"] if "{was}" in words.table.get("formerly", "") else [])):
         for gender in words.genders:
             lacking = [case for case in words.cases if not words.agreeing(word, gender, case)]
             if lacking and not (word == "the" and "the" not in words.table["phrase"]):

@@ -1,4 +1,4 @@
-"""Check the tables of a domain's languages for unknown names, wrong braces, missing forms and ambiguous sentences."""
+"""The checks of the tables of a domain's languages: unknown names, wrong braces, missing forms, ambiguous sentences."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from prag_asp.program.settings import Settings
 from prag_asp.tables.report import TableEntry, TableProblem, TableReport
 from prag_asp.wording import did_you_mean, listed
 
-FACT_KEYS = ("is", "not", "where", "of", "silent")
+FACT_KEYS = ("is", "not", "initially", "where", "of", "silent")
 
 
 def grammar_problems(settings: Settings, facts: Facts) -> list[TableProblem]:
@@ -98,7 +98,7 @@ def _check_facts(language: TableEntry, reader: GrammarReader) -> None:
             continue
         forms = entry if isinstance(entry.value, Mapping) else replace(entry, value={"is": entry.value})
         forms.require_known(FACT_KEYS)
-        for part in ("is", "not", "where"):
+        for part in ("is", "not", "initially", "where"):
             if part in forms.value:
                 _check_sentences(forms.at(part) if forms is entry else entry, reader, arities[name])
         if "is" not in forms.value:

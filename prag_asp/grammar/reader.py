@@ -1,4 +1,4 @@
-"""Read a domain's tables for a language: ``[language.en]`` with its actions, facts, nouns and values."""
+"""The reader of a domain's tables for a language: ``[language.en]`` with its actions, facts, nouns and values."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from prag_asp.atom import parse_atom
 from prag_asp.errors import QueryError
-from prag_asp.grammar.template import Template, agrees, parse_template, recurrent_forms
+from prag_asp.grammar.template import SLOT, Recurrence, RecurrenceWords, Template, agrees, parse_template
 from prag_asp.grammar.ways import Signature, Way, common_ways, ways_of_actions
 from prag_asp.grammar.word_table import Words, words_of
 from prag_asp.program.facts import Facts
@@ -82,9 +82,9 @@ class PlainSentence(NamedTuple):
 class Grammar:
     """All sentences of a domain in one language, and its nouns by the names of classes and entities.
 
-    `values` are the words for other arguments. `plain` are the default sentences for actions, and `spare` those for
-    fluents, which every domain has. `sources` holds, for each action that moves an object away from a place, the
-    position of the place in its arguments and the `Way`.
+    `values` are the words for other arguments. `plain` and `spare` are the default sentences for actions and for
+    fluents, which need no tables. `sources` holds, for each action that moves an object away from a place, the position
+    of the place among the action's arguments, and the `Way`.
     """
 
     words: Words
@@ -102,7 +102,7 @@ AGENTS = frozenset(["agent", "arm", "gripper", "hand", "robot"])
 
 
 class GrammarReader:
-    """Reads a domain's tables for a language; ignores wrong entries, which the linter reports."""
+    """A reader of a domain's tables for a language, which ignores wrong entries, because the linter reports them."""
 
     def __init__(self, settings: Settings, facts: Facts, code: str) -> None:
         """Read the settings and the facts of a domain.
@@ -150,10 +150,22 @@ class GrammarReader:
             own = (
                 replace(template, only=only)
                 for entry, only in special_entries(table, name, arity)
-                for template in self.templates(listed(entry), arity)
+                for template in self.templates(listed(entry), arity, action=name)
             )
-            sentences[name, arity] = (*self.templates(texts, arity), *own)
+            sentences[name, arity] = (*self.templates(texts, arity, action=name), *own)
         return sentences
+
+    def _restores(self, text: str, name: str, arity: int) -> bool:
+        """Return whether a sentence may say "again" of an action that only restores facts.
+
+        It may not if it names the place from which an object is taken: "put the lid on the pot, then take it off it".
+        """
+        named = {int(slot[1]) for slot in SLOT.finditer(text)}
+        return not any(
+            way.word == "from" and way.moved >= 0 and place in named
+            for ways in self.ways.get((name, arity), {}).values()
+            for place, way in ways.items()
+        )
 
     def plain(self) -> dict[Signature, tuple[PlainSentence, ...]]:
         """Return default sentences for actions, built from their names and arguments, without constant arguments.
@@ -191,8 +203,7 @@ class GrammarReader:
                 _with_particle(str(defaults["action"]).format(name=verb, all=every).strip(), verb, every, defaults)
                 for verb in (verbs.get(name, plain(name)), defaults.get("carry", {}).get(name, plain(name)))
             )
-            if not any(common[index].word == "to" for index in common):
-                agent += str(defaults.get("again", ""))
+            again = "" if any(way.word == "to" for way in common.values()) else str(defaults.get("again", ""))
             resting = _below(defaults, "rest")
             rest = resting if verbs.get(name, plain(name)) in listed(resting.get("verbs")) else {}
             actions_of: dict[str, set[str]] = {text: set()} if not led else {}
@@ -204,7 +215,9 @@ class GrammarReader:
                     phrase = by_predicate.get(ways[index].predicate, by_predicate["any"])
                     whole += str(phrase).replace("{0}", f"{{{index}}}")
                 actions_of.setdefault(whole, set()).add(action)
-            actions_of = {whole + agent: actions for whole, actions in actions_of.items()}
+            actions_of = {
+                whole + agent + ("" if "[" in whole else again): actions for whole, actions in actions_of.items()
+            }
             sentences[name, arity] = tuple(
                 PlainSentence(template, frozenset(actions))
                 for whole, actions in actions_of.items()
@@ -227,7 +240,7 @@ class GrammarReader:
 
     def facts(self) -> dict[Signature, FactForms]:
         """Return the sentences for each fluent, from the language's table, its spatial predicate, or its name."""
-        from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
+        from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - not needed for counting
 
         table, scene = self._table("facts"), self.settings.scene
         usual = {} if scene else _below(self.words.table, "fluents")
@@ -270,6 +283,11 @@ class GrammarReader:
         """Return the sentences for a fluent in an entry: a sentence, a list of sentences, or a table of forms."""
         table = entry if isinstance(entry, Mapping) else {"is": entry}
         true = listed(table.get("is"))
+        initial = [
+            replace(template, recurrences=frozenset(["initial"]))
+            for template in self.templates(listed(table.get("initially")), arity)
+        ]
+        new: frozenset[Recurrence] = frozenset(["new"] if initial else [])
         false = listed(table.get("not"))
         modifiers = []
         for template in self.templates(listed(table.get("where")), arity):
@@ -279,16 +297,26 @@ class GrammarReader:
             elif len(missing) == 1:
                 modifiers.append(Where(template, missing[0]))
         return FactForms(
-            tuple(self.templates(true, arity)),
+            (*(replace(template, recurrences=new) for template in self.templates(true, arity)), *initial),
             tuple(self.templates(false, arity) if false else self.templates(filter(agrees, true), arity, "is_not")),
             tuple(modifiers),
             table.get("silent") is True,
         )
 
-    def templates(self, texts: Sequence[str] | Iterator[str], arity: int, verb: str = "is") -> Iterator[Template]:
-        """Yield the templates in texts: one for each form of an agreeing word, with and without text in brackets."""
+    def templates(
+        self, texts: Sequence[str] | Iterator[str], arity: int, verb: str = "is", action: str = ""
+    ) -> Iterator[Template]:
+        """Yield the templates in texts: one for each form of an agreeing word, with and without text in brackets.
+
+        The sentences that a domain gives for an `action` may say "again" of one that only restores facts.
+        """
+        table = self.words.table
+        recurrent = RecurrenceWords(
+            str(table.get("repeated", "")), str(table.get("varied", "")), frozenset(listed(table.get("second", ())))
+        )
         for phrasing, whole in enumerate(map(self.words.expanded, texts)):
-            for text, recurrence in recurrent_forms(whole, str(self.words.table.get("repeated", ""))):
+            restores = bool(action) and (not recurrent.says_again(whole) or self._restores(whole, action, arity))
+            for text, recurrences in recurrent.forms(whole, restores=restores).items():
                 forms: dict[str, set[str]] = {}
                 for gender in self.words.genders if agrees(text) else ():
                     forms.setdefault(self.words.agreeing(verb, gender), set()).add(gender)
@@ -297,8 +325,8 @@ class GrammarReader:
                         template = parse_template(text, self.words.cases, arity, {"is": form}, frozenset(genders))
                     except QueryError:
                         continue
-                    phrasal = listed(_below(self.words.table, "defaults").get("phrasal"))
-                    yield replace(template, phrasing=phrasing, recurrence=recurrence, phrasal=phrasal)
+                    phrasal = listed(_below(table, "defaults").get("phrasal"))
+                    yield replace(template, phrasing=phrasing, recurrences=recurrences, phrasal=phrasal)
 
     def nouns(self) -> dict[str, Noun]:
         """Return the noun for each class, and for each entity with a separate noun."""
@@ -321,8 +349,20 @@ class GrammarReader:
 
     def values(self) -> dict[str, str]:
         """Return the words for arguments that are neither entities nor classes."""
-        words = self._table("values").items()
+        words = {**self._rotations(), **self._table("values")}.items()
         return {name: self.words.expanded(text) for name, text in words if isinstance(text, str)}
+
+    def _rotations(self) -> dict[str, str]:
+        """Return the default words for the rotations of the scene, such as "the 90-degree position"."""
+        pattern, angles = (
+            str(_below(self.words.table, "defaults").get("rotation", "")),
+            _below(self.settings.scene, "rotations"),
+        )
+        return {
+            name: pattern.replace("{angle}", f"{angle:g}")
+            for name, angle in angles.items()
+            if pattern and isinstance(angle, int | float)
+        }
 
     def missing(self) -> Iterator[tuple[str, str]]:
         """Yield the table and the name of each missing entry that instructions need."""

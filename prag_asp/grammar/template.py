@@ -18,8 +18,15 @@ VERBS = ("is",)
 BRACKETED = re.compile(r"\[([^\[\]]*)\]")
 """Text that is used only in the sentence for an action that restores earlier facts."""
 
-Recurrence = Literal["new", "restored", "repeated"]
-"""Whether an action makes facts that are new, restores facts that held earlier, or repeats an earlier action."""
+Recurrence = Literal["new", "restored", "redone", "repeated", "varied", "initial"]
+"""How an action relates to the past; facts are new or of the initial state.
+
+It makes facts that are new, it restores facts that held earlier, or it is an earlier action that restores them. An
+action that changes nothing repeats an earlier action, or it has the aim of another one.
+"""
+
+SLOT = re.compile(r"\{([0-9]+)[^{}]*\}")
+"""A slot in the text of a sentence, with the number of its argument."""
 
 
 class Slot(NamedTuple):
@@ -34,16 +41,16 @@ class Template:
     """A sentence of alternating texts and slots, which begins and ends with a text.
 
     If a word agrees with the first argument, `genders` are the genders of arguments for which this sentence is used.
-    `phrasing` is its index, from 0, among the paraphrases. With a `recurrence`, the sentence is only for such
-    actions; `only` holds the class or the value that each argument must have, or "_". The particle of a verb in
-    `phrasal` comes before its object unless this is a pronoun: "pick up the can", "pick it up".
+    `phrasing` is its index, from 0, among the paraphrases. With `recurrences`, the sentence is only for such actions;
+    `only` holds the class or the value that each argument must have, or "_". The particle of a verb in `phrasal` comes
+    before its object unless this is a pronoun: "pick up the can", "pick it up".
     """
 
     texts: tuple[str, ...]
     slots: tuple[Slot, ...]
     genders: frozenset[str] = frozenset()
     phrasing: int = field(default=0, compare=False)
-    recurrence: Recurrence | None = field(default=None, compare=False)
+    recurrences: frozenset[Recurrence] = field(default=frozenset(), compare=False)
     only: tuple[str, ...] = field(default=(), compare=False)
     phrasal: tuple[str, ...] = field(default=(), compare=False)
 
@@ -136,25 +143,71 @@ def parse_template(
         slots.append(Slot(int(name), case or ""))
         texts.append("")
     if any(not text_between for text_between in texts[1:-1]):
-        raise QueryError("has two places side by side; write a word or a blank between them")
+        raise QueryError("has two pairs of braces side by side; write a word or a blank between them")
     if not slots and not texts[0].strip():
         raise QueryError("is empty; write a sentence")
     return Template(tuple(texts), tuple(slots), genders)
 
 
-def recurrent_forms(text: str, repeated: str) -> Iterator[tuple[str, Recurrence | None]]:
-    """Yield the forms of a sentence with text in brackets, ``put {1}[ back] into {2}``, and the actions they are for.
+@dataclass(frozen=True)
+class RecurrenceWords:
+    """How a language says that an action restores, repeats or varies what was done before.
 
-    The text in brackets is for actions that restore earlier facts; actions that are repeated have the text `repeated`
-    instead. A sentence without brackets is yielded once, for all actions.
+    `repeated` is a pattern with ``{action}``, or a text instead of the one in brackets; `varied` is a pattern with
+    ``{action}`` and ``{manner}``. The texts in `second` mean that the action itself was done before.
     """
-    whole = BRACKETED.sub(r"\1", text)
-    if whole == text:
-        yield text, None
-    else:
-        yield BRACKETED.sub("", text), "new"
-        yield whole, "restored"
-        yield BRACKETED.sub("", BRACKETED.sub(repeated, text, count=1)), "repeated"
+
+    repeated: str = ""
+    varied: str = ""
+    second: frozenset[str] = frozenset()
+
+    def forms(self, text: str, *, restores: bool = True) -> dict[str, frozenset[Recurrence]]:
+        """Map the forms of a sentence with text in brackets, ``put {1}[ back] into {2}``, to the actions they are for.
+
+        Unless it `restores`, the text "again" is only for actions that were done before. A sentence without brackets is
+        for all actions.
+        """
+        whole, bare = BRACKETED.sub(r"\1", text), BRACKETED.sub("", text)
+        if whole == text:
+            return {text: frozenset()}
+        found: dict[str, set[Recurrence]] = {}
+        forms: tuple[tuple[Recurrence, str], ...] = (
+            ("new", bare),
+            ("restored", bare if not restores and self.says_again(text) else whole),
+            ("redone", whole),
+            ("repeated", self._repeated(text, bare)),
+            ("varied", self._varied(text) or self._repeated(text, bare)),
+        )
+        for recurrence, form in forms:
+            found.setdefault(form, set()).add(recurrence)
+        return {form: frozenset(recurrences) for form, recurrences in found.items()}
+
+    def says_again(self, text: str) -> bool:
+        """Return whether the text in brackets means that the action itself was done before."""
+        return {match[1].strip() for match in BRACKETED.finditer(text)} <= self.second
+
+    def _repeated(self, text: str, bare: str) -> str:
+        if "{action}" in self.repeated:
+            return self.repeated.replace("{action}", bare)
+        return BRACKETED.sub("", BRACKETED.sub(self.repeated.replace("\\", r"\\"), text, count=1))
+
+    def _varied(self, text: str) -> str:
+        """Return the form of an action that has the aim of another one, or "" if the sentence has no manner.
+
+        The manner is a text of several words before the brackets, or at the end: "along the guide".
+        """
+        opening, closing = text.index("["), text.index("]") + 1
+        before, after = text[:opening], BRACKETED.sub("", text[closing:])
+        for head, manner, rest in (_after_slot(before, after), _after_slot(before + after, "")):
+            if self.varied and len(manner.split()) > 1:
+                return self.varied.replace("{action}", head + rest).replace("{manner}", manner.strip())
+        return ""
+
+
+def _after_slot(before: str, after: str) -> tuple[str, str, str]:
+    """Return a text up to its last slot, what follows this slot, and another text."""
+    end = max((match.end() for match in SLOT.finditer(before)), default=len(before))
+    return before[:end], before[end:], after
 
 
 def admits(only: Sequence[str], arguments: Sequence[str], memberships: Set[tuple[str, str]]) -> bool:

@@ -1,4 +1,4 @@
-"""Find, from an action's effects, the arguments that are the source and the destination of an object."""
+"""The arguments of an action that are the source and the destination of an object, inferred from the effects."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Signature = tuple[str, int]
 
 
 PLACES_OF_ROBOT = frozenset(["robot_at", "at_robot"])
-"""Unary fluents that say where the robot is: an action that changes their place moves the robot."""
+"""Unary fluents that state where the robot is: an action that changes their argument moves the robot."""
 
 
 class Way(NamedTuple):
@@ -34,7 +34,7 @@ class Way(NamedTuple):
 def ways_of_actions(
     facts: Facts, predicates: Mapping[str, Any], robots: Set[str]
 ) -> dict[Signature, dict[str, dict[int, Way]]]:
-    """Return the sources and destinations of each action by their positions, for the actions of each signature.
+    """Return, for each signature and each of its actions, the source and destination arguments by position.
 
     `predicates` maps fluents to spatial predicates, where the names differ.
 
@@ -42,7 +42,7 @@ def ways_of_actions(
     earlier argument of the action. The first argument is not a robot, and the fluent's predicate is not about a robot,
     unless the action makes the fluent false for one place and true for another: then the robot moves itself.
     """
-    from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - counting needs no instructions
+    from prag_asp.scene.predicate_names import PREDICATE_ROLES  # noqa: PLC0415 - not needed for counting
 
     found: dict[Signature, dict[str, dict[int, Way]]] = {}
     atom = cache(atom_of)  # actions share their effects

@@ -45,8 +45,8 @@ class Words:
         return tuple(self.table["genders"])
 
     def agreeing(self, word: str, gender: str, case: str = "") -> str:
-        """Return the form, by gender and case, of one of the words ``the``, ``it``, ``is`` and ``is_not``."""
-        forms = self.table[word]
+        """Return the form, by gender and case, of one of the words ``the``, ``it``, ``is``, ``is_not`` and ``was``."""
+        forms = self.table.get(word, "")
         form = forms.get(gender, "") if isinstance(forms, Mapping) else forms
         return str(form.get(case or self.cases[0], "") if isinstance(form, Mapping) else form)
 
@@ -86,6 +86,21 @@ class Words:
         return tuple(self.table["joints"].get("many", ()))
 
     @cached_property
+    def goal(self) -> tuple[str, ...]:
+        """The texts that join the facts of a goal: between, before the last, and between two; empty if not defined."""
+        return tuple(self.table["joints"].get("goal", ()))
+
+    @cached_property
+    def between_facts(self) -> tuple[str, ...]:
+        """All texts that can stand between two facts."""
+        return tuple(dict.fromkeys((*self.joints("facts"), *self.many, *self.goal)))
+
+    @cached_property
+    def adjoined(self) -> tuple[str, ...]:
+        """The words with which a predicate can follow a place without a conjunction: "on the table behind the can"."""
+        return tuple(self.table.get("adjoined", ()))
+
+    @cached_property
     def both(self) -> tuple[str, ...]:
         """The texts before and after the first of two subjects with the same predicate; empty if not defined."""
         return tuple(self.table["joints"].get("both", ())) if "plural" in self.table else ()
@@ -107,7 +122,7 @@ class Words:
         return " ".join([*words[:-1], verb]) if words[-1] in verbs else ""
 
     def implications(self, text_words: Iterable[str]) -> set[str]:
-        """Return the words that the verbs among some words state too: "take" states that the gripper is "holding"."""
+        """Return the words that the verbs among `text_words` imply: "take" implies that the gripper is "holding"."""
         means = self.table.get("means", {})
         return {word for each in text_words for word in means.get(each, ())}
 
@@ -216,7 +231,7 @@ def _replaced(text: str, words: Mapping[str, str]) -> str:
 OPTIONAL = frozenset(
     [
         *("name", "defaults", "facts", "sizes", "places", "colors", "forms", "repeated", "formerly", "fluents"),
-        *("implied", "plural", "means"),
+        *("implied", "plural", "means", "varied", "second", "adjoined", "within", "was"),
     ]
 )
 """The optional keys of a word table."""

@@ -1,4 +1,4 @@
-"""Markup: HTML text, built from plain texts, which are escaped."""
+"""Build HTML from plain strings, which are escaped."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ VOID = frozenset(["br", "col", "hr", "img", "input", "link", "meta"])
 
 
 class Markup(str):
-    """A text that is already HTML; every other text is escaped."""
+    """A string that is already HTML; every other string is escaped."""
 
     __slots__ = ()
 
 
 def element(name: str, /, *content: str, **attributes: str | int | float | bool | None) -> Markup:
-    """Return an element with its attributes and content; texts that are not `Markup` are escaped.
+    """Return an element with its attributes and content; strings that are not `Markup` are escaped.
 
     A final underscore in an attribute's name is left out (``class_``), and other underscores become hyphens. An
     attribute that is None or False is left out; one that is True has no value.
@@ -36,7 +36,7 @@ def _attribute_name(key: str) -> str:
 
 
 def joined(parts: Iterable[str]) -> Markup:
-    """Return the markup of all parts in order; texts that are not `Markup` are escaped."""
+    """Return the markup of all parts in order; strings that are not `Markup` are escaped."""
     return Markup("".join(part if isinstance(part, Markup) else escape(part) for part in parts))
 
 

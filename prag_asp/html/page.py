@@ -14,13 +14,13 @@ POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inli
 
 
 NUMBER = re.compile(r"[-+]?[\d,]*\.?\d*(e[-+]?\d+)?( ?%)?|-|\d+ digits")
-"""A cell in a column of numbers, which may be empty."""
+"""The pattern of a cell in a column of numbers; a cell may be empty."""
 
 
 def html_page(title: str, *parts: str, styles: Iterable[str] = (), scripts: Iterable[str] = ()) -> str:
     """Return a page that needs no other file: its title, its style sheets, its parts in order, and its scripts.
 
-    `scripts` are ES modules, one text each, which run after the parts have been read.
+    `scripts` are the sources of ES modules, which run after the parts have been parsed.
     """
     head = joined(
         [
@@ -37,14 +37,15 @@ def html_page(title: str, *parts: str, styles: Iterable[str] = (), scripts: Iter
 
 
 def fragment(*parts: str) -> Markup:
-    """Return parts with the style sheet, for use in a page such as a notebook, whose other contents do not change."""
+    """Return parts with the style sheet, for use in another page, such as a notebook, without changing the rest."""
     return element("div", element("style", Markup(style_sheet())), *parts, class_="prag")
 
 
 def scroll_table(heads: Sequence[str], rows: Iterable[Sequence[str]], *, label: str, most: int | None = None) -> Markup:
     """Return a table in a box that scrolls if the table is wider than the page; columns of numbers are right-aligned.
 
-    `label` names the table for screen readers. With `most`, further rows are left out, and a last row says how many.
+    `label` names the table for screen readers. If there are more than `most` rows, the rest are left out, and a last
+    row says how many.
     """
     listed = list(rows)
     shown = listed if most is None else listed[:most]

@@ -1,7 +1,7 @@
 """A player of 3D scenes that are .glb files: plain ES modules on WebGL 2, for any page.
 
-It is written here because it can be small: its modules take 26 KB, whereas meshcat 0.3.2 takes 853 KB, and
-viser 1.1.1 takes 819 KB and needs a server with WebSockets. It reads only what `gltf_file` writes.
+The package has its own player to keep pages small: its modules take 26 KB, whereas meshcat 0.3.2 takes 853 KB, and
+viser 1.1.1 takes 819 KB and needs a server with WebSockets. It reads only files that `gltf_file` writes.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ PLAYER = Path(__file__).parent / "player"
 """The folder that contains the player's modules and style sheet."""
 
 MODULES = ("matrices.js", "episode.js", "renderer.js", "orbit.js", "player.js")
-"""The modules, in an order in which each one uses only names from earlier ones."""
+"""The modules, ordered so that each one uses only names from earlier ones."""
 
 START = """
 const packed = atob(document.getElementById("episode").textContent);
@@ -34,7 +34,7 @@ def player_script() -> str:
 
 
 def player_page(title: str, content: bytes) -> str:
-    """Return a page with a title that plays a .glb file with this content; it needs no other file."""
+    """Return a self-contained page that plays the .glb file with this content."""
     return html_page(
         title,
         element("h1", title),

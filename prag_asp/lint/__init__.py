@@ -1,4 +1,4 @@
-"""Check a domain before it is used, and report every problem as one line: ``file:line: what is wrong; what to do``.
+"""The check of a domain before use; every problem is one line: ``file:line: what is wrong; what to do``.
 
     syntax -> vocabulary, directives, recursion -> (clingo grounds the base part) -> unsatisfiable atoms
     -> hierarchy, effects -> composites, limits -> (`prag_asp.pruning`) -> occurrence -> open world -> settings

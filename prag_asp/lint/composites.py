@@ -1,4 +1,4 @@
-"""Check composites and their stages."""
+"""The checks of composites and their stages."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Symbol = clingo.Symbol
 
 
 class Complaint(NamedTuple):
-    """A problem with a composite: the place, the text that follows its name, and the remedy."""
+    """A problem with a composite: the file and line, the text that follows the composite's name, and the remedy."""
 
     composite: Symbol
     place: RulePlace
@@ -57,7 +57,7 @@ def composite_problems(facts: Facts, origins: Origins) -> Iterator[Problem]:
 
 
 def grouped(complaints: Iterable[Complaint], name: str = "") -> Iterator[Problem]:
-    """Yield one problem for all composites with the same name and place; a `name` makes it a warning with that name."""
+    """Yield one problem for all composites with the same name and line: an error or, with `name`, a warning."""
     alike: dict[tuple[str, RulePlace], list[Complaint]] = {}
     for complaint in complaints:
         alike.setdefault((complaint.composite.name, complaint.place), []).append(complaint)

@@ -1,4 +1,4 @@
-"""Find statements that a domain must not have, rules in the wrong program part, and unbounded facts and rules."""
+"""Statements that a domain must not have, rules in the wrong program part, and unbounded facts and rules."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ def placement_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
         of_step = next((atom for atom in timed if atom.signature == OCCURS or atom.arguments[-1] == "t"), None)
         stated = next((atom for atom in rule.heads if atom.signature in STATED), None)
         if of_step is not None:
-            text = f"{of_step} is about a step, but stands in the base part"
+            text = f"{of_step} is about a step, but is in the base part"
             yield rule.problem(f"{text}; put the rules of a step below #program step(t).")
         elif stated is not None and rule.node.head.ast_type in CHOICES:
             yield rule.problem(f"{spelled(stated.signature)} depends on a choice; state it as a fact")
@@ -140,7 +140,7 @@ def size_problems(statements: Sequence[Statement]) -> Iterator[Problem]:
     """Yield the author's facts whose intervals expand to too many atoms."""
     constants = {each.node.name: str(each.node.value) for each in statements if each.kind == ASTType.Definition}
     for statement in statements:
-        if statement.own and statement.is_rule and not statement.node.body:
+        if statement.own and statement.is_rule and ".." in statement.text and not statement.node.body:
             atoms = 1
             for ends in INTERVAL.finditer(STRING.sub("", str(statement.node.head))):
                 low, high = (constants.get(end, end) for end in ends.groups())

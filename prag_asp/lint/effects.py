@@ -1,4 +1,4 @@
-"""Check preconditions, effects, the initial state, invariants and the goal against the declarations."""
+"""The checks of preconditions, effects, the initial state, invariants and the goal against the declarations."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def _right(predicate: str, values: Assignment, fluents: Collection[Symbol]) -> b
 
 @dataclass
 class _Culprit:
-    """An undeclared term or a wrong value: the message, the remedy, and the places of its occurrences."""
+    """An undeclared term or a wrong value: the message, the remedy, and the lines where it occurs."""
 
     text: str
     hint: str
@@ -89,7 +89,7 @@ class _Culprit:
 
 
 class Findings:
-    """Collects undeclared terms, so that a mistake that affects many atoms is reported only once."""
+    """The undeclared terms and wrong values, collected so that a mistake in many atoms is reported only once."""
 
     def __init__(self, origins: Origins, facts: Facts) -> None:
         self._origins = origins
@@ -144,7 +144,7 @@ class Findings:
         culprit.places.setdefault(self._origins.place(predicate, *row))
 
     def problems(self) -> Iterator[Problem]:
-        """Yield one problem for each culprit, at its first place."""
+        """Yield one problem for each undeclared term or wrong value, at its first line."""
         for culprit in self._culprits.values():
             place, *others = culprit.places
             also = f" (also line {', '.join(str(each.line) for each in others)})" if others else ""

@@ -1,4 +1,4 @@
-"""Check the statements of ``ever``: if a fluent that may be true lacks one, actions whose rules read it are lost.
+"""The checks of ``ever``: actions are lost if their rules read it for a fluent that may be true but is not stated.
 
 Actions are also lost if their rules read a fluent that the action does not require.
 
@@ -64,7 +64,7 @@ def ever_problems(
 
 
 def _unknown(facts: Facts, statements: Sequence[Statement]) -> Callable[[clingo.Symbol], bool]:
-    """Return a test for fluents that the initial state, an action or a user rule may make true."""
+    """Return a test of whether the initial state, an action or a user rule may make a fluent true."""
     false = {fluent for fluent, value in facts.initially if value == "false"}
     set_by_actions = {
         fluent for values in facts.postconditions.values() for fluent, value in values if value != "false"
@@ -108,7 +108,7 @@ def needless_problems(grounder: Grounder, facts: Facts, statements: Sequence[Sta
         needed = entailed(((each, value == "true") for each, value in facts.preconditions.get(action, ())), graph)
         if number.number not in warned and (fluent, True) not in needed:
             warned.add(number.number)
-            problem = f"{action} is made only where {fluent} may be true at some time, but does not need it"
+            problem = f"{action} is derived only if {fluent} may be true at some time, but does not require it"
             advice = f"state precondition({action},{fluent},true), or leave ever({fluent}) out"
             yield asking[number.number].problem(f"{problem}, so plans may be missing; {advice}", name="asks-more")
 

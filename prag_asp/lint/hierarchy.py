@@ -1,4 +1,4 @@
-"""Check the hierarchy of classes and entities, and find terms that are not valid names."""
+"""The checks of the hierarchy of classes and entities, and of names."""
 
 from __future__ import annotations
 
@@ -111,7 +111,7 @@ def choice_problems(control: clingo.Control, statements: Sequence[Statement], or
     ever = [each.symbol for each in control.symbolic_atoms.by_signature(*EVER) if not each.is_fact]
     if ever and not any(each.node.head.ast_type in CHOICES for each in statements if each.own and each.is_rule):
         asking = [each for each in statements if each.own and any(atom.signature == EVER for atom in each.body)]
-        text = f"{min(ever)} depends on actions that ask for it, and that by `not`; say without `not` what may be true"
+        text = f"{min(ever)} depends on actions that depend on it through `not`; state without `not` what may be true"
         yield asking[0].problem(f"{text}: {EVER_AT_START} {EVER_BY_ACTIONS}")
         return
     for name, arity in sorted(STATED):

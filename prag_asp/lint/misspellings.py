@@ -1,4 +1,4 @@
-"""Find misspelled predicates, which clingo does not report, and reserved names."""
+"""Misspelled predicates, which clingo does not report, and reserved names."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def _unread_heads(
 
 
 def _takes(name: str, defined: Iterable[Signature]) -> str:
-    """Return as text the arities of the predicates with a name, or an empty text if there are none."""
+    """Return as text the arities of the predicates with the given name, or an empty text if there are none."""
     return " or ".join(str(arity) for other, arity in sorted(defined) if other == name)
 
 
@@ -92,7 +92,7 @@ def _hint(name: str, defined: Iterable[Signature], vocabulary: Iterable[str], ot
 def _undefined_atoms(
     statements: Iterable[Statement], contract: set[Signature]
 ) -> dict[Signature, tuple[Statement, AtomNode]]:
-    """Return the atoms in the author's bodies that no head and no contract defines, each where it first occurs."""
+    """Return the author's body atoms that neither a head nor the contract defines, each at its first occurrence."""
     defined = set(contract)
     for statement in statements:
         defined |= {atom.signature for atom in statement.heads}

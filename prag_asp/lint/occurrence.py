@@ -1,4 +1,4 @@
-"""Report actions and composites that never occur, initial states that violate invariants, and unreachable goals."""
+"""Actions and composites that never occur, initial states that violate invariants, and unreachable goals."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def action_rejections(rejected: RejectedActions, facts: Facts, origins: Origins)
 
 
 def goal_problems(rejected: RejectedActions, facts: Facts, origins: Origins) -> Iterator[Problem]:
-    """Report a goal that contradicts a static value."""
+    """Yield the problem if the goal contradicts a static value."""
     pair = conflict(entailed(fluent_values(facts.goal), invariant_graph(facts)), rejected.static)
     if pair:
         changed = any(pair[1][0] == fluent for values in facts.postconditions.values() for fluent, _ in values)

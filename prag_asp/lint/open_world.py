@@ -1,4 +1,4 @@
-"""Refuse step rules that read a fluent whose value may be unknown, because three-valued states are inexact for them."""
+"""Step rules that read a fluent whose value may be unknown; three-valued states are inexact for them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Compare a copy of the encodings with the shipped encodings, about which the library makes assumptions.
+"""The comparison of a copy of the encodings with the shipped encodings, about which the library makes assumptions.
 
 Pruning, the refusal of unknown values, explanations, PDDL and physics assume that the encodings mean what the shipped
 ones do. Engines compute from the ground rules; `automaton` and `symbolic` assume only that each step has one action,

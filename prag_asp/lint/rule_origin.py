@@ -1,4 +1,4 @@
-"""Find the rules that derive the ground atoms of the base part, which clingo does not record."""
+"""The rules that derive the ground atoms of the base part, which clingo does not record."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class RulePlace(NamedTuple):
 
 
 class Origins:
-    """The places of the rules that derive the atoms of the base part, which is grounded once more on first use."""
+    """The lines of the rules that derive the atoms of the base part, which is grounded once more on first use."""
 
     def __init__(self, statements: Sequence[Statement]) -> None:
         self._statements = statements
@@ -74,7 +74,7 @@ class Origins:
                 yield self._base[number]
 
     def place(self, predicate: str, *arguments: clingo.Symbol) -> RulePlace:
-        """Return the place of the first rule that derives an atom or, if there is none, its predicate."""
+        """Return the file and line of the first rule that derives an atom or, if there is none, its predicate."""
         traced = next(self._deriving(predicate, arguments), None)
         if traced:
             return RulePlace(traced.path, traced.line)

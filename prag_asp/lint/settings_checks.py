@@ -1,4 +1,4 @@
-"""Check domain.toml for unknown keys, wrong types, weights for unknown names, and an invalid scene."""
+"""The checks of domain.toml: unknown keys, wrong types, weights for unknown names, and an invalid scene."""
 
 from __future__ import annotations
 

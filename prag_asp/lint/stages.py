@@ -1,4 +1,4 @@
-"""Check a domain in stages, each of which relies on the previous ones, with pruning in between."""
+"""The check of a domain in stages, each of which relies on the previous ones, with pruning in between."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Checked:
 
 
 class _WarningCollector:
-    """Raises the errors of each stage, and collects the warnings that no comment allows."""
+    """A collector of the warnings that no comment allows, which raises the errors of each stage."""
 
     def __init__(self, allowed: Allowed) -> None:
         self._allowed = allowed

@@ -1,11 +1,11 @@
-"""Find atoms in rules that can never hold, because no derivable atom has one of their names at its position.
+"""Atoms in rules that can never hold, because no derivable atom has one of their names at its position.
 
     precondition(dorp(R,O), empty(R), true) :- action(dorp(R,O)).
 
 never fires if no action is called dorp, and clingo does not report it. Each name in a body is searched for in the
-ground atoms of its predicate, at the same place. A name that no ground atom has is not a mistake if it is in the head
-of a rule that might fire with more entities. If the rules that derive it demand another missing name, only that other
-name is reported: as an error if a known name is similar, and otherwise as a warning.
+ground atoms of its predicate, at the same position. A name that no ground atom has is not a mistake if it is in the
+head of a rule that might fire with more entities. If the rules that derive it demand another missing name, only that
+other name is reported: as an error if a known name is similar, and otherwise as a warning.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from prag_asp.wording import did_you_mean, is_misspelt
 FUNCTION = re.compile(r"(?P<name>_*[a-z][\w']*)?(?:\((?P<arguments>.*)\))?", re.S)
 ACTION, FLUENT = ("action", 1), ("fluent", 1)
 DECLARING: dict[Signature, Signature] = {OCCURS: ACTION, **dict.fromkeys([HOLDS, KNOWN, CHANGED], FLUENT)}
-"""For some predicates of steps, the predicate in the base part that declares the first argument."""
+"""The predicate in the base part that declares the first argument, for some predicates of steps."""
 
 CLASS, CLASS_BELOW, BELONGING = ("class", 1), ("class", 2), ("entity", 2)
 """The predicates that declare a class, and the members of a class."""
@@ -38,7 +38,7 @@ Step = tuple[str, int, int]
 
 
 class ArgumentPlace(NamedTuple):
-    """The place of a name in the atoms of a predicate: the argument, and the path below it."""
+    """The position of a name in the atoms of a predicate: the index of the argument, and the path within it."""
 
     predicate: Signature
     argument: int
@@ -53,12 +53,12 @@ class TermPattern(NamedTuple):
 
     @property
     def signature(self) -> Signature:
-        """Return the name and the number of arguments."""
+        """The name and the number of arguments."""
         return self.name, len(self.arguments)
 
 
 class NameDemand(NamedTuple):
-    """A name in an atom of a rule; if it has no place, it may occur anywhere.
+    """A name in an atom of a rule; without a `place`, the name may occur anywhere.
 
     If the atom is `necessary`, the rule never fires without the name.
     """
@@ -71,7 +71,7 @@ class NameDemand(NamedTuple):
 
 
 def demand_problems(control: clingo.Control, statements: Sequence[Statement]) -> Iterator[Problem]:
-    """Yield the names in the bodies of user rules that no derivable atom has at the same place."""
+    """Yield the names in the bodies of user rules that no derivable atom has at the same position."""
     rules = [each for each in statements if each.is_rule]
     stated = {head.signature for each in rules if not each.timed for head in each.heads}
     timed = {head.signature for each in rules if each.timed for head in each.heads}
@@ -98,7 +98,7 @@ def demand_problems(control: clingo.Control, statements: Sequence[Statement]) ->
 
 
 def _problem(demand: NameDemand, control: clingo.Control, derivable: set[str]) -> Problem:
-    """Return the problem of a name that no atom has at the demanded place; `derivable` holds the names of all atoms."""
+    """Return the problem that no atom has a name at a position; `derivable` holds the names of all derivable atoms."""
     name, arity = demand.name
     rule, line = demand.rule, demand.atom.line
     there: set[Signature] = set()
@@ -122,7 +122,7 @@ def _problem(demand: NameDemand, control: clingo.Control, derivable: set[str]) -
 def _demands(
     rules: Iterable[Statement], stated: Collection[Signature], defined: Collection[Signature]
 ) -> Iterator[NameDemand]:
-    """Yield the names in the bodies of user rules; names in predicates `stated` only in the base have a place.
+    """Yield the names in the bodies of user rules; only those in predicates `stated` in the base have a place.
 
     Undefined predicates are skipped: they are reported elsewhere, or declared with ``#defined``.
     """
@@ -169,7 +169,7 @@ def read_term(text: str) -> TermPattern | None:
 
 
 def _missing(control: clingo.Control, demands: Iterable[NameDemand]) -> set[tuple[ArgumentPlace, Signature]]:
-    """Return pairs of a place and a name that no ground atom has there, except those within a missing term."""
+    """Return pairs of a position and a name that no ground atom has there, except those within a missing term."""
     required: dict[Signature, dict[ArgumentPlace, set[Signature]]] = {}
     for each in demands:
         if each.place is not None:
@@ -206,7 +206,7 @@ def _signature(term: clingo.Symbol) -> Signature:
 
 
 class _NameMakers:
-    """The rules that can derive atoms containing a name, indexed by the place of the name."""
+    """The rules that can derive atoms containing a name, indexed by the position of the name."""
 
     def __init__(self, statements: Iterable[Statement]) -> None:
         statements = list(statements)
@@ -246,7 +246,7 @@ class _NameMakers:
         return {name for name, rules in self._of_name.items() if not rules.issubset(dead)} | self._constants
 
     def _can_make(self, demand: NameDemand, dead: set[Statement]) -> bool:
-        """Return whether a rule that is not `dead` may derive an atom with a name at the demanded place."""
+        """Return whether a rule that is not `dead` may derive an atom with a name at the demanded position."""
         name = demand.name[0]
         anywhere = name in self._constants or not self._of_name.get(name, set()) <= dead
         if demand.place is None or name in self._constants:
@@ -255,7 +255,7 @@ class _NameMakers:
         return not there.get(demand.name, set()) <= dead or (anywhere and not there.get(None, set()) <= dead)
 
     def _rules_at(self, place: ArgumentPlace) -> dict[Signature | None, set[Statement]]:
-        """Map each name to the rules that derive it at a place, and None to the rules that may derive any name."""
+        """Map each name to the rules that derive it at a position, and None to the rules that may derive any name."""
         rules_of_name = self._at_place.get(place)
         if rules_of_name is None:
             rules_of_name = self._at_place[place] = {}
@@ -269,7 +269,7 @@ class _NameMakers:
 
 
 def _written_at(head: AtomNode, place: ArgumentPlace) -> Signature | None:
-    """Return the name that a head has at a place, or None if it may have any name there."""
+    """Return the name that a head has at a position, or None if it may have any name there."""
     term = read_term(head.arguments[place.argument])
     for name, arity, number in place.below:
         if term is None:

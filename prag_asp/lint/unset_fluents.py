@@ -1,4 +1,4 @@
-"""Find the fluents that a user rule of a step may change without giving them a value.
+"""The fluents that a user rule of a step may change without giving them a value.
 
 They are unknown after such a step, like a fluent with the postcondition `unknown`. A step is grounded once, for any
 state that satisfies the invariants, and a solver searches for a step that leaves a known fluent without a value. The
@@ -25,7 +25,7 @@ from prag_asp.pruning.rejected_actions import STEP
 from prag_asp.pruning.relaxed_rules import BOOLEAN, renamed_literals
 
 MOST_STEPS = 512
-"""The number of steps above which a carried predicate counts as endless, in which case no hypothesis is tested."""
+"""The number of steps above which a carried predicate counts as unbounded, in which case no hypothesis is tested."""
 
 BEFORE = STEP - 1
 STATES = f"""

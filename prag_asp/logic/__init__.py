@@ -1,1 +1,1 @@
-"""Ground the rules of a domain, and turn them into a function from state to state."""
+"""The ground rules of a domain, and one step as a function from state to state."""

@@ -43,9 +43,9 @@ class DomainLogic:
     `bare` is the logic of the domain without conditions, for a domain under conditions. Conditions may distinguish
     entities, so renamings must preserve the rules of both logics.
 
-    `part_of` is another logic, whose plans include those of this one; the choice of these plans is invariant under the
-    renamings of its tasks. Plans are counted up to the renamings of `part_of`, so that the tasks of all parts together
-    are its tasks.
+    `part_of` is a logic whose plans include all plans of this one, as a subset that is closed under the renamings of
+    `part_of`. Plans are then counted up to these renamings, so that the tasks of all parts together are the tasks of
+    `part_of`.
     """
 
     domain: Domain
@@ -55,7 +55,7 @@ class DomainLogic:
     @cached_property
     def program(self) -> Program:
         """The program whose answer sets are plans."""
-        from prag_asp.logic.ground.program import whole_program  # noqa: PLC0415 - counts from a cached automaton need none
+        from prag_asp.logic.ground.program import whole_program  # noqa: PLC0415 - not needed for counts from a cached automaton
 
         return whole_program(self.domain)
 
@@ -71,7 +71,7 @@ class DomainLogic:
     @cached_property
     def reads(self) -> StepReads:
         """The predicates of the previous step that a step reads."""
-        from prag_asp.logic.ground.stationary import read_step  # noqa: PLC0415 - counts from a cached automaton need none
+        from prag_asp.logic.ground.stationary import read_step  # noqa: PLC0415 - not needed for counts from a cached automaton
 
         return read_step(self.domain.program)
 
@@ -84,7 +84,7 @@ class DomainLogic:
         """
         if self.reads.obstacles:
             raise self.reads.obstacles[0].error()
-        from prag_asp.logic.ground.ground_step import ground_step  # noqa: PLC0415 - counts from a cached automaton need none
+        from prag_asp.logic.ground.ground_step import ground_step  # noqa: PLC0415 - not needed for counts from a cached automaton
 
         return ground_step(self.program, self.domain.facts, self.reads)
 
@@ -96,26 +96,27 @@ class DomainLogic:
     @cached_property
     def step(self) -> NormalStep:
         """One step in normal form."""
-        from prag_asp.logic.step.strata import stratified_step  # noqa: PLC0415 - counts from a cached automaton need none
+        from prag_asp.logic.step.strata import stratified_step  # noqa: PLC0415 - not needed for counts from a cached automaton
 
         ground = self.ground
         stage("preparing the step")
         return stratified_step(ground)
 
     def symmetries(self, length: int) -> Symmetries:
-        """Return which entities are interchangeable in plans of a given length; in most domains, any length will do.
+        """Return which entities are interchangeable in plans of a given length.
 
-        Pruned actions count as well: two entities are interchangeable only if the whole program treats them the same.
+        In most domains, the result is the same at all lengths. Pruned actions are also considered: two entities are
+        interchangeable only if the whole program treats them alike.
         """
         if self.part_of is not None:
             return self.part_of.symmetries(length)
         if self.whole is not self:
-            from prag_asp.logic.symmetry.symmetry import may_interchange  # noqa: PLC0415 - plans and skeletons need none
+            from prag_asp.logic.symmetry.symmetry import may_interchange  # noqa: PLC0415 - not needed for plans and skeletons
 
             return self.whole.symmetries(length) if may_interchange(self.domain.facts) else Symmetries()
         if not self._without_loops.obstacles:
             return self._without_loops._symmetries
-        from prag_asp.logic.ground.ground_step import ground_plan  # noqa: PLC0415 - counts from a cached automaton need none
+        from prag_asp.logic.ground.ground_step import ground_plan  # noqa: PLC0415 - not needed for counts from a cached automaton
 
         return self._find_symmetries(lambda model: ground_plan(model.program, length, model.reads))
 
@@ -130,9 +131,10 @@ class DomainLogic:
     def _find_symmetries(self, ground: Callable[[DomainLogic], GroundStep]) -> Symmetries:
         """Return which entities are interchangeable, found on the program that `ground` grounds.
 
-        If some entities have stated invariants that are only entailed for others, all entailed ones are added first.
+        If the domain states invariants for some entities that are only entailed for others, all entailed invariants are
+        added first.
         """
-        from prag_asp.logic.symmetry.symmetry import find_symmetries  # noqa: PLC0415 - plans and skeletons need none
+        from prag_asp.logic.symmetry.symmetry import find_symmetries  # noqa: PLC0415 - not needed for plans and skeletons
 
         bare = self.bare
         beside = None if bare is None else lambda: ground(bare._closed() or bare)
@@ -147,8 +149,8 @@ class DomainLogic:
         return symmetries if closed is None else alike(closed)
 
     def _closed(self, groups: Collection[Sequence[clingo.Symbol]] = ()) -> DomainLogic | None:
-        """Return the logic with all entailed invariants if more entities than those in `groups` may be alike in it."""
-        from prag_asp.logic.ground.program import closed_program  # noqa: PLC0415 - plans and skeletons need none
+        """Return the logic with all entailed invariants, or None if it cannot have more symmetries than `groups`."""
+        from prag_asp.logic.ground.program import closed_program  # noqa: PLC0415 - not needed for plans and skeletons
         from prag_asp.logic.symmetry.asymmetric_invariants import states_unevenly  # noqa: PLC0415
 
         if not states_unevenly(self.domain.facts, groups) or (program := closed_program(self.domain)) is None:
@@ -203,7 +205,7 @@ class DomainLogic:
         return read_step(Program(tuple(source for source in program.sources if source.path != ADDED)))
 
     def task_program(self, length: int) -> Program:
-        """Return the program whose answer sets are tasks of a given length: plans that name entities in order."""
+        """Return the program whose answer sets are tasks of a given length: plans with canonical names of entities."""
         symmetries = self.symmetries(length)
         if not symmetries:
             return self.program

@@ -1,4 +1,4 @@
-"""Count, sample and list the answer sets of any logic program exactly."""
+"""Exact counts, samples and lists of the answer sets of any logic program."""
 
 from __future__ import annotations
 

@@ -30,11 +30,12 @@ class ModelFormula:
 
 
 def model_formula(ground: GroundModels, *, project: bool, copied: bool, sums_apart: bool = False) -> ModelFormula:
-    """Return the formula for a head-cycle-free program; with `copied`, its models without open copies are answer sets.
+    """Return the formula for a head-cycle-free program.
 
-    With `project`, answer sets that agree on the atoms of ``#project`` (or, without such a statement, on the shown
-    symbols) count as one, as with clingo's option ``--project``. These atoms are then the printed symbols. With
-    `sums_apart`, the clauses do not define the sums (see `ClauseBuilder`).
+    With `copied`, atoms in loops have copies (see `clark_completion`), and the models without open copies are the
+    answer sets. With `project`, answer sets that agree on the atoms of ``#project`` (or, without such a statement, on
+    the shown symbols) count as one, as with clingo's option ``--project``. These atoms are then the printed symbols.
+    With `sums_apart`, the clauses do not define the sums (see `ClauseBuilder`).
     """
     stage("writing clauses")
     completion = complete(shift_disjunctions(ground.rules), copied=copied, sums_apart=sums_apart)

@@ -69,7 +69,7 @@ def answer_sets(
         QueryError: the engine does not exist, or the program has no weights or nothing to optimise.
     """
     if engine not in ENGINES:
-        raise QueryError(f"engine {engine!r}: there is none; choose {', '.join(ENGINES)}")
+        raise QueryError(f"no engine {engine!r}; choose {', '.join(ENGINES)}")
     program = read_program(
         [*files, *([] if text is None else [text_source("text", text)])], constants or {}, optimal=optimal
     )
@@ -99,9 +99,9 @@ class AnswerSets:
     """The answer sets of one program; compiled formulas are cached between queries.
 
     Iteration is lazy and in a fixed order: of two answer sets, the one that contains the first symbol in which they
-    differ, in clingo's order, comes first. If clingo enumerates, its own order is used. With an `optimum`, only the
-    optimal answer sets are included, and with `choices`, only those that agree with the choices; `whole` is then the
-    object without choices.
+    differ, in clingo's order, comes first. If clingo enumerates, clingo's own order is used. With an `optimum`, only
+    the optimal answer sets are included, and with `choices`, only those that agree with the choices; `whole` is then
+    the object without choices.
     """
 
     given: GivenProgram
@@ -118,8 +118,8 @@ class AnswerSets:
     def where(self, *literals: str) -> AnswerSets:
         """Return the answer sets that show some symbols and lack others, such as ``p(1)`` and ``not p(2)``.
 
-        If these are optimal answer sets, those of them that agree are kept. Once a diagram has been compiled, it
-        answers queries about all choices in time linear in its size.
+        Of optimal answer sets, only those that agree with the literals are kept. Once a diagram has been compiled, it
+        answers queries for any choices in time linear in its size.
 
         Raises:
             QueryError: a text is not a literal, or no answer set can show its symbol.
@@ -142,7 +142,7 @@ class AnswerSets:
 
     def _repr_html_(self) -> str:
         """Return what is known about the answer sets, for a notebook; nothing is counted or solved."""
-        from prag_asp.html import element, fragment, scroll_table  # noqa: PLC0415 - counting needs no page
+        from prag_asp.html import element, fragment, scroll_table  # noqa: PLC0415 - not needed for counting
 
         rows = [("engine", self.engine), ("counts", "shown symbols once" if self.project else "every answer set")]
         rows += [("optimum", str(self.optimum))] if self.optimum is not None else []
@@ -230,7 +230,7 @@ class AnswerSets:
         return self._diagram.total * self._base._compiled.weights.scale
 
     def sample(self, count: int, seed: int = 0) -> Iterator[AnswerSet]:
-        """Yield `count` answer sets, sampled exactly in proportion to their weights; a seed always gives the same ones.
+        """Yield `count` answer sets, sampled exactly in proportion to their weights; a seed fixes the result.
 
         Raises:
             NotFound: there is no answer set, or all have weight 0.
@@ -288,7 +288,7 @@ class AnswerSets:
         if self._way() == "clingo":
             yield from self._compiled.enumeration
             return
-        stage("searching answer sets")
+        stage("searching for answer sets")
         formula = self._compiled.formula
         order = [literal for _, literal in formula.printed]
         if not formula.whole:
@@ -299,7 +299,7 @@ class AnswerSets:
         yield from map(self._printer(self._compiled), list_models(formula, order))
 
     def _printer(self, compiled: CompiledProgram) -> Callable[[Sequence[Literal]], AnswerSet]:
-        """Return a function that returns the shown symbols of a model, given its true literals in a formula."""
+        """Return a function from the true literals of a model of the formula to the model's shown symbols."""
         symbols = [symbol for symbol, _ in compiled.formula.printed]
         places: dict[Literal, list[int]] = {}
         for place, (_, literal) in enumerate(compiled.formula.printed):

@@ -75,7 +75,7 @@ class _Malformed(Exception):
 
 
 class _AspifLine:
-    """Reads the fields of one line from left to right."""
+    """The fields of one line, which are read from left to right."""
 
     def __init__(self, text: str) -> None:
         self._left = text.encode()
@@ -91,7 +91,7 @@ class _AspifLine:
         if kind == COMMENT:
             return
         if kind == THEORY:
-            raise _Malformed("a theory is not supported because it means nothing to clingo alone; leave it out")
+            raise _Malformed("a theory is not supported because clingo alone does not interpret it; leave it out")
         if kind == MINIMIZE and not optimal:
             raise _Malformed(
                 "a statement that minimizes is not supported because it optimises; "

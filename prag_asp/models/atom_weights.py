@@ -53,13 +53,15 @@ def stated_weights(ground: GroundModels, program: Program) -> dict[clingo.Symbol
         if weight is None:
             raise DomainError(f"{place_of(symbol, program)}{symbol}: {value} is not a weight; {ADVICE}")
         if weights.setdefault(weighed, weight) != weight:
-            raise DomainError(f"{place_of(symbol, program)}{symbol}: {weighed} has another weight too; state one")
+            raise DomainError(
+                f"{place_of(symbol, program)}{symbol}: {weighed} has another weight as well; state only one"
+            )
     if not weights:
         for symbol, _ in ground.names:
             if symbol.type == clingo.SymbolType.Function and symbol.name == "weight":
                 problem = f"{symbol} has {plural(len(symbol.arguments), 'argument')}, and a weight has 2"
                 if symbol.negative:
-                    problem = f"{symbol} is negated, and no weight"
+                    problem = f"{symbol} is negated, so it is not a weight"
                 raise DomainError(
                     f"{place_of(symbol, program)}{problem}; write weight(Atom,W), such as weight(in(1),2)"
                 )
@@ -75,9 +77,9 @@ def unknown_weights(stated: Iterable[clingo.Symbol], ground: GroundModels, progr
         return ""
     weights = (symbol for symbol, _ in ground.names if symbol.match("weight", 2) and symbol.arguments[0] == missing[0])
     others = plural(len(missing) - 1, "other weight")
-    others_text = f", and {others} weigh{'s' if len(missing) == 2 else ''} nothing either" if len(missing) > 1 else ""
+    others_text = f", and {others} {'has' if len(missing) == 2 else 'have'} none either" if len(missing) > 1 else ""
     hint = did_you_mean(str(missing[0]), map(str, atoms), "leave the weight out, or add a rule for the atom")
-    problem = f"no rule derives {missing[0]}, so that its weight counts for nothing{others_text}"
+    problem = f"no rule derives {missing[0]}, so its weight has no effect{others_text}"
     return f"{place_of(next(weights), program)}{problem}; {hint}"
 
 

@@ -46,7 +46,7 @@ class CompiledProgram:
         """The reason why there is no formula, or ""."""
         ground = self.ground
         if ground.acyclic:
-            return "#edge wants a graph without cycles"
+            return "#edge requires a graph without cycles"
         if any(rule.is_disjunctive for rule in ground.rules) and not is_head_cycle_free(ground.rules):
             return "atoms of one disjunction depend on each other"
         if ground.contested:
@@ -57,7 +57,7 @@ class CompiledProgram:
 
     @cached_property
     def formula(self) -> ModelFormula:
-        """The formula whose models without open copies are the answer sets."""
+        """The formula with copies of atoms; its models without open copies are the answer sets."""
         return model_formula(self.ground, project=self.project, copied=True)
 
     @property
@@ -100,7 +100,7 @@ class CompiledProgram:
         return "diagram" in self.__dict__
 
     def compile(self, look: Callable[[], None]) -> None:
-        """Compile the diagram, calling `look` after every 64 node visits; an exception from it ends the compilation."""
+        """Compile the diagram, calling `look` after every 64 node visits; an exception from `look` ends it."""
         self.__dict__["diagram"] = self._compile(look)  # fills the cached_property
 
     def _compile(self, look: Callable[[], None] = lambda: None) -> WeightedDiagram:

@@ -1,4 +1,4 @@
-"""Compile a formula into a diagram by exhaustive search with component caching.
+"""The compilation of a formula into a diagram, by exhaustive search with component caching.
 
 The trace of the search (Bayardo and Pehoushek 2000; Sang et al. 2004) is a deterministic decomposable negation normal
 form (Huang and Darwiche 2005). A learning SAT solver tests whether each case has an answer set, so that only

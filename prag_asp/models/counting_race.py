@@ -1,4 +1,4 @@
-"""Count answer sets when the fastest engine is unknown: enumerate briefly, then let several engines take turns.
+"""Counts of answer sets when the fastest engine is unknown: a brief enumeration, then several engines in turns.
 
 A turn has a limit on its processor time. Counters run in their own processes, and are paused after their turns. If no
 engine has finished, the counters continue in parallel, and this process compiles a diagram; the first count is the
@@ -32,7 +32,7 @@ from prag_asp.processes.progress_events import stage
 
 
 class _Counted(Exception):
-    """Raised when a counter finishes before the compilation."""
+    """The signal that a counter has finished before the compilation."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -40,7 +40,7 @@ class _Counted(Exception):
 
 
 class _TimeOver(Exception):
-    """Raised when the turn of the compiler is over."""
+    """The signal that the turn of the compiler is over."""
 
 
 def count_by_race(compiled: CompiledProgram) -> int | None:

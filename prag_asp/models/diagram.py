@@ -57,7 +57,7 @@ _Choice = tuple[int, Branch, Branch, Callable[[Iterator[int]], bool]]
 
 @dataclass(frozen=True)
 class WeightedDiagram:
-    """A diagram with weights of models; each is the product of the integer weights of its literals, by default 1."""
+    """A diagram with weights: a model's weight is the product of the integer weights of its literals, by default 1."""
 
     diagram: Diagram
     weights: Mapping[Literal, int]
@@ -157,7 +157,7 @@ class WeightedDiagram:
 
 
 def _among(rest: int, total: int) -> Callable[[Iterator[int]], bool]:
-    """Return a tie-breaker for a word equal to the threshold, which tests if the next words are below the remainder."""
+    """Return a tie-breaker for a word equal to the threshold, which tests whether the next words are below the rest."""
 
     def below(words: Iterator[int]) -> bool:
         left = rest

@@ -1,4 +1,4 @@
-"""Search for one or all models of a completion that are answer sets, with a SAT solver and loop formulas.
+"""The search for one or all models of a completion that are answer sets, with a SAT solver and loop formulas.
 
 If a model of the completion has an unfounded set, the loop formula of this set, which all answer sets satisfy, is added
 to the solver, and the search is repeated (Lin and Zhao 2004).
@@ -19,7 +19,7 @@ Loop = Mapping[int, tuple[Rule, ...]]
 
 
 class FoundednessOracle:
-    """Searches for answer sets under assumptions, and keeps its loop formulas between searches."""
+    """A search for answer sets under assumptions, which keeps its loop formulas between calls."""
 
     def __init__(self, completion: Completion) -> None:
         self._completion = completion
@@ -53,7 +53,7 @@ class FoundednessOracle:
             return (model[abs(value) - 1] > 0) == (value > 0)
 
         def supports(rule: Rule) -> bool:
-            """Return whether the body is true without the atoms that remain."""
+            """Return whether the body is true without the atoms in `left`."""
             if not rule.weights:
                 return all(literal not in left and true(literal) for literal in rule.body)
             pairs = zip(rule.body, rule.weights, strict=True)

@@ -61,9 +61,9 @@ class PreparedFormula:
 
     The clauses `nodes` define the `sums`; their further variables have the last numbers, and are not decided. `names`
     holds the variable for each number, from 1; `projection` holds the numbers of decision variables, and `kept` holds
-    the names of the variables whose values the diagram contains. `copies` holds the atom of each copy, or 0 for a fixed
-    one and None for a gate. All models contain the literals `fixed`; no clause or sum restricts the variables `free`.
-    If the formula is `contradictory`, the other fields are meaningless.
+    the names of the variables whose values the diagram contains. `copies` holds the atom of each copy, or 0 if the atom
+    is fixed and None for a gate over copies. All models contain the literals `fixed`; no clause or sum restricts the
+    variables `free`. If the formula is `contradictory`, the other fields are meaningless.
     """
 
     clauses: tuple[tuple[Literal, ...], ...]
@@ -80,7 +80,7 @@ class PreparedFormula:
 
     @property
     def cost(self) -> str:
-        """The length of the formula written as text."""
+        """The size of the formula as text: the numbers of clauses, sums and variables, and the width."""
         numbers = {"clause": len(self.clauses), "sum": len(self.sums), "variable": len(self.order.variables)}
         clauses, sums, variables = (
             f"{number:,} {what}{'' if number == 1 else 's'}" for what, number in numbers.items()

@@ -1,4 +1,4 @@
-"""Read the files of a logic program, and refuse unsupported statements, each with its line."""
+"""The reader of the files of a logic program, which refuses unsupported statements, each with its line."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from prag_asp.wording import did_you_mean
 
 REFUSED: Mapping[ASTType, tuple[str, str]] = {
     ASTType.Minimize: ("it optimises", "add --optimal to keep only optimal answer sets, or bound the cost with #sum"),
-    ASTType.TheoryDefinition: ("a theory means nothing to clingo alone", "leave it out"),
+    ASTType.TheoryDefinition: ("clingo alone does not interpret theories", "leave it out"),
     ASTType.Script: ("a script is not run", "state by rules or facts what it computes"),
 }
 """The statements that are refused, each with the problem and the remedy."""
@@ -115,7 +115,7 @@ def _ground_program(sources: Sequence[Source], constants: Mapping[str, Constant]
     if len(sources) > 1:
         raise DomainError(f"{source.path}:1: a ground program in aspif has to be the only file; leave the others out")
     for name in constants:
-        raise DomainError(f"constant {name}: {source.path} is ground already; set it where the program is ground")
+        raise DomainError(f"constant {name}: {source.path} is already ground; set it where the program is grounded")
     raise_problems(aspif_problems(source, optimal=optimal))
     return GivenProgram(Program((source,)), ())
 

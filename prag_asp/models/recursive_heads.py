@@ -1,4 +1,4 @@
-"""Find conditional literals in heads that clingo 5 grounds wrongly, because their conditions depend on the head.
+"""Conditional literals in heads that clingo 5 grounds wrongly, because their conditions depend on the head.
 
 A rule such as ``a : a :- b.`` with ``b :- a.`` derives its head while the instances of its condition are still unknown;
 clingo drops them, and the program loses answer sets or gets wrong ones. The same happens if the body of a rule with

@@ -1,4 +1,4 @@
-"""Shift the disjunctions of head-cycle-free programs, in which no two head atoms depend positively on each other.
+"""The shifting of disjunctions in head-cycle-free programs: no two head atoms depend positively on each other.
 
 Each rule ``a ; b :- B`` may be replaced by ``a :- B, not b`` and ``b :- B, not a`` without changing the answer sets
 (Ben-Eliyahu and Dechter 1994).

@@ -1,4 +1,4 @@
-"""Compute the decision order of variables from a tree decomposition of the primal graph.
+"""The decision order of variables, from a tree decomposition of the primal graph.
 
 Variables that share a clause are adjacent. Min-degree elimination (a heuristic; an optimal order is NP-hard) gives a
 tree decomposition. Variables near its centre are decided first, so that the formula splits into halves without a common
@@ -26,8 +26,7 @@ LONG = 6
 """The number of literals above which a clause does not make its variables neighbours in a sweep."""
 
 LONGEST = 1000
-"""The number of literals above which a clause is too long for a tree decomposition, which takes the square of this
-number."""
+"""The number of literals above which a clause is too long for a tree decomposition, which takes quadratic time."""
 
 WIDE = 24
 """The width above which a formula without sums may be swept."""
@@ -35,7 +34,7 @@ WIDE = 24
 
 @dataclass(frozen=True)
 class DecisionOrder:
-    """The variables of a formula in decision order, the width of their tree decomposition, and whether it is swept."""
+    """The variables in decision order, the width of their tree decomposition, and whether the formula is swept."""
 
     variables: tuple[int, ...]
     width: int
@@ -125,7 +124,7 @@ def _by_distance(graph: Mapping[int, set[int]], start: int) -> list[int]:
 
 
 def _eliminate(graph: dict[int, set[int]]) -> tuple[list[tuple[int, set[int]]], set[int]]:
-    """Return the variables in elimination order, with the neighbours that they then have, and the remaining ones."""
+    """Return the variables in elimination order, each with its neighbours at that time, and the remaining variables."""
     waiting = [(len(neighbours), variable) for variable, neighbours in graph.items()]
     heapify(waiting)
     eliminated: list[tuple[int, set[int]]] = []

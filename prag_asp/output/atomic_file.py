@@ -30,7 +30,7 @@ POLL = 0.02
 """Seconds between two attempts to lock a file."""
 
 FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-"""The errors for a full disk, an exceeded quota, or a file of the maximum size."""
+"""The errors for a full disk, an exceeded quota, or a file that has reached the maximum size."""
 
 NO_LOCKS = (errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS)
 """The errors of a file system that has no locks."""
@@ -43,7 +43,7 @@ class AtomicFile:
     """A file being written as ``NAME.part``, which is locked against other runs."""
 
     def __init__(self, target: Path, mode: int = EVERYBODY) -> None:
-        """Lock ``NAME.part`` and empty it, or create it.
+        """Create ``NAME.part`` or empty an existing one, and lock it.
 
         Raises:
             OutputError: the file cannot be written, another run is writing it, or it is not a regular file.
@@ -97,7 +97,8 @@ class AtomicFile:
 def open_atomic(file: str | Path, *, mode: int = EVERYBODY, follow: bool = True) -> Iterator[AtomicFile]:
     """Yield a file to write, which replaces its target when the block ends, and is removed if the block fails.
 
-    With `follow`, a link is followed; otherwise, it is replaced. `mode` holds the permissions of a new file.
+    With `follow`, a symbolic link is followed; otherwise, the link itself is replaced. `mode` holds the permissions of
+    a new file.
 
     Raises:
         OutputError: the file cannot be written, or another run is writing it.
@@ -115,7 +116,7 @@ def open_atomic(file: str | Path, *, mode: int = EVERYBODY, follow: bool = True)
 
 
 def replace_file(file: str | Path, content: bytes, *, mode: int = EVERYBODY, follow: bool = True) -> None:
-    """Write a file atomically, so that after an interruption, it has either its old or its new content.
+    """Write a file atomically, so that after an interruption, the file has either the old or the new content.
 
     A device or a pipe is written directly. `mode` and `follow` have the same meaning as in `open_atomic`.
 
@@ -209,7 +210,7 @@ def locked(path: Path, open_path: Callable[[], int]) -> int:
 
 
 def write_at(descriptor: int, content: bytes, position: int) -> None:
-    """Write bytes at a position in a file; this may be repeated after an interruption."""
+    """Write bytes at a byte offset in a file; after an interruption, the call can be repeated."""
     rest = memoryview(content)
     while rest:
         written = os.pwrite(descriptor, rest, position)
@@ -230,7 +231,7 @@ def flush_folder(folder: Path) -> None:
 
 
 def _lock(descriptor: int) -> bool:
-    """Lock a file, and return whether that succeeded; on a file system without locks, it always does."""
+    """Lock a file, and return whether that succeeded; on a file system without locks, return True."""
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:

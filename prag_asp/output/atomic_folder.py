@@ -1,4 +1,4 @@
-"""Atomic folders, which are filled under another name, flushed and renamed; and folders in which to write files."""
+"""Atomic folders, which are filled under a temporary name, flushed and renamed; folders and paths for output files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from prag_asp.safe_reading import is_inside
 def new_folder(folder: Path) -> Iterator[Path]:
     """Yield an empty folder to fill, which is renamed atomically to the new folder when the block ends.
 
-    It is filled as ``NAME.part/NAME``, while ``NAME.part`` is locked. What a killed run has left behind is removed
+    The folder is filled as ``NAME.part/NAME``, while ``NAME.part`` is locked. The remains of a killed run are removed
     first.
 
     Raises:
@@ -37,7 +37,7 @@ def new_folder(folder: Path) -> Iterator[Path]:
         with output_errors(part):
             others = sorted({path.name for path in part.iterdir()} - {folder.name})
             if others:
-                raise OutputError(f"{part}: holds {others[0]}, but has to be empty for {folder}; move it away")
+                raise OutputError(f"{part}: holds {others[0]}, but has to be empty for {folder}; move {others[0]} away")
             _remove(inner)
             inner.mkdir()
         yield inner
@@ -68,7 +68,7 @@ def make_folder(folder: str | Path) -> Path:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise OutputError(f"{path}: the folder cannot be made: {error.strerror}; choose another") from None
+        raise OutputError(f"{path}: the folder cannot be created: {error.strerror}; choose another") from None
     return path
 
 

@@ -22,16 +22,19 @@ CHECKSUM = 4
 """The number of bytes in a checksum."""
 
 OWN = 0o600
-"""The permissions of a file: other users can neither read nor write it."""
+"""The permissions of a cache file: other users can neither read nor write it."""
 
 OURS_ALONE = 0o700
-"""The permissions of the folder."""
+"""The permissions of the cache folder: other users have no access."""
 
 OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH
 
 
 def cache_folder() -> Path | None:
-    """Return ``PRAG_ASP_CACHE``, or else a folder in the user's cache, or None if the variable is set but empty."""
+    """Return the folder that the environment variable ``PRAG_ASP_CACHE`` names, by default one in the user's cache.
+
+    The result is None if the variable is empty or, without the variable, if there is no home folder.
+    """
     folder = os.environ.get("PRAG_ASP_CACHE")
     if folder is not None:
         return Path(folder) if folder else None

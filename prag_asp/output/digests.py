@@ -1,6 +1,7 @@
-"""Digests of values and files, for cache keys and for recognising a run that is resumed.
+"""Digests of values and files, for cache keys and for the fingerprint of a resumable run.
 
-They are 160 bits of BLAKE2b in hexadecimal. Datasets use SHA-256 instead, because other tools also compute it.
+A digest is a 160-bit BLAKE2b hash in hexadecimal. Datasets use SHA-256 instead, because other tools can compute it as
+well.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ BLOCK = 1 << 20
 
 
 def digest(values: object) -> str:
-    """Return a digest of plain values; tables with the same entries in the same order have the same digest."""
+    """Return a digest of plain values; the digest of a dict depends on the order of its entries."""
     return blake2b(json.dumps(values, default=str).encode(), digest_size=BYTES).hexdigest()
 
 

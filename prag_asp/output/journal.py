@@ -1,8 +1,8 @@
 """A journal: the lines that a run has completed since it last wrote a result, from which the next run resumes.
 
 Each line has a checksum, so if the process is killed or power fails, only the lines that were not flushed are lost: the
-next run uses the lines before the first damaged one. The first line names the run; the journal of another run is
-emptied.
+next run uses the lines before the first damaged one. The first line names the run. A journal that names a different run
+is emptied.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from time import monotonic
 from prag_asp.output.atomic_file import open_locked, output_errors, write_at
 
 INTERVAL = 1.0
-"""Seconds between flushes, which take a few milliseconds each; a power failure loses at most the lines of this time."""
+"""Seconds between flushes, which take a few milliseconds each; a power failure loses at most the lines of one interval.
+"""
 
 CHECKSUM = 8
 """The number of hexadecimal digits of the checksum before each line."""
@@ -71,7 +72,7 @@ class Journal:
             self._begin()
 
     def close(self) -> None:
-        """Release the lock; a journal without lines is removed."""
+        """Release the lock, and remove the journal if it has no lines."""
         if self._size == len(self._header):
             with suppress(OSError):
                 self._file.unlink()

@@ -1,4 +1,4 @@
-"""PDDL import: convert a domain and a problem to the logic program of a domain.
+"""PDDL import: a domain and a problem become the logic program of a domain.
 
 >>> from prag_asp import TaskSpace, load_domain
 >>> space = TaskSpace(load_domain("domain.pddl", "problem.pddl"), length=4)  # doctest: +SKIP

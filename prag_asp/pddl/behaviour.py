@@ -16,7 +16,10 @@ TRUTH = {True: "true", False: "false"}
 
 
 class Behaviour:
-    """Translates actions and the goal; adds rules that read the state before a step, or the final state, to `rules`."""
+    """The translation of actions and the goal.
+
+    Rules that read the state before a step or the final state are added to `rules`.
+    """
 
     def __init__(
         self, domain: DomainFile, problem: ProblemFile, words: Vocabulary, actions: Mapping[str, str], rules: Rules
@@ -30,7 +33,8 @@ class Behaviour:
         self._rules = rules
         self._bodies = Bodies(words, rules)
         self._in_steps: dict[bool, FileLine] = {}
-        """The places of the first rule of a step that adds (key true) and of the first one that deletes (key false)."""
+        """The PDDL lines of the first step rule that adds an atom (key True) and of the first that deletes one (key
+        False)."""
 
     @property
     def looks_ahead(self) -> bool:

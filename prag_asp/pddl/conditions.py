@@ -1,4 +1,4 @@
-"""Translate formulas into rule bodies.
+"""The translation of formulas into rule bodies.
 
 A conjunction is a body. A disjunction within a conjunction gets an auxiliary atom, with a rule for each case, and so
 does a universal formula. The atom of a universal formula stands for its exceptions, and is negated.
@@ -58,7 +58,7 @@ class Rules:
         self.at = FileLine(file, line)
 
     def placed(self, lines: Iterable[str]) -> Iterator[str]:
-        """Yield lines with their places; a line that has no place gets the current one."""
+        """Yield program lines with their PDDL lines; a line without a PDDL line gets the current one."""
         for each in lines:
             yield each if isinstance(each, PlacedLine) or not each else PlacedLine(each, self.at)
 
@@ -99,7 +99,7 @@ def applied(name: str, terms: Iterable[str]) -> str:
 
 
 class Bodies:
-    """Translates formulas into rule bodies, and adds the rules that define auxiliary atoms."""
+    """The translation of formulas into rule bodies, which adds the rules that define auxiliary atoms."""
 
     def __init__(self, words: Vocabulary, rules: Rules) -> None:
         self._words = words

@@ -1,4 +1,4 @@
-"""Convert action costs to weights: each unit of cost multiplies the weight of an action by the same factor."""
+"""The conversion of action costs to weights: each unit of cost multiplies an action's weight by the same factor."""
 
 from __future__ import annotations
 

@@ -107,7 +107,7 @@ def conjuncts(formula: Formula) -> Iterator[Formula]:
 
 
 def demanded(formula: Formula) -> Iterator[Literal]:
-    """Yield the positive literals among the conjuncts of a formula, which it requires to be true."""
+    """Yield the positive literals among the conjuncts of a formula, which the formula requires to be true."""
     return (each for each in conjuncts(formula) if isinstance(each, Literal) and each.positive)
 
 
@@ -126,7 +126,7 @@ def literals(formula: Formula) -> Iterator[Literal]:
 
 
 def certainly_unlike(one: Sequence[Variable | str], other: Sequence[Variable | str], condition: Formula) -> bool:
-    """Return whether two rows of terms certainly differ, because a condition or the names of objects say so."""
+    """Return whether two tuples of terms certainly differ, by a condition or by the names of objects."""
     unequal: list[set[Variable | str]] = [
         {each.left, each.right} for each in conjuncts(condition) if isinstance(each, Equality) and not each.positive
     ]

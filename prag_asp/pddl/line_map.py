@@ -1,4 +1,4 @@
-"""Record the PDDL line from which each line of a program comes, and lay out programs according to these lines."""
+"""The PDDL line from which each line of a program comes, and the layout of programs according to these lines."""
 
 from __future__ import annotations
 

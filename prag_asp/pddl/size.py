@@ -32,19 +32,19 @@ def check_size(
         DomainError: there are more than the limits allow; the message gives the line in the domain.
     """
     instances = _instances(domain, problem)
-    limit = f"of {len(problem.objects):,} objects, and no more than"
+    limit = f"with {len(problem.objects):,} objects, more than the limit of"
     fluent_counts = {name: instances(kinds) for name, kinds in fluents.items()}
     total = sum(fluent_counts.values())
     if total > MOST_FLUENTS:
         name = max(fluent_counts, key=fluent_counts.__getitem__)
-        text = f"{name} makes {fluent_counts[name]:,} of {total:,} fluents {limit} {MOST_FLUENTS:,} can be made"
+        text = f"{name} has {fluent_counts[name]:,} of {total:,} fluents {limit} {MOST_FLUENTS:,}"
         hint = "give its arguments types with fewer objects"
         raise DomainError(f"{path}:{domain.predicates[name].line}: {text}; {hint}")
     for action in domain.actions:
         if instances(each.types for each in action.parameters) > MOST_ACTIONS:
             fewest = fewest_instances(action, domain, problem, static, {*fluents, *static})
             if fewest > MOST_ACTIONS:
-                text = f"{action.name} makes at least {fewest:,} actions {limit} {MOST_ACTIONS:,} can be made"
+                text = f"{action.name} has at least {fewest:,} instances {limit} {MOST_ACTIONS:,}"
                 raise DomainError(f"{path}:{action.line}: {text}; give its parameters types with fewer objects")
 
 

@@ -1,4 +1,4 @@
-"""Import a PDDL domain and problem as the logic program of a single domain."""
+"""The import of a PDDL domain and problem as the logic program of a single domain."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Translate a PDDL domain and problem into a logic program: rules for actions, facts for objects."""
+"""The translation of a PDDL domain and problem into a logic program: rules for actions, facts for objects."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ CLOSED = '#include "rules/closed_world.lp".'
 
 
 class Translation:
-    """Translates a domain and a problem into a logic program, section by section: declarations, then dynamics."""
+    """The translation of a domain and a problem, section by section: declarations, then dynamics."""
 
     def __init__(self, domain: DomainFile, problem: ProblemFile) -> None:
         self._domain = domain
@@ -46,7 +46,7 @@ class Translation:
             rules.append(EVER_AT_START)
         if any(effect.literal.positive for each in self._domain.actions for effect in each.effects):
             rules.append(EVER_BY_ACTIONS)
-        return [CLOSED, "", "% What may be true at some time, so that no action is made that never occurs", *rules]
+        return [CLOSED, "", "% What may be true at some time, so that no action is grounded that never occurs", *rules]
 
     def lines(self, title: str) -> list[str]:
         """Return the lines of the whole program, which begins with a comment; lines from PDDL carry their PDDL line."""
@@ -76,14 +76,14 @@ class Translation:
         lines += ["", *self.general, "", *start[:-1]]
         lines += heading("Actions") + (shown or ["", PlacedLine("#defined action/1.", FileLine("domain", 1))])
         if self._rules.parts[BASE]:
-            lines += [*heading("What actions ask of what never changes"), "", *self._rules.parts[BASE]]
+            lines += [*heading("Static conditions of actions"), "", *self._rules.parts[BASE]]
         if goal:
             lines += [*heading("The goal"), "", *goal]
         if self._rules.parts[STEP]:
-            lines += heading("What depends on the state before a step")
+            lines += heading("Conditions and effects that read the state before a step")
             lines += ["", "#program step(t).", *self._rules.parts[STEP]]
         if self._rules.parts[END]:
-            lines += [*heading("What the final state satisfies"), "", "#program check(t).", *self._rules.parts[END]]
+            lines += [*heading("Conditions on the final state"), "", "#program check(t).", *self._rules.parts[END]]
         return lines
 
     def _kinds(self) -> Mapping[str, tuple[tuple[str, ...], ...]]:

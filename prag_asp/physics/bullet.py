@@ -15,7 +15,7 @@ STDOUT, STDERR = 1, 2
 
 _LOCK = Lock()
 _MUTED: dict[int, tuple[int, int]] = {}
-"""For each muted descriptor, how many contexts mute it, and a duplicate of the original.
+"""For each muted descriptor, the number of contexts that mute it, and a duplicate of the original.
 
 Threads mute concurrently. If each thread saved the descriptor that it found, the last thread to leave would restore the
 null device.
@@ -24,7 +24,7 @@ null device.
 
 @contextmanager
 def mute_output(*descriptors: int) -> Iterator[None]:
-    """Discard what the body of the context writes to the given file descriptors, including what C has buffered."""
+    """Discard what the body of the context writes to the given file descriptors, including output buffered by C."""
     flush()
     for descriptor in descriptors:
         with _LOCK:

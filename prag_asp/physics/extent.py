@@ -59,7 +59,7 @@ def extent(shape: Shape, quaternion: Quaternion) -> BodyExtent:
 
 @cached_by_geometry(maxsize=1 << 11)
 def extent_along(shape: Shape, quaternion: Quaternion, direction: Vector) -> tuple[float, float]:
-    """Return the middle of a rotated body along a unit vector, relative to its origin, and half its width."""
+    """Return the middle of a rotated body along a unit vector, relative to the body's origin, and half of its width."""
     x, y, z, w = quaternion
     along = rotate((-x, -y, -z, w), direction)
     if shape.model is None:
@@ -135,7 +135,7 @@ def side_yaw(shape: Shape) -> float:
 
 @cached_by_geometry(maxsize=256)
 def least_reach(shape: Shape) -> float:
-    """Return a lower bound on how far a body extends from its origin in any direction, in metres.
+    """Return a lower bound, in metres, on the extent of a body from its origin in any direction.
 
     For a convex body that contains its origin, the bound is the distance to the nearest face. It is negative if the
     origin is outside the body.

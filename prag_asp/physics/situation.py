@@ -158,7 +158,8 @@ class Situation:
         if shape.traits.furniture:
             return cavity_pose(shape, pose, self.opening(entity))
         if shape.model is not None and shape.model.cavity is not None:
-            return compose(pose, Pose(shape.model.cavity.middle))
+            middle, _, yaw = shape.model.cavity
+            return compose(pose, Pose(middle, yaw_quaternion(yaw)))
         return raised(pose, shape.wall - self.half(entity)[2])
 
     def half(self, entity: str) -> Vector:

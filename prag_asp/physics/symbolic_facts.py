@@ -16,7 +16,7 @@ from prag_asp.task import State, Task
 from prag_asp.wording import plural
 
 BORDER = 1e-12
-"""How far beyond its border a predicate no longer holds, in metres or radians."""
+"""The distance, in metres or radians, from the border of a predicate to a situation in which it does not hold."""
 
 
 class Fact(NamedTuple):
@@ -34,8 +34,7 @@ class Fact(NamedTuple):
         """Return the signed distance of a situation from satisfying the fact, in metres or radians.
 
         If the fact is satisfied, the distance is at most 0, and its absolute value is the margin. For a predicate that
-        must not hold, it is how deep the situation is within the predicate: at least the motion needed, and more than 0
-        on the border.
+        must not hold, it is the depth of the situation within the predicate, which is more than 0 even on the border.
         """
         signed = self.predicate.signed_distance(situation, self.arguments)
         return signed if self.value else (-signed or BORDER)

@@ -37,7 +37,7 @@ class TierOutcome(NamedTuple):
 
 
 class TierPipeline:
-    """Passes the witnesses for one scene through the tiers above kinematics; each tier opens its world on first use.
+    """A pipeline of the tiers above kinematics for the witnesses of one scene; each tier opens its world on first use.
 
     The bodies in the `simulator` must have the sizes that the witness has (`Simulator.use`). The worlds are closed
     together with `resources`.

@@ -33,7 +33,7 @@ LISTED = 8
 
 
 class Validator:
-    """Validates tasks of one scene in its simulators; `open_validator` creates one, and closes it afterwards."""
+    """A validator of the tasks of one scene, with its simulators; `open_validator` creates and closes one."""
 
     def __init__(self, scene: Scene, resources: ExitStack):
         self._scene = scene

@@ -16,7 +16,7 @@ from prag_asp.tables.json_fields import Whole, read, require_complete
 Status = Literal["feasible", "not_found", "infeasible"]
 
 LONGEST = 9
-"""The maximum number of digits in a text for the number of restarts or of samples."""
+"""The maximum number of digits in the text of a number of restarts or samples."""
 
 
 class Tier(str, Enum):

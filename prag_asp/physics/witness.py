@@ -82,9 +82,9 @@ class Moment:
 class Waypoint:
     """A joint configuration that the arm of a `robot` passes during an action.
 
-    `name` is approach (above the object), at, lift, carry, pull, retreat, move (empty) or stay; on the path to one of
-    these, it is transit. `held` is the body in the gripper; if the gripper holds the handle of furniture, `opening` is
-    the opening of the furniture, in metres or radians.
+    `name` is ``approach`` (above the object), ``at``, ``lift``, ``carry``, ``pull``, ``retreat``, ``move`` (with an
+    empty gripper) or ``stay``, or ``transit`` on the path to one of these waypoints. `held` is the body in the gripper;
+    if the gripper holds the handle of furniture, `opening` is the opening of the furniture, in metres or radians.
     """
 
     name: str

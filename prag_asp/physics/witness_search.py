@@ -1,24 +1,25 @@
 """Search for witnesses of a task: the choices, their order, and the choices to undo.
 
-1. Choose sizes with a range, then the openings of furniture and the place of every object in the initial state, large
+1. Choose the sizes that vary, then the openings of furniture and the place of every object in the initial state, large
    objects before small ones and supports before the objects on them. Places leave room for objects that are put beside
-   or between others later. If there is no place for an object, those before it are placed again.
-2. Try the actions in order. The attempts at an action are its choices: grasps of the object, those that differ in
-   direction first; or random places for the object that is put down, moved or carried. Each attempt is checked as a
-   whole, with the arm at the object and 10 cm before it.
-3. If all attempts at an action fail, undo all actions after the latest earlier one that may be to blame, and continue
-   there with its next attempt. Actions to blame are the grasp of the object that is moved or put down now, and those
-   that moved or put down a body named by a failed attempt, or any body if there was no room. If that action has no
-   attempt left, the search returns further, to the latest action that either of the two blames (conflict-directed
-   backjumping: Prosser, "Hybrid algorithms for the constraint satisfaction problem", 1993). So a grasp is chosen
-   together with the later placement, and a place together with all later actions that it affects.
+   or between others later. If there is no place for an object, the objects before it are placed again.
+2. Try the actions in order. Each attempt at an action tries one grasp of the object, different directions first, or one
+   random place for the object that is put down, moved or carried. Each attempt is checked as a whole, with the arm at
+   the object and 10 cm before it.
+3. If all attempts at an action fail, the search returns to the latest earlier action that may be to blame, undoes this
+   action and all actions after it, and makes the next attempt at it. To blame are the action that grasped the object
+   now being moved or put down, and the actions that moved or put down a body named by a failed attempt or, if there was
+   no room, any body. If the action to which the search returns has no attempt left, the search returns further: to the
+   latest action that is to blame for the failure of either action (conflict-directed backjumping: Prosser, "Hybrid
+   algorithms for the constraint satisfaction problem", 1993). So a grasp is chosen together with the later placement,
+   and a place together with all later actions that it affects.
 4. If no action is to blame, or after twice as many returns as there are attempts, the search restarts with step 1.
 
-Tasks that only move primitive bodies restart instead of step 3, which is faster because they have few grasps. If no
-restart within the budget finds a witness, there are a few further ones. They return as in step 3 if a held object could
-not be put down, and pack objects tightly if only room was lacking. If a held object lacked room and the task puts
-several objects into one body, each put leaves room for the later ones and for the hand. If a witness fails a more
-expensive check, the next restart begins with other grasps of bodies with a model.
+For tasks that only move primitive bodies, the search restarts instead of step 3, which is faster because these bodies
+have few grasps. If no restart within the budget finds a witness, there are a few further restarts. They return as in
+step 3 if a held object could not be put down, and pack objects tightly if only room was lacking. If a held object
+lacked room and the task puts several objects on or into the same body, each put leaves room for the later ones and for
+the hand. If a witness fails a more expensive check, the next restart begins with other grasps of bodies with a model.
 """
 
 from __future__ import annotations
@@ -52,8 +53,8 @@ CROWDED = frozenset((EMPTY_VOLUME, OBJECTS_COLLIDE))
 """The causes of failed attempts that indicate a lack of room, so that tight packing may help."""
 
 PACKED = 4
-"""The maximum number of further restarts, which is also limited to half of the budget's: each of them returns or
-backtracks."""
+"""The maximum number of further restarts, which are also limited to half of the restarts in the budget, because each of
+them backtracks and takes longer."""
 
 RETURNS = 2
 """The maximum number of returns to earlier actions in one restart, per attempt at an action."""

@@ -1,4 +1,4 @@
-"""Export a domain or a task as two PDDL files for other planners.
+"""The export of a domain or a task as two PDDL files for other planners.
 
 >>> from prag_asp import load_domain
 >>> export = write(load_domain("blocks"))

@@ -1,4 +1,4 @@
-"""Evaluate the rules of a step symbolically: the state after it as Boolean functions of the state before it.
+"""The symbolic evaluation of a step's rules: the state after the step as Boolean functions of the state before it.
 
 The ground rules are evaluated as in the engines. A fluent that is known in every state is one proposition; any other
 fluent has one proposition for "known to be true" and one for "known to be false". Other state variables of the rules
@@ -28,7 +28,7 @@ After = Mapping[int, Node]
 
 @dataclass(frozen=True)
 class ActionFunctions:
-    """The effects of an action as functions; each function in `refused` forbids the action in states where it holds."""
+    """The effects of an action as functions; a function in `refused` forbids the action where the function is true."""
 
     refused: tuple[Node, ...]
     after: After
@@ -143,7 +143,7 @@ class StepFunctions:
         values: dict[int, Node],
         under: Mapping[int, Node],
     ) -> None:
-        """Add functions for the atoms in the given strata to `values`; recursive ones are iterated to a fixed point."""
+        """Add functions for the atoms in the strata to `values`; recursive strata are iterated to a fixpoint."""
 
         def read(atom: int) -> Node:
             return values.get(atom, under.get(atom, FALSE))

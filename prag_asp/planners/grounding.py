@@ -25,7 +25,7 @@ NOT_OVER_TIME = ("closed_world", "ever", "canonical_names", "joint_names", "clos
 """Rules in the encodings that do not restrict plans."""
 
 MOST = 400
-"""The maximum number of fluents for which pairs are computed; the number of pairs is four times its square."""
+"""The maximum number of fluents for which pairs are computed; n fluents have 4 n^2 pairs."""
 
 Values = Mapping[clingo.Symbol, bool]
 
@@ -158,7 +158,7 @@ def broken_invariant(facts: Facts, state: Mapping[clingo.Symbol, bool]) -> bool:
 
 
 def rules_over_time(program: Program) -> Iterator[tuple[Path, int]]:
-    """Yield the places of rules that restrict plans more than the preconditions and effects of actions do."""
+    """Yield the file and line of each rule that restricts plans beyond the preconditions and effects of actions."""
     for source, own in owned(program):
         if own or (source.path.parent.name == "rules" and source.path.stem not in NOT_OVER_TIME):
             statements, _ = parse_sources([(source, own)])

@@ -1,4 +1,4 @@
-"""Lift ground actions that differ only in their arguments to actions with parameters."""
+"""The lifting of ground actions that differ only in their arguments to actions with parameters."""
 
 from __future__ import annotations
 

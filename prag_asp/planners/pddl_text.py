@@ -1,4 +1,4 @@
-"""Write the names and formulas of a domain as PDDL text.
+"""The names and formulas of a domain as PDDL text.
 
 If negative conditions are not allowed, `opposites` maps a predicate to the predicate for its negation.
 """

@@ -1,4 +1,4 @@
-"""Write a domain, or one of its tasks, as a PDDL domain and problem.
+"""The writer of a domain, or of one of its tasks, as a PDDL domain and problem.
 
 Actions with the same name that differ only in their arguments become one action with parameters, with a predicate for
 its valid arguments; other actions are written without parameters.
@@ -72,8 +72,9 @@ def write(domain: Domain, task: Task | None = None, *, negative: bool = True, co
     """
     name, facts = domain.name, domain.facts
     if task is None and not facts.closed:
-        problem = "its world is open, so it has no initial state that PDDL can say; add --rule closed_world, state one"
-        raise DomainError(f"{name}: {problem} with initially(...), or export a task")
+        problem = "its world is open, so it has no initial state that PDDL can express"
+        hint = "add --rule closed_world, state one with initially(...), or export a task"
+        raise DomainError(f"{name}: {problem}; {hint}")
     stated = known_values(facts.initially) if task is None else values_of(task.initial)
     if broken_invariant(facts, stated):
         raise DomainError(f"{name}: its initial state breaks an invariant, so there is no plan; change either")

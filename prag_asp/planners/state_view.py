@@ -18,7 +18,7 @@ SETTINGS_SUFFIX = ".planviz.json"
 
 
 def view_settings(script: str) -> str:
-    """Return the settings, as JSON, that tell the extension which script to use for a view."""
+    """Return the settings, as JSON, that name the script which the extension uses for a view."""
     return json.dumps({"customVisualization": script}, indent=1) + "\n"
 
 

@@ -1,1 +1,1 @@
-"""Worker processes: how they are started and limited; the memory of the machine; and progress events."""
+"""Worker processes and their limits, the memory of the machine, and progress events."""

@@ -1,4 +1,4 @@
-"""Call one function in a separate process with limits on time and memory, for domains from untrusted sources.
+"""A call of one function in a separate process with limits on time and memory, for domains from untrusted sources.
 
 The command line has a supervisor for this purpose; this module is for Python programs.
 """

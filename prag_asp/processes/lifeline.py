@@ -11,11 +11,11 @@ import sys
 from signal import SIGKILL
 
 OWN_SIGNAL = 10
-"""F_SETSIG on Linux, which Python defines only since version 3.11."""
+"""The value of F_SETSIG on Linux; the module `fcntl` defines this constant only since Python 3.11."""
 
 
 def held_line() -> tuple[int, int]:
-    """Return two file descriptors: the read end for the dependent process, and the write end for its keeper."""
+    """Return the descriptors of a pipe: the read end for the dependent process, the write end for its keeper."""
     return tuple(map(above_the_standard_ones, os.pipe()))  # type: ignore[return-value]
 
 
@@ -36,7 +36,7 @@ def hang_on(descriptor: int) -> None:
 
 
 def above_the_standard_ones(descriptor: int) -> int:
-    """Move a descriptor above 2, because if a standard stream is closed, a new descriptor would take its number."""
+    """Return a descriptor, moved above 2 if a closed standard stream has left its number to the descriptor."""
     if descriptor > 2:
         return descriptor
     import fcntl  # noqa: PLC0415

@@ -1,8 +1,8 @@
-"""Show the progress of long calls in a notebook: a line below the cell, updated while code of this package runs.
+"""The progress of long calls in a notebook: a line below the cell, updated while code of this package runs.
 
-A thread looks at the stack of the thread that runs the cell: if a call of this package has taken two seconds, the line
-appears, with the last progress event. Calls therefore need no argument, and native code that reports nothing is noticed
-as well.
+A thread inspects the stack of the thread that runs the cell: if a call to this package has taken two seconds, the line
+appears, with the last progress event. Calls therefore need no argument, and the line appears even during native code
+that reports no events.
 """
 
 from __future__ import annotations
@@ -21,13 +21,14 @@ from typing import Any
 from prag_asp.processes.progress_events import Note, hear
 
 PATIENCE, LOOK, GAP = 2.0, 0.25, 1.0
-"""The number of seconds until a call counts as long, between two checks of it, and between two calls that count as one,
-such as those of an iterator."""
+"""Seconds after which a call counts as long, seconds between two checks, and the longest pause in seconds between calls
+that count as one call, such as those of an iterator."""
 
 PACKAGE = __name__.partition(".")[0]
 
 Display = Callable[[Mapping[str, str], bool], None]
-"""Shows a value by media types: below the cell or, if the argument is true, in place of the previous value."""
+"""A function that shows a value, given by media type: below the cell or, if the second argument is true, in place of
+the previous value."""
 
 
 class NotebookProgress:
@@ -41,12 +42,12 @@ class NotebookProgress:
         self._shown: str | None = None
 
     def hear(self, words: str, now: float) -> None:
-        """Receive a progress event at a time in seconds."""
+        """Record a progress event at the time `now`, in seconds."""
         if not isinstance(words, Note):
             self._words, self._heard = words.partition("\n")[0], now
 
     def look(self, inside: bool, now: float) -> None:
-        """Update the line, given whether code of this package is running at a given time in seconds."""
+        """Update the line at the time `now`, in seconds; `inside` states whether code of this package is running."""
         if inside:
             self._since = now if self._since is None else self._since
             self._last = now
@@ -72,7 +73,7 @@ class NotebookProgress:
 
 
 def is_inside(frame: FrameType | None) -> bool:
-    """Return whether a stack has a frame of this package, other than one of this module."""
+    """Return whether a stack contains a frame of this package outside this module."""
     while frame is not None:
         name = frame.f_globals.get("__name__", "")
         if (name == PACKAGE or name.startswith(f"{PACKAGE}.")) and name != __name__:
@@ -83,7 +84,7 @@ def is_inside(frame: FrameType | None) -> bool:
 
 @dataclass
 class CellWatch:
-    """Watches the cells of a notebook, one after the other; `enabled` states whether it shows progress."""
+    """A watch on the cells of a notebook, one after the other; `enabled` states whether it shows progress."""
 
     enabled: bool = True
     _line: NotebookProgress | None = None
@@ -99,7 +100,7 @@ class CellWatch:
         self.end()
         if self.enabled:
             self._line, self._ended = NotebookProgress(_ipython_display()), Event()
-            # The context says to which cell the output belongs.
+            # The context determines to which cell the output belongs.
             arguments = (self._watch, self._line, self._ended, get_ident())
             self._watching = Thread(target=contextvars.copy_context().run, args=arguments, daemon=True)
             self._watching.start()
@@ -141,8 +142,8 @@ def watch_notebook() -> None:
 def show_progress(enabled: bool = True) -> None:
     """Switch the progress line of notebooks on or off; it is on by default, and has no effect elsewhere.
 
-    If a call of this package takes longer than two seconds, the line below its cell shows what it is doing and for how
-    long.
+    If a call to this package takes longer than two seconds, a line below the cell shows the current activity and the
+    time since the call began.
     """
     if _watch is not None:
         _watch.enabled = enabled

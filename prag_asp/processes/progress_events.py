@@ -1,4 +1,4 @@
-"""Progress events: the stage in which the program is, for messages about limits and for progress bars."""
+"""Progress events: the current stage of a computation, for messages about limits and for progress bars."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _now = ""
 
 
 def stage(words: str) -> None:
-    """Report that a stage begins, in words that can follow ``while``: "grounding tabletop"."""
+    """Report that a stage begins; `words` can follow ``while``, as in "grounding tabletop"."""
     global _now  # noqa: PLW0603  a process does one thing at a time
     _now = words
     _publish(words)
@@ -37,7 +37,7 @@ def so_far(words: str) -> None:
 
 
 def report_progress(words: str, done: float, total: float | None) -> None:
-    """Report what has been done, and how much of it; functions with a parameter `progress` call this one by default."""
+    """Report an activity and how much of it is done; this is the default of parameters named `progress`."""
     count = "" if total is None else f", {done:,.0f} of {total:,.0f}"
     so_far(f"{words}{count}")
 

@@ -1,4 +1,4 @@
-"""Apply a function to numbered items in several worker processes, and yield the results in the order of the items.
+"""A pool of worker processes that apply a function to numbered items, with the results in the order of the items.
 
 `concurrent.futures.ProcessPoolExecutor` does not suffice, because it cannot replace a worker: a killed worker breaks
 the whole executor, which does not report the item at fault. Moreover, its processes receive Ctrl-C, print tracebacks
@@ -36,8 +36,8 @@ Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 Opener = Callable[[], AbstractContextManager[Callable[[int, Item], Result]]]
-"""Opens the resources of a worker (such as a simulator), and yields the function of an index and an item that it runs.
-"""
+"""A function that opens the resources of a worker (such as a simulator); its context manager yields the function that
+the worker applies to each index and item."""
 
 
 def map_ordered(
@@ -47,7 +47,7 @@ def map_ordered(
 
     A single worker runs in this process; several workers run in separate processes, for which the `opener` and the
     items are pickled. If a worker is killed, it is replaced, and its items are processed again. Closing the iterator
-    ends the workers at once. `activity` describes the work in progress events.
+    ends the workers at once. `activity` is the text of the progress events.
 
     Raises:
         WorkerError: workers died more than `REPLACEMENTS` times on the same items, or cannot be started.
@@ -78,7 +78,7 @@ def map_ordered(
 
 
 def answers(messages: Iterator[Any]) -> Iterator[list[Any]]:
-    """Answer in a worker: the first message is the opener, each further one a chunk, whose results are yielded."""
+    """Yield the results of each chunk, in a worker; the first message is the opener, each further one is a chunk."""
     opener = next(messages)
     with opener() as function:
         for items in messages:
@@ -104,7 +104,7 @@ class _Pool(Generic[Item, Result]):
         self._sent: dict[Worker, deque[_Chunk[Item, Result]]] = {}
 
     def work(self, waiting: Sequence[_Chunk[Item, Result]]) -> None:
-        """Send chunks and receive results; wait for some if the first chunk is still being worked on.
+        """Send chunks, and receive the results that are ready; wait for results if the first chunk is being processed.
 
         Raises:
             WorkerError: workers died more than `REPLACEMENTS` times on the same chunk, or cannot be started.

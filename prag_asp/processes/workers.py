@@ -5,8 +5,8 @@ about arguments that never arrived, and its resource tracker warns about semapho
 depend on its parent until it listens. It ignores Ctrl-C, which its parent handles. It ends when its connection is
 closed, and the kernel kills it when its parent is gone, even while native code runs in it.
 
-A worker runs ``answers(messages)`` of a module: it takes an iterator over the messages sent to the worker, and returns
-an iterator over the worker's answers.
+A worker runs the function ``answers(messages)`` of a module, which takes an iterator over the messages sent to the
+worker and returns an iterator over the worker's answers.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ class Worker:
         try:
             code = self.process.wait(timeout=10)
         except subprocess.TimeoutExpired:
-            return "its line was cut"
+            return "by closing its connection"
         return f"by {signal_name(-code)}" if code < 0 else f"with code {code}"
 
 

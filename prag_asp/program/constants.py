@@ -1,4 +1,4 @@
-"""Set the ``#const``s of a domain, like clingo's option ``-c``."""
+"""New values for the ``#const`` statements of a domain, as with clingo's option ``-c``."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ class Facts:
 
     @cached_property
     def actions_by_text(self) -> Mapping[str, clingo.Symbol]:
-        """Maps the text of each action to the action."""
+        """The actions, keyed by their text."""
         return {str(action): action for action in self.actions}
 
     @cached_property
@@ -110,12 +110,12 @@ class Facts:
 
     @cached_property
     def action_arguments(self) -> Mapping[tuple[str, int], list[set[str]]]:
-        """The arguments, as text, at each position of the actions (even pruned ones) with a given name and arity."""
+        """The texts of the arguments at each position of actions, including pruned ones, keyed by name and arity."""
         return _arguments(self.declared_actions)
 
     @cached_property
     def fluent_arguments(self) -> Mapping[tuple[str, int], list[set[str]]]:
-        """The arguments, as text, at each position of the fluents with a given name and arity."""
+        """The texts of the arguments at each position of fluents, keyed by name and arity."""
         return _arguments(self.fluents)
 
     @property
@@ -208,7 +208,7 @@ def rows(control: clingo.Control, predicate: str, arity: int) -> list[list[cling
 
 
 def unsorted_rows(control: clingo.Control, predicate: str, arity: int) -> Iterator[list[clingo.Symbol]]:
-    """Yield the arguments of each ground atom of a predicate, unsorted, because clingo's terms are slow to compare.
+    """Yield the arguments of each ground atom of a predicate; they are unsorted, because comparing terms is slow.
 
     Raises:
         DomainError: an atom depends on a choice.

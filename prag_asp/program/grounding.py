@@ -1,4 +1,4 @@
-"""Ground programs with clingo, and turn its messages into errors with file and line."""
+"""The grounding of programs with clingo, whose messages become errors with file and line."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ Value = TypeVar("Value", bound=Hashable)
 
 Graph = Mapping[FluentValue, tuple[FluentValue, ...]]
 Reasons = Mapping[FluentValue, FluentValue]
-"""Maps each derived value to the value from which it was derived."""
+"""The value from which each derived value follows."""
 
 
 def invariant_graph(facts: Facts, *, impossible: bool = False) -> Graph:

@@ -1,4 +1,4 @@
-"""Parse each file of a program separately, so that a syntax error is reported in its own file."""
+"""The parser of programs, which parses each file separately, so that a syntax error is reported in its own file."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ STAND_IN = "$"
 
 
 def parse_sources(sources: Iterable[tuple[Source, bool]]) -> tuple[list[Statement], list[Problem]]:
-    """Return the statements and syntax errors in sources, given with a flag that is true for files of the domain."""
+    """Return the statements and syntax errors of sources, each given with a flag that is true for a domain's files."""
     statements: list[Statement] = []
     problems: list[Problem] = []
     for source, own in sources:
@@ -84,7 +84,7 @@ def _character_problem(source: Source) -> Problem | None:
     for number, line in enumerate(lines, 1):
         for character in line:
             if not character.isascii() or character == "\0":
-                problem = f"the character {character!r} cannot stand here"
+                problem = f"the character {character!r} is not allowed here"
                 remedy = 'use a-z, A-Z, 0-9 and _ in names, and put other text into "quotes" or a comment'
                 return Problem(source.path, number, f"{problem}; {remedy}")
     depth = 0

@@ -1,4 +1,4 @@
-"""Find the shipped encodings, domains and suites, in a checkout or in the installed package."""
+"""The folders of the shipped encodings, domains and suites, in a checkout or in the installed package."""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ END = re.compile(r"(?<!\.)\.(?!\.)")
 SETS = re.compile(r"\b(?:holds|_known)\b")
 INCLUDE = re.compile(r'#include\s*"(?P<file>[^"\\\n]*)"\s*\.')
 SCRIPT = re.compile(r"#include\s*<\s*incmode\s*>")
-"""The only file included with clingo: a script that grounds and solves step by step."""
+"""The only include file that clingo provides: a script that grounds and solves step by step."""
 
 
 @dataclass(frozen=True)

@@ -179,6 +179,8 @@ def plain_atom(node: AST, text: str) -> AtomNode | None:
 
 def split_arguments(text: str) -> list[str] | None:
     """Return the comma-separated arguments in a text, or None if its parentheses do not match."""
+    if "(" not in text and ")" not in text:
+        return text.split(",")
     arguments, depth, start = [], 0, 0
     for separator in re.finditer(r"[(),]", text):
         if separator[0] == ",":

@@ -1,4 +1,4 @@
-"""Separate the comments and strings of a logic program from its code."""
+"""The comments and strings of a logic program, separated from its code."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Find the actions and composites that can never occur. Counts omit them, and the linter reports them.
+"""The actions and composites that can never occur: counts omit them, and the linter reports them.
 
     rejected actions -> rejected composites -> (relaxed rules) -> relaxed reachability, static fluents
 

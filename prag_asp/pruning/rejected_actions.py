@@ -1,4 +1,4 @@
-"""Find the actions that every state rejects, and the static fluents.
+"""The actions that every state rejects, and the static fluents.
 
 An action that is rejected in the state where only the static values are known is rejected in every state, because a
 precondition on an unknown value is met. A fluent that only rejected actions would change is also static, and as a
@@ -86,7 +86,7 @@ def initial_values(control: clingo.Control) -> list[FluentValue]:
 
 
 class _RejectionSearch:
-    """Finds the actions that the invariants reject in every state, and the static values.
+    """The search for the actions that the invariants reject in every state, and for the static values.
 
     Actions that are `able` to occur are skipped. Without `frames`, a fluent may change even if no effect sets it.
 
@@ -216,7 +216,7 @@ def rejected_by_encodings(
 
 
 def holding(values: Iterable[FluentValue], time: int) -> Iterator[clingo.Symbol]:
-    """Yield the ``holds`` atoms of fluent values at a time step."""
+    """Yield the ``holds`` atoms of fluent values at a given time."""
     for fluent, value in values:
         yield HOLDS(fluent, value_term(value), clingo.Number(time))
 

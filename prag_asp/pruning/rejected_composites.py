@@ -1,4 +1,4 @@
-"""Find the composites that every state rejects, and test whether a composite or a free action can come first.
+"""The composites that every state rejects, and a test whether a composite or a free action can come first.
 
 A sequence of actions that is rejected in the state where only the static values are known is rejected in every state.
 The invariants yield candidates with reasons; the encodings confirm them.
@@ -67,7 +67,7 @@ def find_rejected_composites(
 
 
 class _SequenceRunner:
-    """Simulates sequences of actions on known values, as the encodings do; common prefixes are simulated once."""
+    """A simulator of sequences of actions on known values, as in the encodings; it simulates common prefixes once."""
 
     def __init__(self, facts: Facts) -> None:
         self._graph: Graph = invariant_graph(facts)

@@ -1,4 +1,4 @@
-"""Relax the user rules of a step to rules of the part `reachable`, which derive everything that user rules may derive.
+"""The user rules of a step, relaxed to rules of the part `reachable` that derive all that the user rules may derive.
 
 Each rule loses its time and its negated literals. It reads reachable actions and reachable values of fluents (see
 ``encodings/reachable.lp``). By induction over the steps, a user rule sets no fluent to an unreachable value, because
@@ -99,10 +99,10 @@ def renamed_literals(term: str, rule: Statement) -> tuple[str, frozenset[str]]:
 
 
 class RelaxedRules:
-    """Translates the user rules of a step into rules of the part `reachable`, with the predicates that they read.
+    """The translation of the user rules of a step into rules of the part `reachable`.
 
-    Bodies omit user predicates of a step that cannot be relaxed, and predicates of the base part that depend on
-    choices, so that the rules derive more.
+    The rules also derive the user predicates that they read. Bodies omit user predicates of a step that cannot be
+    relaxed, and predicates of the base part that depend on choices, so that the rules derive more.
     """
 
     def __init__(self, control: clingo.Control, statements: Sequence[Statement], steps: Sequence[Statement]) -> None:

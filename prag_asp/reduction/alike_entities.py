@@ -53,12 +53,12 @@ def find_alike(program: Program, statements: Sequence[Statement]) -> AlikeEntiti
     """
     stated = _ground(statements)
     facts = [fact for instances in stated.values() for fact in instances]
-    entities = {fact.arguments[0] for fact in facts if (fact.name, len(fact.arguments)) == ("entity", 2)}
+    entities = {fact.arguments[0] for fact in facts if fact.name == "entity" and len(fact.arguments) == 2}
     distinguished = _distinguished(statements, entities)
     # an entity with the opposite sign is a different name
     functions = [entity for entity in entities if entity.type == clingo.SymbolType.Function]
     negated = {clingo.Function(each.name, each.arguments, not each.positive): each for each in functions}
-    distinguished |= {negated[term] for fact in facts for term in _named(fact, negated)}
+    distinguished |= {negated[term] for fact in facts if "-" in str(fact) for term in _named(fact, negated)}
     profiles: dict[clingo.Symbol, set[object]] = {entity: set() for entity in entities}
     for fact in facts:
         named = set(_named(fact, entities))
@@ -84,7 +84,7 @@ def _ground(statements: Iterable[Statement]) -> dict[Statement, list[clingo.Symb
     expanded: list[str] = []
     for number, each in enumerate(facts):
         # clingo reads a large number of plain facts slowly
-        is_plain = each.is_plain_fact and constants.isdisjoint(NAME.findall(each.text))
+        is_plain = each.is_plain_fact and (not constants or constants.isdisjoint(NAME.findall(each.text)))
         by_statement[each] = [clingo.parse_term(each.text[:-1])] if is_plain else []
         if not is_plain and each.heads:
             expanded.append(f"{STATED}({number},{each.node.head}).")
@@ -150,10 +150,12 @@ def _predicates(symbol: AST) -> Iterator[AST]:
 
 
 def _named(term: clingo.Symbol, entities: Collection[clingo.Symbol]) -> Iterator[clingo.Symbol]:
-    if term in entities:
-        yield term
-    for argument in _arguments(term):
-        yield from _named(argument, entities)
+    waiting = [term]
+    while waiting:
+        term = waiting.pop()
+        if term in entities:
+            yield term
+        waiting += _arguments(term)
 
 
 def _with_hole(term: clingo.Symbol, entity: clingo.Symbol) -> object:

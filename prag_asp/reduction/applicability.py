@@ -1,4 +1,4 @@
-"""Check the syntactic premises of the small-model reduction.
+"""The check of the syntactic premises of the small-model reduction.
 
 The author's statements must treat alike all entities that they do not name, and no rule may depend on an entity that
 its atoms do not name. The allowed fragment is narrow, and the proof, in docs/explanations/small_model_reduction.md,
@@ -67,16 +67,16 @@ def objection(statements: Sequence[Statement]) -> str | None:
     own = [each for each in statements if each.own]
     for statement in statements:
         if not statement.own and statement.path.parent.name in FOLDERS and statement.path.name not in RULES:
-            return f"{statement.path.name} may see every entity"
+            return f"{statement.path.name} may depend on every entity"
     reserved = {atom.signature for each in statements if not each.own for atom in (*each.heads, *each.body)} - STATED
     reserved |= {(each.node.name, each.node.arity) for each in statements
                  if not each.own and each.kind == ASTType.Defined} - STATED  # fmt: skip
     for statement in own:
         reason = None
         if not statement.is_rule and statement.kind not in PASSED_OVER:
-            reason = "this statement may see every entity"
+            reason = "this statement may depend on every entity"
         elif statement.is_rule and statement.part != "base":
-            reason = "a rule of a step may see every entity"
+            reason = "a rule of a step may depend on every entity"
         elif statement.is_rule:
             reason = _objection_to_form(statement) or _objection_to_atoms(statement, reserved)
         if reason:
@@ -106,13 +106,13 @@ def _objection_to_form(statement: Statement) -> str | None:
     """Return an objection to a rule unless it derives a plain atom from plain literals."""
     head = statement.node.head
     if head.ast_type != ASTType.Literal or head.atom.ast_type not in PLAIN or head.sign != Sign.NoSign:
-        return "a choice or an aggregate in a head may see every entity"
+        return "a choice or an aggregate in a head may depend on every entity"
     for literal, _ in statement.literals:
         plain = literal.ast_type == ASTType.Literal and literal.atom.ast_type in PLAIN
         if not plain or literal.sign == Sign.DoubleNegation:
-            return "an aggregate or a condition may see every entity"
+            return "an aggregate or a condition may depend on every entity"
     if statement.scripts:
-        return "a function of a script may see every entity"
+        return "a function of a script may depend on every entity"
     # The minus of a strongly negated atom does not make a different name.
     computed = (
         node
@@ -122,7 +122,7 @@ def _objection_to_form(statement: Statement) -> str | None:
         if node.ast_type == ASTType.UnaryOperation and node is not part
     )
     if statement.literals and any(map(_turns_around, computed)):
-        return "a minus makes other names of names"
+        return "a minus sign turns names into other names"
     return None
 
 
@@ -138,7 +138,7 @@ def _objection_to_atoms(statement: Statement, reserved: AbstractSet[Signature]) 
             return f"{spelled(atom.signature)} is not stated by plain facts"
     for atom in statement.body:
         if atom.name.startswith("-") or atom.signature in reserved - READ or atom.signature in MIRRORED:
-            return f"{spelled(atom.signature)} may tell of every entity"
+            return f"{spelled(atom.signature)} may depend on every entity"
     compared = []  # literals that compare terms by their order, none of which is certain to be a number
     for literal, _ in statement.literals:
         guards = literal.atom.guards if literal.atom.ast_type == ASTType.Comparison else ()

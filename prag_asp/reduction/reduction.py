@@ -39,7 +39,7 @@ INVARIANTS = (("exclusive", 2), ("implies", 2), ("impossible", 2))
 
 Group = tuple[clingo.Symbol, ...]
 Representatives = Mapping[clingo.Symbol, clingo.Symbol]
-"""Maps each entity that is not ground to a ground entity of its group."""
+"""A ground entity of the same group for each entity that is not ground."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ class Reduction:
         groups = ", ".join(f"{len(group):,} like {group[0]}" for group in self.groups)
 
         def ground() -> Facts:
-            note(f"note: all entities are ground ({groups}): this asks for more than a number of all plans or tasks")
+            note(f"note: all entities are ground ({groups}): this needs more than a count of all plans or tasks")
             return check(program, settings).facts
 
         return ground_later(ground)
@@ -174,7 +174,7 @@ def find_reduction(program: Program, settings: Source, *, fewest: int = FEWEST) 
             return None
         reason = objection(statements)
         if encodings.resolve() != data_folder("encodings").resolve():
-            reason = f"{encodings}: these encodings are others than the shipped ones"
+            reason = f"{encodings}: these encodings differ from the shipped ones"
         bounds = {} if reason else _bounds(alike, groups, settings, statements)
     except DomainError:
         return None  # the check of the whole program raises the same error
@@ -189,7 +189,7 @@ def find_reduction(program: Program, settings: Source, *, fewest: int = FEWEST) 
 
 
 def is_large(facts: Facts) -> bool:
-    """Return whether a program is so large that the user is told why it is not reduced."""
+    """Return whether a program is so large that the user gets a note on why it is not reduced."""
     tables = (facts.preconditions, facts.postconditions)
     return sum(len(values) for table in tables for values in table.values()) >= MANY
 
@@ -208,7 +208,10 @@ def named_in(term: clingo.Symbol, entities: Collection[clingo.Symbol]) -> set[cl
 
 
 def _representatives(groups: Iterable[Group], sizes: Iterable[int], settings: Source) -> Representatives:
-    """Return the entities to drop so that each group has a given size; entities that the settings name are kept."""
+    """Return the entities to drop, with representatives, so that each group has a given size.
+
+    Entities that the settings name are kept.
+    """
     words = set(re.findall(r"\w+", settings.text))
     representatives: dict[clingo.Symbol, clingo.Symbol] = {}
     for group, size in zip(groups, sizes, strict=True):
@@ -221,7 +224,7 @@ def _representatives(groups: Iterable[Group], sizes: Iterable[int], settings: So
 def _bounds(
     alike: AlikeEntities, groups: Iterable[Group], settings: Source, statements: Sequence[Statement]
 ) -> dict[Group, EntityBound]:
-    """Return the bounds for those groups that are larger than their bounds.
+    """Return the bounds of the groups that have more entities than their bounds require.
 
     A measured bound is also the bound of the whole program if the measured program has `least` entities of each group,
     because it then has, up to renaming, all facts of the whole program that a rule reads.

@@ -128,6 +128,6 @@ def policy_names(evaluations: Sequence[Results]) -> list[str]:
 
 
 def _rate_cells(rate: Rate) -> tuple[float, float, float]:
-    """Return the share given by a rate, and the ends of its interval."""
+    """Return the share of a rate, and the bounds of its interval."""
     low, high = rate.interval()
     return float(rate.share), low, high

@@ -1,4 +1,4 @@
-"""The figures of a report as vector PDF files, as wide as a column of a paper, with 8-point text."""
+"""The figures of a report as PDF vector graphics, as wide as a column of a paper, with 8-point text."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ COLUMN = 3.35
 """The width of a column in inches; it is 3.33 for ACM, 3.5 for IEEE and 4.8 for Springer (one column)."""
 
 HEIGHT, ROW, MARGIN = 2.4, 0.16, 0.75
-"""The heights in inches of a figure, of a row of categories, and of the axis and the legend beside the rows."""
+"""The heights in inches of a figure, of a row of a category, and of the axis and legend in a figure with such rows."""
 
 POINTS = 8
 """The size of all text, in points."""
@@ -30,10 +30,10 @@ SETTINGS: dict[Any, Any] = {
     "ytick.labelsize": POINTS, "legend.fontsize": POINTS, "axes.linewidth": 0.6, "lines.linewidth": 1.2,
     "pdf.fonttype": 42, "text.parse_math": False,
 }  # fmt: skip
-"""Font type 42 embeds fonts as text that can be searched and edited."""
+"""The Matplotlib settings; font type 42 keeps text searchable and editable."""
 
 LONGEST = 34
-"""The number of characters of a category that fit beside a figure."""
+"""The number of characters of a category's name that fit beside a figure."""
 
 
 def require_matplotlib() -> None:

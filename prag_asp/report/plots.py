@@ -15,16 +15,16 @@ Kind = Literal["lines", "columns", "bars", "intervals", "map"]
 Style = Literal["line", "dashed", "dots", "bars", "marks"]
 
 MOST_BARS = 24
-"""The number of values in a figure of frequencies; the table has all of them."""
+"""The maximum number of values in a figure of frequencies; the table has all of them."""
 
 FEATURE_TITLES = {"names": "Names of actions", "classes": "Actions with classes", "actions": "Actions"}
 
 
 @dataclass(frozen=True)
 class PlotSeries:
-    """Points of one colour in a figure: their places, heights, and ends of intervals (none, or one for each point).
+    """Points of one colour in a figure: their places on the axis, their heights, and the bounds of their intervals.
 
-    A place is a number, or the index of a category.
+    A place is a number, or the index of a category. If there are no intervals, `lows` and `highs` are empty.
     """
 
     name: str

@@ -16,17 +16,16 @@ from prag_asp.report.task_tables import chosen_tasks
 from prag_asp.versions import versions
 
 MOST_TASKS = 10_000
-"""The largest number of tasks on a page, with about a megabyte for a thousand tasks; if there are more, a sample is
-taken."""
+"""The maximum number of tasks on a page, at about a megabyte per thousand tasks; of more tasks, a sample is shown."""
 
 MOST_ROWS = 200
 """The largest number of rows of a table on a page; its CSV file has all of them."""
 
 EXACT = 2**53
-"""Whole numbers from here on are texts in JSON, because JavaScript's numbers cannot represent them."""
+"""Integers of at least this size are strings in JSON, because JavaScript's numbers cannot represent all of them."""
 
 LISTED = ("tasks", "episodes")
-"""Tables that a script lists on the page, according to the filters."""
+"""The tables whose rows a script lists on the page, according to the filters."""
 
 
 def report_page(
@@ -86,7 +85,7 @@ def _summary(source: ReportSource) -> str:
 
 
 def _filters(source: ReportSource, tasks: Sequence[ReportedTask]) -> Markup:
-    """Return the form of filters; choices that would have only one option are left out."""
+    """Return the form with the filters; a filter with only one option is left out."""
     names = {action.partition("(")[0] for task in tasks for action in task.plan}
     choices = {
         "length": [str(length) for length in sorted({len(task.plan) for task in tasks})],
@@ -105,7 +104,7 @@ def _filters(source: ReportSource, tasks: Sequence[ReportedTask]) -> Markup:
 
 
 def _section(table: ReportTable, plots: Sequence[ReportPlot]) -> Iterator[Markup]:
-    """Yield the heading, the figures, the note and the table of one table of a report."""
+    """Yield the section of one table of a report: the heading, the figures, the note and the table itself."""
     yield element("h2", table.title, id=table.name)
     for plot in plots:
         if len(plots) > 1:
@@ -141,9 +140,9 @@ def _json_value(value: Value) -> Value:
 def task_data(source: ReportSource, tasks: Sequence[ReportedTask]) -> dict[str, Any]:
     """Return tasks by columns, for the filters of a page.
 
-    `letters` are the texts of the actions, each with its name and its classes; `plans` are lists of indices into
-    letters, and `own` are lists of indices into `entities`. `canonical` are the plans in which interchangeable entities
-    have their canonical names, if these differ.
+    `letters` holds the distinct actions as text, each with its name and its classes; `plans` holds lists of indices
+    into `letters`, and `own` holds lists of indices into `entities`. `canonical` holds the plans with canonical names
+    of interchangeable entities, where they differ.
     """
     from prag_asp.report.space_tables import canonical_plan  # noqa: PLC0415 - only with a space
 

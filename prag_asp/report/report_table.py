@@ -14,7 +14,7 @@ Value = str | int | float | None
 
 @dataclass(frozen=True)
 class ReportTable:
-    """A table: its name (that of its CSV file), its title, the names of its columns, its rows, and a note for readers.
+    """A table: its name (also of its CSV file), its title, the names of its columns, its rows, and a note for readers.
 
     A section of a report begins at each table with a `section`.
     """
@@ -45,7 +45,7 @@ def csv_text(table: ReportTable) -> str:
 
 
 def shown_value(value: Value) -> str:
-    """Return a value for readers: with grouped digits, floats with four significant digits, long numbers shortened."""
+    """Return a value for readers: grouped digits, four significant digits of floats, and long numbers shortened."""
     if value is None:
         return ""
     if isinstance(value, bool | str):

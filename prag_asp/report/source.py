@@ -1,4 +1,4 @@
-"""What a report is made of: tasks, outcomes of physics and evaluations, as plain values."""
+"""The contents of a report as plain values: tasks, outcomes of physics and evaluations."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 EVALUATION = "evaluation.json"
-"""The file that makes a folder an evaluation, even if Gymnasium, which is needed to read it, is not installed."""
+"""The file that identifies a folder as an evaluation, even without Gymnasium, which is needed to read one."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +48,8 @@ class ReportedTask:
 class PhysicsOutcome:
     """The outcome of physics for a sampled task; `restarts` is the number of initial states that were tried.
 
-    `status` is ``feasible``, ``not_found`` or ``infeasible``, or ``trivial`` for a task that was left out before
-    physics.
+    `status` is ``feasible``, ``not_found`` or ``infeasible``, or ``trivial`` for a task that was excluded before
+    simulation.
     """
 
     part: str
@@ -80,7 +80,7 @@ class ReportSource:
 
     @cached_property
     def lengths(self) -> tuple[int, ...]:
-        """The lengths of its tasks, or those of the space if it has several."""
+        """All lengths of the tasks and of the space."""
         given = {len(each.plan) for each in self.tasks} | set(self.space.lengths if self.space is not None else ())
         return tuple(sorted(given))
 
@@ -93,7 +93,7 @@ class ReportSource:
 def read_source(*sources: str | Path, domain: Domain | None = None, trust: bool = False) -> ReportSource:
     """Read a dataset or a file of tasks, and any number of evaluations, for a report.
 
-    `domain` is the domain of a file of tasks or of evaluations; by default, the one that a file of tasks names.
+    `domain` is the domain of a file of tasks or of evaluations; by default, it is the one that the file of tasks names.
 
     Raises:
         QueryError: a source is none of these, is damaged or has no task, or two sources have tasks.

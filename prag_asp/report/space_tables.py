@@ -20,7 +20,7 @@ FEATURES: tuple[Feature, ...] = ("names", "classes", "actions")
 """The features whose frequencies are compared."""
 
 CERTAIN = 1e-12
-"""P-values below this bound are shown as the bound, because floats cannot represent them."""
+"""P-values below this bound are not shown exactly, because floating-point error dominates them."""
 
 
 def space_tables(source: ReportSource) -> Iterator[ReportTable]:
@@ -43,7 +43,7 @@ def space_tables(source: ReportSource) -> Iterator[ReportTable]:
 
 
 def counts_table(space: TaskSpace, source: ReportSource, published: PublishedCount | None) -> ReportTable:
-    """Return the exact numbers of plans, tasks and skeletons of each length, and of the given tasks.
+    """Return the exact numbers of plans, tasks and skeletons of each length, and the number of given tasks.
 
     A level that the engine cannot count has empty cells.
     """
@@ -132,7 +132,7 @@ def canonical_plan(space: TaskSpace, plan: Sequence[str]) -> tuple[str, ...]:
 
 
 def frequency_tables(space: TaskSpace, inside: Sequence[ReportedTask]) -> Iterator[ReportTable]:
-    """Yield tables of the frequencies of names, classes and actions, with the exact expected ones, and of tests."""
+    """Yield a table of the frequencies of names, classes and actions beside the expected ones, and one of tests."""
     rows: list[tuple[Value, ...]] = []
     tests: list[tuple[Value, ...]] = []
     for length in sorted({len(task.plan) for task in inside}):
@@ -140,7 +140,7 @@ def frequency_tables(space: TaskSpace, inside: Sequence[ReportedTask]) -> Iterat
         for feature in FEATURES:
             try:
                 found = compare_frequencies(at, own, feature)
-            except (QueryError, EngineError):  # too many values, or a limit was reached: this feature has no row
+            except (QueryError, EngineError):  # too many values, or a limit was reached: no row for this feature
                 continue
             rows += [
                 (feature, length, found.tasks, each.value, each.observed, float(each.expected), str(each.expected))

@@ -14,11 +14,11 @@ STRIPS = 6
 """The default number of film strips; drawing one takes about a second."""
 
 COLUMNS, SIZE, QUALITY = 6, (240, 210), 80
-"""The largest number of states in a row, the size of a state in pixels, and the quality of the WebP pictures."""
+"""The maximum number of states in a row, the size of each in pixels, and the quality of the WebP images."""
 
 
 def film_strips(source: ReportSource, count: int = STRIPS) -> Mapping[int, str]:
-    """Return the data URIs of film strips for at most `count` tasks with witnesses, by the numbers of the tasks.
+    """Return the data URIs of film strips for at most `count` tasks with witnesses, by task number.
 
     The tasks are spread evenly over the dataset. There are none if the source is not a dataset, if it has no witnesses,
     or if physics or Pillow is not installed.
@@ -54,6 +54,6 @@ def film_strips(source: ReportSource, count: int = STRIPS) -> Mapping[int, str]:
 
 
 def _spread(tasks: Sequence[ReportedTask], count: int) -> list[ReportedTask]:
-    """Return at most `count` tasks at equal distances, including the first one."""
+    """Return at most `count` evenly spaced tasks, including the first one."""
     step = max(len(tasks) / count, 1.0)
     return [tasks[int(place * step)] for place in range(min(count, len(tasks)))]

@@ -20,7 +20,7 @@ SAMPLE = 1_000
 """The default number of tasks whose pairs are compared: half a million distances take a few seconds."""
 
 MEASURED = 200
-"""The number of tasks whose shortest plans are searched for."""
+"""The maximum number of tasks whose shortest plans are searched for."""
 
 BINS = 40
 """The number of bars of the histogram of distances."""
@@ -69,18 +69,18 @@ def difficulty_tables(source: ReportSource, seed: int = 0) -> Iterator[ReportTab
             rows.append(
                 (each.number, found.length, bits, found.shortest, found.detour, found.shortest_plans, found.undone)
             )
-    except PragError as error:  # too many states, a step that is no function, or older encodings in a dataset
+    except PragError as error:  # too many states, a nondeterministic step, or older encodings in a dataset
         yield ReportTable("difficulty", title, columns, (), str(error))
         return
     yield ReportTable(
         "difficulty", title, columns, tuple(rows),
         f"Of {sample_text(len(chosen), len(known), seed)}. Detour: actions beyond a shortest plan to the same goal. "
-        "Bits: the sum of log2 of the number of actions that could stand in the place of each action.",
+        "Bits: the sum of log2 of the number of alternatives to each action, including itself.",
     )  # fmt: skip
 
 
 def sample_text(chosen: int, whole: int, seed: int) -> str:
-    """Return in words how many tasks were chosen, and from how many."""
+    """Return a phrase for the number of chosen tasks and their total."""
     if chosen == whole:
         return f"all {whole:,} tasks"
     return f"{chosen:,} of {whole:,} tasks, sampled uniformly with seed {seed}"

@@ -35,10 +35,10 @@ def write_report(
 ) -> list[Path]:
     """Write a report on a dataset, a file of tasks or evaluations, and return the files that were written.
 
-    `output` is the page; `tables` is a folder for a CSV file of each table, and `figures` one for a PDF file of each
-    figure. Existing files are replaced. The page has film strips for at most `strips` tasks with witnesses. The pairs
-    of at most `sample` tasks are compared; if there are more tasks, a uniform sample is drawn with the seed. The same
-    arguments give the same bytes.
+    `output` is the page, `tables` is a folder for a CSV file of each table, and `figures` is a folder for a PDF file of
+    each figure. Existing files are replaced. The page has film strips for at most `strips` tasks with witnesses. The
+    pairs of at most `sample` tasks are compared; if there are more tasks, a uniform sample is drawn with the seed. The
+    same arguments give the same bytes.
 
     Raises:
         QueryError: a source is not a dataset, file of tasks or evaluation, is damaged, or has no task.

@@ -1,4 +1,4 @@
-"""Reinforcement learning: a Gymnasium environment over task spaces, its rewards, curricula, and chains of skills.
+"""Reinforcement learning: a Gymnasium environment over task spaces, rewards, curricula, and chains of skills.
 
 >>> import gymnasium
 >>> env = gymnasium.make("prag_asp.rl:prag_asp/Tabletop-v0", length=2)

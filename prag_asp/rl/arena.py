@@ -23,12 +23,12 @@ from prag_asp.scene.scene import Scene
 
 
 class Arena:
-    """A simulated world, rebuilt only if the bodies or their sizes change, in which actions follow a `control`."""
+    """A simulated world in which actions follow a `control`; it is rebuilt only if the bodies or their sizes change."""
 
     def __init__(self, scene: Scene, control: Control, resources: ExitStack):
         self._scene, self._control = scene, control
         substeps = STEPS_A_SECOND // control.rate
-        # The share of the commanded motion after each simulation step of an action.
+        # The fraction of the commanded motion after each simulation step of an action.
         self._shares = tuple((i + 1) / substeps for i in range(substeps))
         self._steps = 0
         self._world = resources.enter_context(open_dynamics(scene))
@@ -39,7 +39,7 @@ class Arena:
         self._situation: Situation | None = None
 
     def start(self, witness: Witness, number: int) -> Situation:
-        """Reset the world to moment `number` of a witness; the later simulation depends on nothing else.
+        """Reset the world to moment `number` of a witness; the simulation depends only on it and on later actions.
 
         Raises:
             SceneError: the witness has sizes that the scene does not allow.

@@ -28,10 +28,10 @@ INSTEAD = 'use render_mode="rgb_array"'
 
 
 class Viewer:
-    """Renders moments; its world is rebuilt only if the bodies or their sizes change.
+    """A renderer of moments; its world is rebuilt only if the bodies or their sizes change.
 
-    `names` are the cameras whose images are part of observations. Without names, the first camera of the scene is used,
-    only for `TaskEnv.render`.
+    `names` lists the cameras whose images are part of observations. Without names, only `TaskEnv.render` uses a camera,
+    the first one of the scene.
 
     Raises:
         QueryError: a camera does not exist or is named twice, or the size is invalid.
@@ -67,7 +67,7 @@ class Viewer:
         return self._studio_at(situation).take(next(iter(self._cameras.values()))).rgb
 
     def _studio_at(self, situation: Situation) -> Studio:
-        """Return the studio that shows a moment."""
+        """Return the studio, set to the moment of a situation."""
         shown = situation.scene, tuple(situation.poses)
         if self._own is None:
             self._own = self._resources.enter_context(ExitStack())
@@ -95,12 +95,12 @@ def cameras_of(scene: Scene, names: object, size: object) -> dict[str, Camera]:
 
 
 def has_display() -> bool:
-    """Return whether the machine may have a display: on Linux, whether an environment variable names one."""
+    """Return whether the machine may have a display; on Linux, whether the environment variable DISPLAY is set."""
     return sys.platform != "linux" or bool(os.environ.get("DISPLAY"))
 
 
 class Window:
-    """Shows images at `rate` images per second; it needs Tk, which most Python installations include.
+    """A window that shows `rate` images per second; it needs Tk, which most Python installations include.
 
     Once the user has closed the window, further images are not shown.
 

@@ -46,7 +46,7 @@ STEPS = 100
 """The default limit on the steps for a subgoal."""
 
 EPISODE = ("stage", "task", "witness", "_over", "_last", "_left", "_before", "_episode_info", "_curriculum", "_latest")
-"""The attributes of an episode other than its start and its actions."""
+"""The attributes of an environment that describe the current episode, apart from its start and its actions."""
 
 REBUILT = (
     "domain", "scene", "layout", "situation", "_resources", "_viewer", "_window", "_sampler", "_arena", "_start",
@@ -56,36 +56,36 @@ REBUILT = (
 
 
 class TaskEnv(GoalEnv):
-    """One agent moves all arms of a scene; its tasks come from a `space` or a `dataset`, or are a single `task`.
+    """An environment in which an agent moves all arms; tasks come from a `space` or a `dataset`, or are one `task`.
 
     Instead of a space, give a `domain` and a `length`; instead of a dataset, its folder. With `split`, only the part
     with that name is used: a part of a dataset, or of a space divided by `shares` (80 % ``train`` and 20 % ``test`` by
-    default), by whole `skeletons`, or by a held-out name (`hold_out`), in the same way as by `generate` with the same
-    seed. The conditions `where` restrict a space or a dataset. Tasks of a space whose final state is the initial state
-    are left out unless `trivial` is true. Thus plain values suffice to define an environment.
+    default), by whole `skeletons`, or by a held-out name (`hold_out`), in the same way as `generate` does with the same
+    seed. The conditions `where` restrict a space or a dataset. Tasks of a space whose final state equals the initial
+    state are excluded unless `trivial` is true. Thus plain values suffice to define an environment.
 
-    An observation is an array of the kind `observation` (`layout.names` names its numbers); with `goals` or `cameras`,
+    An observation is an array of the kind `observation` (`layout.names` names its features); with `goals` or `cameras`,
     it is a dictionary that holds this array under `observation`. Following the convention of goal environments, `goals`
     adds `achieved_goal` and `desired_goal`, each of shape (2 * `PLACES`,), with vectors for the current and the
     previous step; `prag_asp.rl.rewards` explains the vectors. `control` is the name of a control convention; the
-    attribute `control` holds the names, units and scales of the numbers in an action. There are `rate` actions per
-    second, a divisor of 120. `action_scale` is a factor for the changes in actions, except those of the fingers; it
-    serves skills that need small motions.
+    attribute `control` holds the names, units and scales of the components of an action. There are `rate` actions per
+    second, a divisor of 120. `action_scale` scales the displacements in actions, but not those of the fingers; it is
+    useful for skills that need small motions.
 
     `stage` is the initial subgoal, from 0 (-1 is the last, "any" is random); the episode begins in the state of the
     witness at the start of this subgoal. It lasts `until` that "subgoal" or the whole "task" is reached, but at most
     `steps` steps for each subgoal. Only the predicates decide whether a subgoal is reached. With `everything`, all
-    bodies are observed, not only those that the action names. The dense part of a "faded" reward is annealed over
-    `fade` steps or, if `fade` is "success", with the success rate; `discount` is the discount of its potentials. For
-    tasks from a space, witnesses are searched for within a `budget`.
+    bodies are observed, not only those in the current action. The dense part of a "faded" reward is annealed over
+    `fade` steps or, if `fade` is "success", with the success rate; `discount` is the discount factor of the potentials.
+    For tasks from a space, witnesses are searched for within a `budget`.
 
     With a `part` of the space, only the tasks of the part are used. A `curriculum` chooses the tasks
     (`LengthCurriculum`, `NoveltyCurriculum`, `AdaptiveCurriculum` or `BanditCurriculum`) or the initial subgoals
     (`ReverseCurriculum`); there may be one of each kind. Curricula learn only from the episodes of this environment.
     `info` has the same keys at a reset and at each step, among them the instruction in a `language` at three levels of
     detail, the sentence for the current subgoal, the exact `probability` of the task and that of its stage
-    (`stage_probability`), and the number of samples that were `rejected` before it. Observations also contain the
-    images of `cameras`, each under `camera_` followed by the name of the camera: 8-bit colours, with the width and
+    (`stage_probability`), and the number of samples that were `rejected` before this task. Observations also contain
+    the images of `cameras`, each under `camera_` followed by the name of the camera: 8-bit colours, with the width and
     height in pixels given by `size`. With the `render_mode` "human", a window shows the first camera after each reset
     and step, at the simulated speed.
 
@@ -178,9 +178,9 @@ class TaskEnv(GoalEnv):
     ) -> tuple[Observation, dict[str, Any]]:
         """Begin an episode.
 
-        `options` may set the `task` (and its `witness`), the `rank` of a task (in a dataset, its number) or a
-        `scenario`, the initial `stage`, the `steps` for each subgoal, and the `texts` of the task (`TaskTexts`, such as
-        the `texts` of an entry of a dataset); all other values are sampled. With a `seed`, all later samples depend
+        `options` may set the `task` (and its `witness`), the `rank` of a task (in a dataset, the number of the task) or
+        a `scenario`, the initial `stage`, the `steps` for each subgoal, and the `texts` of the task (`TaskTexts`, such
+        as the `texts` of an entry of a dataset); all other values are sampled. With a `seed`, all later samples depend
         only on the seed; without any seed, they are random.
 
         Raises:
@@ -210,7 +210,7 @@ class TaskEnv(GoalEnv):
         return self._latest
 
     def step(self, action: NDArray[np.float32]) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Apply an action for its duration; its numbers are clipped to the bounds of the action space.
+        """Apply an action for its duration; it is clipped to the bounds of the action space.
 
         Raises:
             QueryError: the action is malformed or not finite, no episode has begun, or it has ended.
@@ -244,7 +244,7 @@ class TaskEnv(GoalEnv):
     def render(self) -> Image | None:
         """Return an image from the first of the `cameras`, or from the scene's first camera.
 
-        Return None if there is no render mode, and in the mode "human", in which each reset and step shows the image.
+        Return None if there is no render mode, or in the mode "human", where each reset and step shows the image.
 
         Raises:
             QueryError: no episode has begun.
@@ -271,13 +271,13 @@ class TaskEnv(GoalEnv):
         return {"environment": self._kind, "start": start, "moves": moves, **attributes}
 
     def restore_state(self, state: Mapping[str, Any]) -> tuple[Observation, dict[str, Any]]:
-        """Continue an episode of this environment, or of one with the same arguments, identically bit for bit.
+        """Continue an episode, bit for bit, of this environment or of one with the same arguments.
 
         Replay the actions of the episode, and return the observation and the info of its last step.
 
         Raises:
-            QueryError: the value is not a state of an episode, or it is one of an environment with another domain,
-                control convention, rate or other observations.
+            QueryError: the value is not the state of an episode, or the environment of that episode has a different
+                domain, control convention, rate or observation.
         """
         try:
             kind, start, moves, attributes = (
@@ -314,7 +314,7 @@ class TaskEnv(GoalEnv):
         return with_checksum(state, self._spec)
 
     def load_state_dict(self, state: Mapping[str, Any]) -> None:
-        """Continue from a checkpoint of an environment with the same arguments; the next reset must not get a seed.
+        """Continue from a checkpoint of an environment with the same arguments; pass no seed to the next reset.
 
         Raises:
             QueryError: the checkpoint belongs to another environment, or is damaged.
@@ -368,7 +368,7 @@ class TaskEnv(GoalEnv):
         return self._arena
 
     def __getstate__(self) -> dict[str, Any]:
-        """Return the arguments, the state of the samplers, and the episode, given by its task and its actions."""
+        """Return the arguments, the state of the samplers, and the episode as its start and its actions."""
         return {
             "arguments": self._arguments,
             "sampler": self._sampler.state_dict() if self._sampler.seeded else None,
@@ -386,7 +386,7 @@ class TaskEnv(GoalEnv):
             self._resume(state["start"])
 
     def _resume(self, start: EpisodeStart) -> None:
-        """Replay an episode up to its last action, after computing the subgoals of its start again."""
+        """Replay an episode up to its last action, after recomputing the subgoals of its task."""
         self._start = replace(start, subgoals=subgoals_of(start.assignment.task, self.scene))
         self._perform()
 
@@ -399,7 +399,7 @@ class TaskEnv(GoalEnv):
             self.situation = self._arena.act(moves)
 
     def _goal(self, situation: Situation) -> tuple[list[float], NDArray[np.float32]]:
-        """Return the signed distances at a moment, and its goal vector."""
+        """Return the signed distances of the facts at a moment, and the goal vector of the moment."""
         subgoal, last = self._start.subgoals[self.stage], self._measured
         measured = subgoal.measured(situation, last[1:] if last is not None and last[0] is subgoal else None)
         self._measured = subgoal, situation, measured

@@ -24,15 +24,14 @@ UNTIL: tuple[Until, ...] = get_args(Until)
 OPTIONS = ("task", "witness", "rank", "scenario", "stage", "steps", "texts")
 
 ANY = "any"
-"""The stage that stands for a randomly chosen one."""
+"""The value of `stage` for a random stage."""
 
 REAL = "biuf"
-"""The kinds of NumPy types for real numbers, which excludes complex numbers, and texts, which NumPy would parse as
-numbers."""
+"""NumPy's kind codes of real numbers. They exclude complex numbers, and strings, which NumPy would parse as numbers."""
 
 
 def check_arguments(given: Mapping[str, Any], render_modes: Sequence[str]) -> None:
-    """Check those arguments of an environment, given by name, that its parts do not check.
+    """Check the arguments of an environment that no part of the environment checks; `given` holds them by name.
 
     Raises:
         QueryError: an argument has a value that is not allowed.
@@ -63,7 +62,7 @@ def check_arguments(given: Mapping[str, Any], render_modes: Sequence[str]) -> No
 
 
 def conditions_of(where: Sequence[str], stage: object) -> Sequence[str]:
-    """Return the conditions on tasks, including that a task has the action that `stage` names."""
+    """Return the conditions on tasks; if `stage` is the name of an action, tasks must have this action."""
     if isinstance(where, str) or not isinstance(stage, str) or stage == ANY:
         return where
     return (*where, f"has {stage}")
@@ -95,7 +94,7 @@ def options_of(options: object) -> Mapping[str, Any]:
 
 
 def moves_of(action: object, control: Control) -> NDArray[np.float64]:
-    """Return an action for a control, clipped to its bounds.
+    """Return an action as an array of floats, clipped to the bounds of a control.
 
     Raises:
         QueryError: the action has a wrong shape, or is not finite.

@@ -16,12 +16,13 @@ from prag_asp.rl.environment import TaskEnv
 from prag_asp.task import Task
 
 SETTLING = 1.0
-"""The time in seconds for which the last targets are held if a subgoal has not been reached, because bodies may still
-move."""
+"""The time in seconds for which the last targets are held while a subgoal is not reached, because bodies may still
+move.
+"""
 
 
 class Replay(NamedTuple):
-    """The replay of a recording: its task, the number of its initial state, and how many subgoals were `reached`."""
+    """The replay of a recording: the task, the number of the initial state, and the number of subgoals `reached`."""
 
     task: Task
     start: int

@@ -1,4 +1,4 @@
-"""The goal interface of an environment: rewards and episode ends from goal vectors alone, for steps or batches."""
+"""The goal interface of an environment: rewards and ends of episodes from goal vectors, for steps or batches."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def observation_space(size: int, images: Mapping[str, spaces.Box], *, goals: boo
 
 
 class GoalMethod:
-    """A method that only environments with goals have, because tools recognise a goal environment by its methods."""
+    """A method that exists only in environments with goals, because tools recognise these by their methods."""
 
     def __init__(self, method: Callable[..., Any]) -> None:
         self._method, self.__doc__ = method, method.__doc__
@@ -47,8 +47,8 @@ class GoalEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
     """An environment whose rewards and episode ends follow from goal vectors, as hindsight replay needs.
 
     A goal has the shape (2 * `PLACES`,): the vector of the moment, then the vector of the previous step. `discount` is
-    the discount of the potentials, and `share` is the weight of the dense reward. The methods ``compute_...`` exist
-    only if `has_goals` is true, that is, if observations have goals.
+    the discount factor of the potentials, and `share` is the weight of the dense reward. The methods ``compute_...``
+    exist only if `has_goals` is true, that is, if observations have goals.
     """
 
     has_goals: bool
@@ -69,7 +69,7 @@ class GoalEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
 
     @GoalMethod
     def compute_truncated(self, achieved_goal: Floats, desired_goal: Floats, info: Any) -> Any:
-        """Return whether steps end an episode without reaching their goals: `steps_left` in `info` is 0.
+        """Return whether steps end an episode without reaching their goals, that is, `steps_left` in `info` is 0.
 
         `info` is the info for a step, or holds an info for each step of a batch; a step without `steps_left` is not
         truncated.

@@ -13,10 +13,10 @@ from prag_asp.scene.scene import Scene
 from prag_asp.task import Task
 
 BROUGHT = 6
-"""The number of achieved facts with a separate place in a goal vector; all other facts share the last place."""
+"""The number of achieved facts with their own elements in a goal vector; all other facts share the last element."""
 
 PLACES = 2 + BROUGHT
-"""The size of a goal vector: the number of the subgoal, the distances of achieved facts, and the largest of all others.
+"""The size of a goal vector: the index of the subgoal, the distances of achieved facts, and the largest other distance.
 """
 
 
@@ -24,7 +24,7 @@ PLACES = 2 + BROUGHT
 class Subgoal:
     """A subgoal: the facts that its action achieves, and all other facts known to hold after it.
 
-    `names` are the texts of the facts, with a minus if a fact must not hold.
+    `names` holds the facts as text, with a minus sign if a fact must not hold.
     """
 
     achieved: tuple[Fact, ...]
@@ -35,7 +35,7 @@ class Subgoal:
         """Return the signed distance, in metres or radians, of each fact in `names`: at most 0 if the fact holds.
 
         If the distances in an earlier situation, `before`, are given, a distance is computed again only if the fact is
-        about the gripper or about bodies that have moved since. For a fact that must not hold and has no place of its
+        about the gripper or about bodies that have moved since. For a fact that must not hold and has no element of its
         own in a goal vector, a distance below the largest one is replaced by an upper bound.
         """
         facts, bodies, last = self._facts, self._bodies, None if before is None else before[0]
@@ -67,7 +67,7 @@ class Subgoal:
 
     @cached_property
     def _late(self) -> tuple[int, ...]:
-        """The numbers of the facts whose distance is only compared with others, and is computed after these."""
+        """The numbers of the facts whose distance is needed only in the maximum, and is therefore computed last."""
         places = min(len(self.achieved), BROUGHT)
         return tuple(
             number
@@ -82,10 +82,10 @@ class Subgoal:
         return tuple([None if kind.of_gripper or kind.looks_around else entities for kind, entities in kinds])
 
     def placed(self, measured: list[float]) -> list[float]:
-        """Return signed distances as `PLACES` - 1 numbers, with 0 for unused places.
+        """Return signed distances as the `PLACES` - 1 last elements of a goal vector, with 0 for unused elements.
 
         All numbers are at most 0 if and only if the subgoal is reached; the last one is the largest distance of the
-        facts that have no place.
+        facts without an element of their own.
         """
         own = min(len(self.achieved), BROUGHT)
         return [*measured[:own], *[0.0] * (BROUGHT - own), max(measured[own:], default=0.0)]

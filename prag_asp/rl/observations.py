@@ -1,7 +1,7 @@
-"""Observations: the arms, the bodies of the current action, its skill, and the distances of its facts.
+"""Observations: the arms, the current action's skill and bodies, and the distances of the facts in the subgoal.
 
-A skill is an action without the bodies that it names: ``place(panda,_,left_of,_)``. The features of bodies are in the
-order of the action's arguments, so a policy for one cube works for all cubes.
+A skill is an action without its bodies: ``place(panda,_,left_of,_)``. The features of bodies are in the order of the
+action's arguments, so a policy for one cube works for all cubes.
 """
 
 from __future__ import annotations
@@ -35,17 +35,18 @@ BODY = (
 )  # fmt: skip
 """The features of a body, or of its moving part, in metres and radians; dx is relative to the tool of the acting arm.
 
-The turn is twice the angle about the vertical from that tool to the body, because a gripper is symmetric under half a
-turn.
+The turn is twice the yaw of the body relative to that tool, because a gripper is symmetric under half a turn.
 """
 
 ARM = (*(f"joint {i}" for i in range(1, 8)), *"xyz", "vx", "vy", "vz", "cos yaw", "sin yaw", "width", "asked width")
-"""The features of an arm: its joints in radians; the position and velocity of its tool, and its actual and commanded
-opening, in metres."""
+"""The features of an arm: the joint angles in radians; the position of the tool in metres, and its velocity in metres
+per second; the cosine and sine of its yaw; and the actual and commanded opening in metres.
+"""
 
 FACTS = (*(f"fact {i + 1}" for i in range(BROUGHT)), "other facts")
-"""The signed distances of the facts in the current subgoal, in metres or radians: one for each fact that its action
-brings about, and the largest distance of all other facts. A fact holds if its distance is at most 0."""
+"""The signed distances of the facts in the current subgoal, in metres or radians: one for each fact that the action
+achieves, and the largest distance of all other facts. A fact holds if its distance is at most 0.
+"""
 
 JOINT_SCALES = {f"joint {i}": 0.5 for i in range(1, 8)}
 ARM_SCALES = {
@@ -57,7 +58,8 @@ BODY_SCALES = {
     "half y": 20.0, "half z": 20.0, "opening": 1.0,
 }  # fmt: skip
 """The features of a body in a relative observation, with the factors that scale them to about 1 within the reach of an
-arm and the width of its gripper."""
+arm and the width of a gripper.
+"""
 
 FACT_SCALE, FACT_BOUNDS = 10.0, (-0.1, 0.5)
 """The factor for the distance of a fact, and the bounds in metres or radians to which the distance is clipped before
@@ -66,7 +68,7 @@ scaling."""
 
 @dataclass(frozen=True)
 class Layout:
-    """The layout of an observation: robots, the action's arguments that are bodies, further `bodies`, and skills."""
+    """The layout of an observation: robots, the maximum number of bodies in an action, further `bodies`, and skills."""
 
     robots: tuple[str, ...]
     skills: Mapping[str, int]
@@ -87,7 +89,7 @@ class Layout:
     ) -> Layout:
         """Return the layout for the actions of a domain.
 
-        With `everything`, it includes all bodies of the scene; with `joints`, it includes the joints even in a
+        With `everything`, the layout includes all bodies of the scene; with `joints`, it includes the joints even in a
         `relative` observation.
 
         Raises:
@@ -103,12 +105,12 @@ class Layout:
 
     @property
     def scales(self) -> Mapping[str, float]:
-        """The name of each number in an observation, and its factor, which is 1 for `poses`, in metres and radians."""
+        """The scale factor of each feature of an observation, by name; for `poses`, in metres and radians, it is 1."""
         return {name: scale for name, scale in self._all_scales if scale}
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The name of each number in an observation."""
+        """The names of the features of an observation, in order."""
         return tuple(self.scales)
 
     def arranged(self, values: Sequence[float]) -> NDArray[np.float32]:
@@ -120,7 +122,7 @@ class Layout:
 
     @cached_property
     def _columns(self) -> tuple[itemgetter[Any], NDArray[np.float64]]:
-        """A function that chooses the features that are observed, and their factors."""
+        """A function that chooses the observed features from all features, and their scale factors."""
         scales = np.array([scale for _, scale in self._all_scales])
         places = np.flatnonzero(scales)
         return itemgetter(*places.tolist()), scales[places]
@@ -141,7 +143,7 @@ class Layout:
 
     @property
     def _all_scales(self) -> list[tuple[str, float]]:
-        """The names of all features and their factors, which are 0 for those that are not observed."""
+        """The names and scale factors of all features; a feature that is not observed has factor 0."""
         relative = self.kind == "relative"
         arm = {**(JOINT_SCALES if self.joints else {}), **ARM_SCALES}
         owners = [(robot, ARM, arm) for robot in self.robots]
@@ -157,13 +159,13 @@ class Layout:
 
 
 def skill(action: Atom, scene: Scene) -> str:
-    """Return the skill of an action: its text with ``_`` for each body that it names."""
+    """Return the skill of an action: its text with ``_`` in place of each body."""
     blank = ["_" if _is_body(scene, argument) else argument for argument in action.arguments]
     return str(Atom(action.name, tuple(blank)))
 
 
 def named_bodies(action: Atom, scene: Scene) -> list[str]:
-    """Return the bodies and surfaces that an action names, in the order of its arguments."""
+    """Return the bodies and surfaces among the arguments of an action, in order."""
     return [argument for argument in action.arguments if _is_body(scene, argument)]
 
 
@@ -182,8 +184,8 @@ def observe(
 ) -> NDArray[np.float32]:
     """Return the observation of an agent that pursues an action, shape ``(len(layout.names),)``.
 
-    `speeds` are the velocities of the tools in metres per second, `commanded` are the commanded openings of the
-    grippers in metres, and `missed` are the distances of the facts in the subgoal, in the order of `FACTS`.
+    `speeds` holds the velocities of the tools in metres per second, `commanded` holds the commanded openings of the
+    grippers in metres, and `missed` holds the distances of the facts in the subgoal, in the order of `FACTS`.
     """
     scene = situation.scene
     acting = next((name for name in action.arguments if name in scene.robots), layout.robots[0])

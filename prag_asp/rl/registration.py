@@ -37,7 +37,7 @@ SKILLS: dict[str, dict[str, Any]] = {
         "steps": 50,
     },
 }
-"""The arguments of environments for single skills, whose episodes begin with a subgoal of the skill and end with it.
+"""The arguments of environments for single skills; an episode consists of one subgoal of the skill.
 
 The step limits are about twice the number of steps that the scripted agent takes.
 """

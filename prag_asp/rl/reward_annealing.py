@@ -10,12 +10,13 @@ from prag_asp.errors import QueryError
 from prag_asp.rl.environment_options import is_whole
 
 WINDOW = 50
-"""The number of episodes over which the success rate is taken: enough for steps of 2 percent, and few enough to follow
-learning."""
+"""The number of episodes over which the success rate is computed: enough for a resolution of 2 percent, and few enough
+to follow learning.
+"""
 
 
 class RewardAnnealing:
-    """A share that falls from 1 to 0 over a number of steps, or with the success rate.
+    """The weight of the dense reward, which falls from 1 to 0 over a number of steps or with the success rate.
 
     It changes only between episodes, so that the shaping within an episode remains potential-based.
     """
@@ -46,7 +47,7 @@ class RewardAnnealing:
 
     @property
     def share(self) -> float:
-        """The share, between 0 and 1."""
+        """The weight, between 0 and 1."""
         if self._over == "success":
             return 1.0 - sum(self._ends) / WINDOW
         return max(0.0, 1.0 - self._steps / self._over)

@@ -1,6 +1,6 @@
 """A scripted agent, the oracle, which follows the waypoints of the witness and knows the exact poses of all bodies.
 
-It shows which subgoals can be reached with an upright tool, and serves as a baseline for learned agents.
+It shows which subgoals an upright tool can reach, and serves as a baseline for learned agents.
 """
 
 from __future__ import annotations
@@ -41,10 +41,10 @@ Action = NDArray[np.float32]
 
 
 class OraclePolicy:
-    """The oracle as a policy for a subgoal: it gives up after the last waypoint, and starts again when it takes over.
+    """The oracle as a policy for a subgoal: it gives up after the last waypoint, and starts again at each `begin`.
 
     Raises:
-        QueryError: the environment does not take displacements of the tool.
+        QueryError: the actions of the environment are not displacements of the tool.
     """
 
     def __init__(self, env: TaskEnv):
@@ -67,7 +67,7 @@ def oracle(env: TaskEnv) -> Iterator[Action]:
     """Yield actions for the subgoals of an episode that has begun, each computed from the current state.
 
     Raises:
-        QueryError: the environment does not take displacements of the tool.
+        QueryError: the actions of the environment are not displacements of the tool.
     """
     _require_tool(env)
     return (action for stage in range(env.stage, len(env.witness.motions)) for action in _pursued(env, stage))
@@ -105,7 +105,7 @@ def _pursued(env: TaskEnv, stage: int) -> Iterator[Action]:
 
 
 def _fingers(env: TaskEnv, robot: str, opening: float) -> Iterator[Action]:
-    """Yield actions that open or close a gripper to an opening in metres."""
+    """Yield actions that bring a gripper to an opening in metres."""
     farthest = float(env.control.upper[-1])
     while abs(off := opening - env.commanded_openings[robot]) > farthest / 100:
         yield _action(env, robot, fingers=off)

@@ -28,9 +28,9 @@ from prag_asp.task import Task
 from prag_asp.wording import unknown
 
 Policy = Callable[[Any], "NDArray[Any] | None"]
-"""Returns an action for an observation of the environment and its wrappers, or None to give up.
+"""A function from an observation of the (wrapped) environment to an action, or to None to give up.
 
-Its method `begin()`, if it has one, is called whenever it takes over, so that it can reset its memory.
+If it has a method `begin()`, this is called whenever the policy takes over, so that it can reset its memory.
 """
 
 Tasks = int | Iterable[Task | tuple[Task, Witness]]
@@ -40,7 +40,7 @@ Tasks = int | Iterable[Task | tuple[Task, Witness]]
 class Rollout:
     """The rollout of a task: `tries` and `steps` for each pursued subgoal, and the number of subgoals `reached`.
 
-    `first` is the initial stage; `actions` are the actions from this stage to the end of the episode.
+    `first` is the initial stage; `actions` holds the actions from this stage to the end of the episode.
     """
 
     task: Task
@@ -67,7 +67,7 @@ class Rollouts:
         return Rate(sum(rollout.success for rollout in self.rollouts), len(self.rollouts))
 
     def by_stage(self) -> tuple[Rate, ...]:
-        """Return the success rate of each stage among the rollouts that began it.
+        """Return the success rate of each stage among the rollouts that began this stage.
 
         If all rollouts have the same number of stages, the product of the shares is exactly the share of `whole`.
         """
@@ -76,7 +76,7 @@ class Rollouts:
         return tuple(Rate(reached[stage], trials[stage]) for stage in sorted(trials))
 
     def by_length(self) -> tuple[Fraction, ...]:
-        """Return, for each length from 1 on, the share of plans whose stages up to that length are all reached.
+        """Return, for each length from 1 on, the share of plans whose subgoals up to that length are all reached.
 
         The result is the product of the shares of the stages. It is exact for rollouts of one length; for several
         lengths, it is the estimate of Kaplan and Meier (1958), in which each rollout counts up to its length.
@@ -114,9 +114,9 @@ def run(
 
     `policies` maps action names (``pick``) or skills (``place(panda,_,left_of,_)``), which have priority, to policies;
     a single policy is used for all skills. Each subgoal may be pursued for up to `patience` steps, up to `tries` times:
-    after a failure, its policy takes over again from the current state. `tasks` are tasks, with or without witnesses,
-    or the number of tasks to sample with a `seed`. The environment, which is a `TaskEnv` in any wrappers, defines the
-    subgoals and the observations; it remains open. An environment made for a space is closed.
+    after a failure, the policy for this subgoal takes over again from the current state. `tasks` are tasks, with or
+    without witnesses, or the number of tasks to sample with a `seed`. The environment, which is a `TaskEnv`, possibly
+    in wrappers, defines the subgoals and the observations; it remains open. An environment made for a space is closed.
 
     Raises:
         QueryError: the environment is not a `TaskEnv`, a number is below 1, a policy is missing, or a task has no

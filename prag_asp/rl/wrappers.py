@@ -24,16 +24,16 @@ ABOVE, ASIDE = 0.06, 0.02
 
 
 class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np.float32]]):
-    """Adds to each action the motion of a scripted reach to the first body that the current action names.
+    """A wrapper that adds a scripted reach, towards the first body in the current action, to each action.
 
     The reach moves the tool of the acting arm over the body and then down to its centre, turned so that the fingers can
-    close on the narrow sides of a box. Each motion is at most the largest displacement in an action. It does not move
-    the fingers, and lifts the body when the arm holds it. An agent thus learns a residual (Johannink and others,
-    "Residual reinforcement learning for robot control", 2019), scaled by `share`.
+    close on the narrow sides of a box. Each motion is at most the largest displacement in an action. The reach does not
+    move the fingers; when the arm holds the body, it lifts the body. An agent thus learns a residual (Johannink and
+    others, "Residual reinforcement learning for robot control", 2019), scaled by `share`.
 
     Raises:
-        QueryError: the environment is not a `TaskEnv`, does not take displacements of the tool, or the share is not
-            above 0 and at most 1.
+        QueryError: the environment is not a `TaskEnv`, its actions are not displacements of the tool, or the share is
+            not above 0 and at most 1.
     """
 
     def __init__(self, env: gymnasium.Env[Any, NDArray[np.float32]], share: float = 0.3):
@@ -73,7 +73,7 @@ class ScriptedReach(gymnasium.ActionWrapper[Any, NDArray[np.float32], NDArray[np
 
 
 def _turn(situation: Situation, robot: str, entity: str) -> float:
-    """Return the smallest turn, in radians, after which the fingers close on a box's narrow sides; for others, 0."""
+    """Return the smallest turn, in radians, after which the fingers close on the narrow sides of a box; otherwise 0."""
     shape = situation.shape(entity)
     if shape.kind != "box":
         return 0.0

@@ -32,11 +32,11 @@ HAND_ROOM = 0.12
 
 WRIST, WRIST_AT, WRIST_LOOK_AT, WRIST_FIELD = "wrist", (0.08, 0.0, -0.06), (0.015, 0.0, 0.04), 75.0
 """The name of the default camera at a wrist, its position and its target in the frame of the tool in metres, and its
-field of view in degrees: if the fingers are less than 0.2 m above a cube of 50 mm, the cube covers at least 300 of 128
-x 128 pixels."""
+field of view in degrees: a 50 mm cube that is less than 0.2 m below the fingers covers at least 300 pixels of an image
+of 128 x 128 pixels."""
 
 STRAIGHT = 0.999
-"""The cosine of the smallest angle between the view and the axis that points upwards in the image."""
+"""The cosine of the smallest angle between the viewing direction and the axis that points upwards in the image."""
 
 
 class Camera(NamedTuple):
@@ -62,7 +62,7 @@ class Camera(NamedTuple):
 
         The centre of the first pixel is at (0.5, 0.5), and pixels are square.
         """
-        import numpy as np  # noqa: PLC0415 - whoever reads a scene may never look at it
+        import numpy as np  # noqa: PLC0415 - a scene can be read without using its cameras
 
         width, height = self.size
         focal = height / 2 / math.tan(math.radians(self.field_of_view) / 2)

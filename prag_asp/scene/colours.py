@@ -20,14 +20,15 @@ TO_XYZ = np.array(
 DAYLIGHT = TO_XYZ.sum(axis=1)
 EDGE = 6 / 29
 WHITE = "#ffffff"
-"""The colour of a body that looks as it does in its file, because its visual parts are multiplied by its colour."""
+"""The colour that leaves a body as it looks in its file, because the visual parts are multiplied by the body's
+colour."""
 
 LEVELS = (0x10, 0x38, 0x60, 0x88, 0xB0, 0xD8, 0xF8)
 """The levels of red, green and blue that `more_colours` combines."""
 
 LIGHTNESS, CHROMA = (28.0, 88.0), (28.0, 90.0)
-"""The ranges of lightness and chroma for the colours of objects: robots and trays are grey, and no object has the
-strongest blue of a screen."""
+"""The ranges of lightness and chroma for the colours of objects: they exclude the grey of robots and trays, and the
+most saturated blue of a screen."""
 
 
 def rgb(color: str) -> tuple[int, int, int]:
@@ -43,7 +44,7 @@ def to_lab(color: str) -> NDArray[np.float64]:
 
 
 def from_lab(lab: NDArray[np.float64]) -> str:
-    """Return the sRGB colour of a CIELAB lightness, a and b, with red, green and blue clipped to their range."""
+    """Return the sRGB colour, like ``#e4572e``, of CIELAB components (lightness, a and b), clipped to valid values."""
     y = (lab[0] + 16) / 116
     bent = np.array([y + lab[1] / 500, y, y - lab[2] / 200])
     xyz = DAYLIGHT * np.where(bent > EDGE, bent**3, 3 * EDGE**2 * (bent - 4 / 29))
@@ -59,7 +60,7 @@ def apart(one: str, two: str) -> float:
 
 @lru_cache(maxsize=64)
 def more_colours(taken: Sequence[str], count: int) -> tuple[str, ...]:
-    """Return `count` colours, each as different as possible from the colours already taken and the previous ones.
+    """Return `count` colours, each as different as possible from the colours already taken or chosen.
 
     The method is farthest-point-first (Gonzalez, "Clustering to minimize the maximum intercluster distance", 1985).
     """

@@ -12,7 +12,7 @@ Place = tuple[float, float, float]
 """x and y in metres, and the yaw in radians."""
 
 TOUCHING = 0.0015
-"""The depth in metres by which fixed bodies may overlap, which is the same as for all bodies."""
+"""The depth in metres by which two bodies may overlap, whether or not they are fixed."""
 
 
 class Footprint(NamedTuple):

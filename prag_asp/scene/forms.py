@@ -15,15 +15,16 @@ Point = tuple[float, float]
 Outline = tuple[Point, ...]
 
 CIRCLE = tuple(2 * math.pi * i / 16 for i in range(16))
-"""The headings of the corners of a cylinder's outline, in radians; the error is at most 2 percent of the radius."""
+"""The directions from the axis of a cylinder to the corners of its outline, in radians; the error is at most 2 percent
+of the radius."""
 
 
 class Primitive(NamedTuple):
     """The extent of a primitive, as functions of the half-extents of its bounding box, in metres.
 
-    `reach` is the distance from its centre to its farthest point along a unit vector, in its own frame. `outline`
-    returns its corners seen from above, counter-clockwise, for a given x, y and yaw of its centre; for a ball, it
-    returns the contact point. `volume` is in cubic metres.
+    `reach` is the distance from the centre of the primitive to the farthest point along a unit vector, in the
+    primitive's own frame. `outline` returns its corners seen from above, counter-clockwise, for a given x, y and yaw of
+    its centre; for a ball, it returns the contact point. `volume` is in cubic metres.
     """
 
     reach: Callable[[Vector, Vector], float]
@@ -55,4 +56,4 @@ BALL = Primitive(
 )
 
 FORMS: Mapping[str, Primitive] = {"box": BOX, "cylinder": CYLINDER, "sphere": BALL}
-"""The primitives that make up bodies; a body from a URDF can also have meshes."""
+"""The primitives that make up bodies; a body from a file can also have meshes."""

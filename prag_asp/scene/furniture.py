@@ -1,10 +1,10 @@
 """Furniture: a fixed body, a part that slides or turns on a joint, and a handle.
 
-A *drawer* is a low cabinet, open in front, from which a tray with a front panel slides out along the cabinet's -x. A
-*cupboard* is a low box whose door lies on top and turns about an upright pin at a corner, to the cupboard's +y: the
-gripper reaches its contents from above, as it reaches everything. When the furniture is closed, the roof or the door is
-between the gripper and the contents. Handles are upright posts, gripped from above. Lengths are metres; the frame of
-the moving part is that of its joint.
+A *drawer* is a low cabinet, open in front, from which a tray with a front panel slides out along the cabinet's -x axis.
+A *cupboard* is a low box with a door on top, which turns about a vertical pin at a corner, towards the cupboard's +y
+axis. The gripper reaches all contents from above. When the furniture is closed, the roof of the drawer or the door of
+the cupboard is between the gripper and the contents. Handles are vertical posts, gripped from above. Lengths are
+metres; the frame of the moving part is that of its joint.
 """
 
 from __future__ import annotations
@@ -183,7 +183,7 @@ def _post(x: float, y: float, bottom: float) -> Box:
 
 
 def _around_in(boxes: tuple[Box, ...], pose: Pose) -> Corners:
-    """Return the bounding box, in a given frame, of several boxes."""
+    """Return the bounding box of several boxes that are given in a frame with a given pose."""
     corners = []
     for (x, y, z), (dx, dy, dz) in boxes:
         for i in range(8):

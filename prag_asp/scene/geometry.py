@@ -122,7 +122,7 @@ def finite(pose: Pose) -> bool:
 def extents(shape: Shape, quaternion: Quaternion) -> Vector:
     """Return the half-extents of the axis-aligned bounding box of a rotated shape, in metres.
 
-    A shape with a model counts as its bounding box in the file; `prag_asp.physics.extent` measures its solids.
+    A shape with a model is treated as its bounding box in the file; `prag_asp.physics.extent` measures its solids.
     """
     half, reach = shape.half, shape.traits.form.reach
     x, y, z, w = quaternion
@@ -182,7 +182,7 @@ def centre_of_mass(shape: Shape, pose: Pose) -> Vector:
 
 
 def inside_by(polygon: Outline, point: Point) -> float:
-    """Return how far inside a convex counter-clockwise polygon a point is, in metres; negative outside."""
+    """Return the depth in metres of a point within a convex counter-clockwise polygon; it is negative outside."""
     depth = math.inf
     for (ax, ay), (bx, by) in zip(polygon, polygon[1:] + polygon[:1], strict=True):
         length = math.hypot(bx - ax, by - ay)

@@ -67,7 +67,7 @@ def combined(bodies: Iterable[MassProperties]) -> MassProperties:
 
 
 def primitive_mass(solid: Solid) -> MassProperties:
-    """Return the properties of a box, cylinder or ball with density 1 that is aligned with its axes."""
+    """Return the properties of a box, cylinder or ball with density 1, in its own frame."""
     x, y, z = (side / 2 for side in solid.size)
     volume = FORMS[solid.kind].volume((x, y, z))
     if solid.kind == "box":

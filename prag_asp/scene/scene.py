@@ -62,11 +62,13 @@ class Look(NamedTuple):
 class Cavity(NamedTuple):
     """The cavity of a body: the centre of its floor in the frame of the body, and its sides and depth, in metres.
 
-    A box with these sides encloses the cavity, which may be round.
+    A box with these sides encloses the cavity, which may be round. `yaw` is the angle in radians by which the box is
+    turned in the frame of the body.
     """
 
     middle: Size
     sides: Size
+    yaw: float = 0.0
 
 
 class BodyModel(NamedTuple):

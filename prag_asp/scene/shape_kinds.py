@@ -16,12 +16,12 @@ from prag_asp.scene.forms import BALL, BOX, CYLINDER, Primitive
 class Kind(NamedTuple):
     """The properties of all bodies of a kind.
 
-    `keys` are the keys other than the kind that its table in ``scene.shapes`` has; `form` is its geometry. A `round`
-    body looks the same at any rotation about the vertical. A `flat` body has a plane bottom, on which it stands, and a
-    plane top, on which others stand; a body that is not flat rolls. An `even` body has the same width everywhere, so
-    that it can also be held at its end. A `hollow` body can contain others. `furniture` stands still and has a part on
-    a joint. A `body` is an object; a robot, the table and a zone (a flat part of the table top) are not. A `surface` is
-    the table top or a part of it.
+    `keys` are the keys of a table in ``scene.shapes`` of this kind, apart from ``kind``; `form` is its geometry. A
+    `round` body looks the same at any rotation about the vertical. A `flat` body has a plane bottom, on which it
+    stands, and a plane top, on which others stand; a body that is not flat rolls. An `even` body has the same width
+    everywhere, so that it can also be held at its end. A `hollow` body can contain others. `furniture` stands still and
+    has a part on a joint. A `body` is an object; a robot, the table and a zone (a flat part of the table top) are not.
+    A `surface` is the table top or a part of it.
     """
 
     keys: tuple[str, ...] = ()

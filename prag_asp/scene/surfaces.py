@@ -233,7 +233,7 @@ class PartOutline(NamedTuple):
         return cls(corners, np.stack([edges[:, 1], -edges[:, 0]]) / lengths)
 
     def meets(self, other: PartOutline, offset: Floats, spacing: float) -> bool:
-        """Return whether this outline, moved by an offset (2,), may be closer to another than a spacing in metres.
+        """Return whether this outline, moved by an offset (2,), may be less than a spacing in metres from another.
 
         The outlines are farther apart if an edge separates them by at least this spacing (separating axis theorem).
         """

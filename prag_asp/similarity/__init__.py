@@ -1,7 +1,7 @@
 """Metrics between two tasks, up to renaming of interchangeable entities.
 
     Task, Task  ->  features  ->  measure, least over renamings  ->  TaskComparison
-                    (actions, effects, changes,  (edits, places,     distance, edits,
+                    (actions, effects, changes,  (edits, positions,  distance, edits,
                      states, causal links)        sets, strings)     renaming
 
 >>> from prag_asp import TaskSpace, load_domain

@@ -20,7 +20,7 @@ UpTo = Literal["names", "classes"]
 
 
 class Trace(Protocol):
-    """The part of a task that metrics read; `prag_asp.Task` has it."""
+    """The attributes of a task that metrics read; `prag_asp.Task` has them."""
 
     @property
     def actions(self) -> tuple[Atom, ...]:
@@ -62,7 +62,7 @@ class Background:
 
     @classmethod
     def of_tasks(cls, tasks: Iterable[Trace], up_to: UpTo = "names") -> Background:
-        """Return the background that follows from the given tasks and nothing else, in which no class is above another.
+        """Return the background that the given tasks alone determine; in it, no class has a superclass.
 
         No two entities are interchangeable or, with ``classes``, all entities of a class are.
 

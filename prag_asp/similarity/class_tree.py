@@ -10,10 +10,10 @@ from functools import cached_property
 from prag_asp.atom import Atom, parse_atom
 
 ROOT = ""
-"""The class above all classes that have no declared parent."""
+"""The parent of all classes without a declared parent."""
 
 LEAST_DIAMETER = 4
-"""The number of edges between entities of two classes right below the root: entity, class, root, class, entity."""
+"""The number of edges between entities of two children of the root: entity, class, root, class, entity."""
 
 
 @dataclass(frozen=True)
@@ -22,8 +22,8 @@ class ClassTree:
 
     The distance between two entities is the number of edges on the shortest path between them, divided by the number of
     edges on the longest such path between entities of any two classes (Rada et al. 1989). It is 0 for the same entity,
-    and 1 for the farthest classes. Without `parents`, the distance is 1/2 within a class and 1 otherwise. The lengths
-    of shortest paths in a graph are a metric.
+    and 1 for entities of the two classes that are farthest apart. Without `parents`, the distance is 1/2 within a class
+    and 1 otherwise. The lengths of shortest paths in a graph are a metric.
     """
 
     classes: Mapping[str, str]
@@ -66,7 +66,7 @@ class ClassTree:
         return min({*above} & {*others}, key=lambda name: (above[name] + others[name], name))
 
     def _above(self, name: str) -> dict[str, int]:
-        """Return a class and all classes above it, with the numbers of edges that lead to them."""
+        """Return a class and all its superclasses, with the numbers of edges that lead to them."""
         above = {name: 0}
         for place in (queue := [name]):
             for parent in self.parents.get(place, ()) or (() if place == ROOT else (ROOT,)):

@@ -1,4 +1,4 @@
-"""Costs of edits that an author gives in a TOML file, as a metric."""
+"""Edit distances with costs that an author gives in a TOML file."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ Pairs = Mapping[tuple[str, str], Fraction]
 class AuthorCosts:
     """Costs of edits of actions.
 
-    Inserting or deleting an action costs `insert`. The cost of replacing one is the cost of the pair of names plus the
-    costs of the pairs of different arguments, but at most `replace`, which is also the cost of pairs that are not
-    listed. Pairs of arguments are looked up by the arguments themselves and then by their classes.
+    Inserting or deleting an action costs `insert`. Replacing an action costs as much as the pair of names plus all
+    pairs of different arguments, but at most `replace`, which is also the cost of an unlisted pair. A pair of arguments
+    is looked up by the arguments first, then by their classes.
     """
 
     insert: Fraction
@@ -64,7 +64,7 @@ class AuthorCosts:
 def read_costs(path: str | Path, tasks: Iterable[Trace], background: Background) -> Metric:
     """Return the edit distance with the costs that a file gives for the actions of the given tasks.
 
-    If the costs are not a metric, `axioms` is False, and `summary` names the actions that show it.
+    If the costs are not a metric, `axioms` is False, and `summary` names actions that violate an axiom.
 
     Raises:
         QueryError: the file cannot be read, has keys or values that are not costs, names something that the tasks lack,
@@ -96,7 +96,7 @@ def read_costs(path: str | Path, tasks: Iterable[Trace], background: Background)
 
 @dataclass(frozen=True)
 class _CostReader:
-    """Checks the values in a file; errors name the file and the line."""
+    """A checker of the values in a file; errors name the file and the line."""
 
     path: Path
     text: str

@@ -18,7 +18,7 @@ from prag_asp.similarity.string_distances import StringDistance, spelled
 from prag_asp.similarity.symbols import Symbol
 
 Numbers = NDArray[np.intp]
-"""Numbers of features."""
+"""Indices of features."""
 
 Values = NDArray[Any]
 """Distances, as integers in some unit or as floats."""
@@ -46,7 +46,7 @@ class DistanceTable(Protocol):
 
     @property
     def shape(self) -> tuple[int, int]:
-        """The number of rows and columns of a block that can be computed fast."""
+        """The shape (rows, columns) of a block that is computed efficiently."""
         ...
 
     def block(self, rows: Numbers, columns: Numbers) -> Values:
@@ -60,7 +60,7 @@ class DistanceTable(Protocol):
 
 @dataclass(frozen=True)
 class CodedSequences:
-    """Sequences as numbers of their symbols, shape (sequences, longest); only the first `lengths` in a row count."""
+    """Sequences of symbol codes, shape (sequences, longest length); row i holds `lengths[i]` codes, then padding."""
 
     codes: Numbers
     lengths: NDArray[np.int64]
@@ -68,7 +68,7 @@ class CodedSequences:
     def pairs(
         self, rows: Numbers, columns: Numbers, function: Callable[[Numbers, Numbers], Values], kind: type
     ) -> Values:
-        """Apply a function of two arrays, each with sequences of one length, to sequences of all lengths."""
+        """Return `function` of all pairs of sequences; in each array that it gets, all sequences are equally long."""
         result: Values = np.empty((len(rows), len(columns)), kind)
         for length in np.unique(self.lengths[rows]):
             here = np.flatnonzero(self.lengths[rows] == length)
@@ -81,14 +81,14 @@ class CodedSequences:
         return result
 
     def sums(self, values: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the sum of the values of the symbols in each sequence."""
+        """Return the sum of the values of the symbols in each sequence; `values` is indexed by code."""
         counted = np.arange(self.codes.shape[1]) < self.lengths[:, None]
         total: NDArray[np.int64] = np.where(counted, values[self.codes], 0).sum(axis=1)
         return total
 
 
 def coded(features: Sequence[Feature]) -> tuple[tuple[Symbol, ...], CodedSequences]:
-    """Return the symbols in the given features, and the features as the numbers of their symbols."""
+    """Return the distinct symbols in the given features, and the features as sequences of symbol codes."""
     numbers: dict[Symbol, int] = {}
     lengths = np.array(list(map(len, features)), dtype=np.int64)
     codes = np.zeros((len(features), max(lengths.max(initial=0), 0)), dtype=np.intp)
@@ -98,7 +98,7 @@ def coded(features: Sequence[Feature]) -> tuple[tuple[Symbol, ...], CodedSequenc
 
 
 def steinhaus_block(block: Values, one: Values, other: Values) -> NDArray[np.float32]:
-    """Return distances between 0 and 1, given the distances of the features from the empty feature."""
+    """Return the Steinhaus transform of a block, given the distances of its rows and columns from the empty feature."""
     distances = block.astype(np.float32)
     total = one.astype(np.float32)[:, None] + other.astype(np.float32) + distances
     result: NDArray[np.float32] = np.divide(2 * distances, total, out=np.zeros_like(distances), where=distances > 0)
@@ -107,7 +107,7 @@ def steinhaus_block(block: Values, one: Values, other: Values) -> NDArray[np.flo
 
 @dataclass(frozen=True)
 class EditTable:
-    """Edit distances; `sizes` are the costs of deleting each feature, in units."""
+    """Edit distances; `sizes` holds the cost of deleting all symbols of each feature, in units."""
 
     costs: CostTable
     codes: CodedSequences
@@ -146,7 +146,7 @@ class EditTable:
 
 @dataclass(frozen=True)
 class PlaceTable:
-    """Place-by-place distances between sequences of the same length, shape (features, length)."""
+    """Position-by-position distances between sequences of the same length; `codes` has shape (features, length)."""
 
     costs: CostTable
     codes: Numbers
@@ -170,7 +170,7 @@ class PlaceTable:
 
     @property
     def largest(self) -> int:
-        """The number of units if all places differ."""
+        """The highest cost of a replacement times the length, in units."""
         return int(self.costs.costs.max()) * int(self.codes.shape[1])
 
     def block(self, rows: Numbers, columns: Numbers) -> Values:
@@ -178,7 +178,7 @@ class PlaceTable:
         return aligned_distances(self.codes[rows], self.codes[columns], self.costs.costs)
 
     def normalised(self, block: Values, rows: Numbers, columns: Numbers) -> NDArray[np.float32]:
-        """Return the mean cost per place."""
+        """Return the mean cost per position."""
         values: NDArray[np.float32] = block.astype(np.float32) / np.float32(
             max(self.codes.shape[1], 1) * self.denominator
         )
@@ -189,7 +189,7 @@ class PlaceTable:
 class StateTable:
     """Edit distances between sequences of states, whose costs are computed only for the states in each block.
 
-    `members` is true for the facts of each state, shape (states, facts).
+    `members[i, j]` is true if state i contains fact j, shape (states, facts).
     """
 
     members: NDArray[np.bool_]
@@ -235,7 +235,7 @@ class StateTable:
 
 @dataclass(frozen=True)
 class SetTable:
-    """Symmetric differences between sets; `members` has shape (features, elements)."""
+    """Sizes of symmetric differences between sets; `members` has shape (features, elements)."""
 
     members: NDArray[np.bool_]
     denominator: int = 1
@@ -258,11 +258,11 @@ class SetTable:
 
     @property
     def largest(self) -> int:
-        """The total number of elements in the two largest sets."""
+        """Twice the number of elements in the largest set."""
         return 2 * int(self.sizes.max(initial=0))
 
     def block(self, rows: Numbers, columns: Numbers) -> Values:
-        """Return the sizes of the symmetric differences; floats of 32 bits are exact up to 2**24."""
+        """Return the sizes of the symmetric differences; products of 32-bit floats are exact for counts up to 2**24."""
         one = self.members[rows]
         shared = np.flatnonzero(one.any(axis=0))
         common = (
@@ -298,7 +298,7 @@ class StringTable:
 
     @property
     def largest(self) -> int:
-        """The total length of the two longest texts."""
+        """Twice the length of the longest text, or 1 if `bounded`."""
         return 1 if self.bounded else 2 * max(map(len, self.texts), default=0)
 
     def block(self, rows: Numbers, columns: Numbers) -> Values:

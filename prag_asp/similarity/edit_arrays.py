@@ -12,7 +12,7 @@ Codes = NDArray[np.intp]
 Distances = NDArray[np.unsignedinteger]
 
 WORDS = (np.uint8, np.uint16, np.uint32, np.uint64)
-"""Types of integers, smallest first, because small ones make NumPy fast."""
+"""Unsigned integer types, smallest first; NumPy is faster with smaller types."""
 
 
 def small_type(largest: int) -> type[np.unsignedinteger]:
@@ -53,8 +53,8 @@ def unit_edit_distances(rows: Codes, columns: Codes, symbols: int) -> Distances:
     """Return Levenshtein distances with unit costs, using bit vectors (Myers 1999, as in Hyyrö 2003).
 
     A bit of `up` or `down` is set if the table grows or shrinks by 1 from one row to the next; the distance is the
-    width plus the difference of the numbers of bits in the last column. Sequences with more symbols than a word has
-    bits are compared by the slower method.
+    width plus the difference of the numbers of bits in the last column. Sequences with more than 64 symbols, the bits
+    of a word, are compared by `weighted_edit_distances`.
     """
     length, width = rows.shape[1], columns.shape[1]
     if not 0 < length <= 64:
@@ -101,7 +101,7 @@ def _bit_counts(words: NDArray[np.unsignedinteger]) -> NDArray[np.uint8]:
 
 
 def aligned_distances(rows: Codes, columns: Codes, costs: NDArray[np.int64]) -> Distances:
-    """Return the sum of the costs place by place; all sequences must have the same length."""
+    """Return the sum of the costs over all positions; all sequences must have the same length."""
     kind = small_type(int(max(rows.shape[1], 1) * max(int(costs.max()), 1)))
     total, spare = (np.zeros((len(rows), len(columns)), kind) for _ in range(2))
     for place in range(rows.shape[1]):

@@ -23,12 +23,12 @@ LARGEST = 2**62
 
 
 def unit_cost(background: Background) -> Cost:
-    """Return the cost 1 of every edit (Levenshtein 1966)."""
+    """Return the cost function in which every edit costs 1 (Levenshtein 1966)."""
     return lambda one, other: Fraction(int(one != other))
 
 
 def class_cost(background: Background) -> Cost:
-    """Return the cost of replacing an action: the mean distance between the arguments in the tree of classes.
+    """Return the cost function in which replacing an action costs the mean class-tree distance between the arguments.
 
     Inserting an action, deleting it, or replacing it with one that has a different name costs 1.
     """
@@ -42,7 +42,7 @@ def class_cost(background: Background) -> Cost:
 
 
 def effect_cost(background: Background) -> Cost:
-    """Return the cost of replacing an action, given its effects: (1 + the Jaccard distance of the effects) / 2.
+    """Return the cost function in which replacing an action costs (1 + the Jaccard distance of the effects) / 2.
 
     Adding 1 distinguishes different actions that have the same effects. Symbols are actions with their effects.
     """
@@ -57,11 +57,11 @@ def effect_cost(background: Background) -> Cost:
 
 
 def state_cost(one: Symbol, other: Symbol) -> Fraction:
-    """Return the number of facts with their values that only one state has; inserting or deleting costs 1 + all facts.
+    """Return the number of (fact, value) pairs in only one state; inserting or deleting a state costs 1 + its facts.
 
     A fact that is true in one state and false in the other costs 2, and a fact that is unknown in one of them costs 1.
 
-    This is a metric, because a state can be regarded as the set of its facts and one more element, and a missing state
+    This is a metric, because a state can be regarded as the set of its pairs and one more element, and a missing state
     as the empty set.
     """
     if one is None or other is None:
@@ -71,7 +71,7 @@ def state_cost(one: Symbol, other: Symbol) -> Fraction:
 
 @dataclass(frozen=True)
 class CostTable:
-    """The costs between symbols as integers in units of 1 / `denominator`.
+    """The costs of replacing symbols by each other, as integers in units of 1 / `denominator`.
 
     `costs` has shape (symbols + 1, symbols + 1); the last row and column hold the costs of inserting and deleting.
     """

@@ -15,7 +15,7 @@ Row = list[Fraction]
 
 @dataclass(frozen=True)
 class Edit:
-    """An edit at a place in the first sequence, from 0: `old` is None for an insertion, and `new` for a deletion."""
+    """An edit at index `place` of the first sequence: `old` is None for an insertion, and `new` for a deletion."""
 
     place: int
     old: Symbol
@@ -48,7 +48,7 @@ def edit_distance(one: Sequence[Symbol], other: Sequence[Symbol], cost: Cost) ->
 
 
 def least_edits(one: Sequence[Symbol], other: Sequence[Symbol], cost: Cost) -> tuple[Edit, ...]:
-    """Return edits of smallest total cost, in order; of several solutions, the one with the latest replacements."""
+    """Return edits of the smallest total cost, in order; among several solutions, that with the latest replacements."""
     return tuple(reversed([*_edits_from_the_end(one, other, cost)]))
 
 
@@ -70,7 +70,7 @@ def _edits_from_the_end(one: Sequence[Symbol], other: Sequence[Symbol], cost: Co
 
 
 def replacements(one: Sequence[Symbol], other: Sequence[Symbol], cost: Cost) -> tuple[Edit, ...]:
-    """Return the edits that turn a sequence into another of the same length, place by place."""
+    """Return the replacements that turn a sequence into another one of the same length."""
     pairs = enumerate(zip(one, other, strict=True))
     return tuple(Edit(place, old, new, cost(old, new)) for place, (old, new) in pairs if old != new)
 
@@ -83,4 +83,4 @@ def check_lengths(lengths: set[int]) -> None:
     """
     if len(lengths) > 1:
         several = " and ".join(map(str, sorted(lengths)[:2]))
-        raise QueryError(f"Hamming compares tasks of one length, not of {several} actions; use levenshtein")
+        raise QueryError(f"Hamming compares tasks of the same length, not of {several} actions; use levenshtein")

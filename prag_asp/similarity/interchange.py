@@ -19,7 +19,7 @@ Entity = TypeVar("Entity", bound=Hashable)
 
 @dataclass(frozen=True)
 class Interchange(Generic[Entity]):
-    """Groups of interchangeable entities, and joint groups, whose units (tuples of entities) move as wholes."""
+    """Groups of interchangeable entities, and joint groups of units (tuples of entities), which are swapped whole."""
 
     groups: tuple[tuple[Entity, ...], ...] = ()
     joint: tuple[tuple[tuple[Entity, ...], ...], ...] = ()
@@ -31,7 +31,7 @@ class Interchange(Generic[Entity]):
         return frozenset(entity for group in self.groups if len(group) > 1 for entity in group).union(units)
 
     def fixing(self, fixed: Iterable[Entity]) -> Interchange[Entity]:
-        """Return the renamings that leave the given entities in their places (the pointwise stabilizer)."""
+        """Return the renamings that fix each of the given entities (the pointwise stabilizer)."""
         still = frozenset(fixed)
         groups = (tuple(entity for entity in group if entity not in still) for group in self.groups)
         joint = (tuple(unit for unit in units if still.isdisjoint(unit)) for units in self.joint)
@@ -41,7 +41,7 @@ class Interchange(Generic[Entity]):
 
     @cached_property
     def _places(self) -> Mapping[Entity, list[tuple[tuple[tuple[Entity, ...], ...], int, int]]]:
-        """Each entity's groups and joint groups, with the number of its unit and its place in that unit."""
+        """The groups and joint groups of each entity, with the index of its unit, and its index within that unit."""
         places: dict[Entity, list[tuple[tuple[tuple[Entity, ...], ...], int, int]]] = {}
         for alike in (*(tuple((each,) for each in group) for group in self.groups), *self.joint):
             for number, unit in enumerate(alike):
@@ -78,7 +78,7 @@ class Interchange(Generic[Entity]):
     def _images(
         self, rest: tuple[Entity, ...], free: Interchange[Entity], renaming: dict[Entity, Entity]
     ) -> Iterator[Mapping[Entity, Entity]]:
-        """Yield the images of the entities `rest` under these renamings, then `renaming`, up to the renamings `free`.
+        """Yield each renaming of `rest` by this object, followed by `renaming`; one for each class under `free`.
 
         The stabilizers of the entities chosen so far form a chain on both sides (Sims 1970).
         """

@@ -1,4 +1,4 @@
-"""Kinds of distances between two features: by edits, place by place, by common elements, by strings, and mixtures.
+"""Kinds of distances between two features: by edits, by position, by common elements, by strings, and mixtures.
 
 Every measure also has a normalised value between 0 and 1. For a metric d, it is the Steinhaus transform with respect to
 the empty feature, 2 d(x, y) / (d(x, 0) + d(y, 0) + d(x, y)), which is also a metric (Deza and Deza 2009). For sets, it
@@ -51,7 +51,7 @@ def steinhaus(distance: Distance, one: Distance, other: Distance) -> Distance:
 
 @dataclass(frozen=True)
 class EditMeasure:
-    """The smallest cost of insertions, deletions and replacements."""
+    """The smallest total cost of insertions, deletions and replacements."""
 
     cost: Cost
 
@@ -90,7 +90,7 @@ class StateMeasure(EditMeasure):
 
 @dataclass(frozen=True)
 class PlaceMeasure:
-    """The cost of replacements place by place, for sequences of the same length (Hamming 1950)."""
+    """The total cost of replacements at each position, for sequences of the same length (Hamming 1950)."""
 
     cost: Cost
 
@@ -103,7 +103,7 @@ class PlaceMeasure:
         return sum((edit.cost for edit in self.edits(one, other)), Fraction(0))
 
     def normalised(self, one: Feature, other: Feature) -> Distance:
-        """Return the mean cost per place; no replacement costs more than 1."""
+        """Return the mean cost per position; no replacement costs more than 1."""
         return self.distance(one, other) / max(len(one), 1)
 
     def edits(self, one: Feature, other: Feature) -> tuple[Edit, ...]:

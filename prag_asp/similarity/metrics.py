@@ -33,7 +33,7 @@ from prag_asp.wording import unknown
 
 @dataclass(frozen=True)
 class Metric:
-    """A way to compare two tasks: `features` extracts the features of a task, and `measure` returns their measure.
+    """A way to compare two tasks: `features` extracts the features of a task, and `measure` compares them.
 
     `axioms` is true if the measure is a metric: zero only for equal features, symmetric, and subject to the triangle
     inequality. Otherwise, it is a dissimilarity. `source` is the publication that defines it.
@@ -62,7 +62,7 @@ def edits_by(cost: Callable[[Background], Cost]) -> Callable[[Background], Measu
 
 
 def places_by(cost: Callable[[Background], Cost]) -> Callable[[Background], Measure]:
-    """Return a function that makes a place-by-place distance with the given costs."""
+    """Return a function that makes a position-by-position distance with the given costs."""
     return lambda background: PlaceMeasure(cost(background))
 
 

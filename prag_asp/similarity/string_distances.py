@@ -1,7 +1,8 @@
-"""String metrics from the paper's code, and similar ones, on sequences of symbols; rapidfuzz computes all but one.
+"""String metrics on sequences of symbols: those in the code of the paper, and similar ones.
 
-The code of the paper compares sequences by the distances of Levenshtein, Hamming and Jaro-Winkler, by the longest
-common subsequence and by the longest common substring.
+Rapidfuzz computes all but one of them. The code of the paper ("PRAG: Procedural Action Generator" by Škoviera et al.)
+compares sequences by the distances of Levenshtein, Hamming and Jaro-Winkler, by the longest common subsequence and by
+the longest common substring.
 """
 
 from __future__ import annotations
@@ -38,7 +39,7 @@ def rapidfuzz_distance() -> ModuleType:
 
 
 def spelled(*sequences: Sequence[Symbol]) -> list[str]:
-    """Return sequences as texts with one character per symbol, which is the same for equal symbols."""
+    """Return sequences as strings with one character per symbol; equal symbols have the same character."""
     characters: dict[Any, str] = {}
     return [
         "".join(characters.setdefault(symbol, chr(FIRST_CODE + len(characters))) for symbol in sequence)
@@ -47,7 +48,7 @@ def spelled(*sequences: Sequence[Symbol]) -> list[str]:
 
 
 def substring_distance(one: str, other: str) -> int:
-    """Return how many characters have to be removed from, and added to, the ends of one text to obtain the other.
+    """Return the number of characters to remove from, and to add to, the ends of one text to obtain the other.
 
     This is the sum of the lengths minus twice the length of the longest common substring. It is a metric, because two
     substrings of a text overlap in at least the sum of their lengths minus the length of the text.

@@ -8,7 +8,7 @@ from typing import Any
 from prag_asp.atom import Atom, split_terms
 
 Symbol = Any
-"""An atom, or a tuple or frozen set of symbols; texts, truth values, numbers and None in them are not renamed."""
+"""An atom, or a tuple or frozen set of symbols; strings, truth values, numbers and None in them are not renamed."""
 
 
 def renamer(names: Mapping[str, str]) -> Callable[[Symbol], Symbol]:

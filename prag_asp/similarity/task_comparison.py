@@ -66,10 +66,11 @@ def compare(
     background: Background | None = None,
     up_to: UpTo = "names",
 ) -> TaskComparison:
-    """Return two tasks compared by a metric; `up_to` selects interchangeable entities if there is no background.
+    """Compare two tasks by a metric; `up_to` selects the interchangeable entities if there is no background.
 
     Raises:
-        QueryError: there is no such metric, the metric does not compare such tasks, or they have no common classes.
+        QueryError: there is no such metric, the metric cannot compare these tasks, or an entity has different classes
+            in them.
         SimilarityMissingError: the metric needs rapidfuzz, which is not installed.
     """
     found = metric if isinstance(metric, Metric) else metric_of(metric)

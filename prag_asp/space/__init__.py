@@ -1,4 +1,4 @@
-"""Count, enumerate and sample task spaces."""
+"""Counts, enumeration and samples of task spaces."""
 
 from __future__ import annotations
 

@@ -210,7 +210,7 @@ class WeightedOrder:
                 walks = [walks_of(words.engine.weighed(words.length, self.sampling.weights), words.length)]
             elif sampler.count + len(sources) > MOST_GROUPS:
                 raise QueryError(
-                    f"over {self.sampling.over}, {MISSES} draws in a row had no new task, and there are more than "
+                    f"over {self.sampling.over}, {MISSES} draws in a row gave no new task, and there are more than "
                     f"{MOST_GROUPS} {self.sampling.over}; ask for fewer tasks, or sample without over"
                 )
             else:

@@ -1,4 +1,4 @@
-"""Explain why a task space is empty, and which changes would make it nonempty."""
+"""Why a task space is empty, and which changes would make it nonempty."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 
 
 LONGEST = tuple(2**power for power in range(2, 11))
-"""Greatest length up to which lengths are tried in turn for the shortest task; each takes about as long as all before
-it."""
+"""Lengths up to which the shortest task is searched, one after the other; each search takes about as long as all
+previous searches together."""
 
 MOST_STATES = 50_000
 """Number of states after which the search for the shortest task ends; exploring that many takes a second or two."""
@@ -148,7 +148,7 @@ def _occurring(space: TaskSpace, action: str | Atom | None, step: int | None) ->
     """
     if action is None:
         if step is not None:
-            raise QueryError(f"step {step} of which action? name the action, too")
+            raise QueryError(f"step {step} of which action? name the action as well")
         return None
     if step is not None and not 1 <= step <= space.length:
         steps_text = f"its steps are 1 to {space.length}" if space.length else "it has none"

@@ -1,4 +1,4 @@
-"""Explain why a sequence of actions is not a plan of a domain."""
+"""Why a sequence of actions is not a plan of a domain."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Count the words of one length that begin with a given prefix and end in a state with certain facts.
+"""Counts of the words of one length that begin with a given prefix and end in a state with certain facts.
 
 The weights of the paths from the state after the prefix are computed step by step; for the last step, they are summed
 separately for each set of known values in the final state. Numbers are exact.
@@ -44,8 +44,8 @@ FEW_TASKS = 200
 class Ending:
     """The number of words after which one of the given facts is known to hold, and the number after which one may hold.
 
-    In an open world, values may be unknown. The condition that one of the facts holds in the end leaves the `possible`
-    words.
+    In an open world, values may be unknown. Under the condition that one of the facts holds in the end, the `possible`
+    words remain.
     """
 
     holding: int
@@ -56,8 +56,9 @@ class Ending:
 class FinalStates:
     """The known values of `fluents`, given by their numbers, in the final states of the words of one length.
 
-    The words are the paths of `automaton` with `length` edges; `goals` holds the number of the known values after each
-    edge, shape (edges,), and `values` holds them, shape (fluents, goals). `letters` are the texts of the letters.
+    The words are the paths of `automaton` with `length` edges; `values` holds the distinct combinations of known
+    values, shape (fluents, goals), and `goals` the index of the combination after each edge, shape (edges,). `letters`
+    are the texts of the letters.
     """
 
     length: int
@@ -87,7 +88,7 @@ class FinalStates:
         return endings
 
     def _by_goal(self, prefix: Letters) -> Numbers:
-        """Return, for each goal number, how many words begin with `prefix` and end with its values; shape (goals,)."""
+        """Return, for each goal, how many words begin with `prefix` and end with the goal's values; shape (goals,)."""
         automaton, left = self.automaton, self.length - len(prefix)
         total = np.zeros(self.values.shape[1], dtype=object)
         if left < 0 or not self.length or not automaton.states:
@@ -127,7 +128,7 @@ class FinalStates:
 
     @cached_property
     def _backward(self) -> Completions:
-        """The automaton with all edges reversed, whose rows sum over the edges into a state."""
+        """The completions of the automaton with all edges reversed, whose rows sum over the edges into a state."""
         automaton = self.automaton
         order = np.argsort(automaton.targets, kind="stable")
         offsets = np.searchsorted(automaton.targets[order], np.arange(automaton.states + 1)).astype(np.int64)
@@ -151,11 +152,11 @@ def final_states(
 ) -> FinalStates | None:
     """Return the final states of the plans or tasks of a given length, or None if they take too many states.
 
-    If remembering all fluents would take too many states, only the fluents that every plan needs are counted.
+    If tracking all fluents takes too many states, only the fluents that the variables of a step determine are counted.
 
     Raises:
         LimitReached: a limit ended the exploration of the states.
-        EngineError: the words are too many to list.
+        EngineError: there are too many words to list.
     """
     fluents = model.domain.facts.fluents
     if isinstance(engine, ShortestEngine):

@@ -50,7 +50,7 @@ def parse_length_list(text: str, what: str, *, remedy: str = ADVICE) -> int | Se
     lengths = tuple(sorted(chain.from_iterable([each] if isinstance(each, int) else each for each in ranges)))
     repeated = next((first for first, second in pairwise(lengths) if first == second), None)
     if repeated is not None:
-        raise QueryError(f"{what}: it has the length {repeated} twice; give each length once")
+        raise QueryError(f"{what}: the length {repeated} occurs twice; give each length once")
     return lengths
 
 

@@ -18,8 +18,7 @@ BINARY = {"ki": 2**10, "mi": 2**20, "gi": 2**30, "ti": 2**40}
 DURATIONS = {"": 1, "s": 1, "m": 60, "min": 60, "h": 3600}
 QUANTITY = r"(?P<number>\d+(\.\d+)?)\s*(?P<unit>[a-z]*)"
 LEAST_CLOSING, MOST_CLOSING = 0.1, 5.0
-"""Bounds in seconds on the extra time for counting partial results after a limit; between them, it is 5 % of the limit.
-"""
+"""Bounds, in seconds, on the extra time for counting partial results after a time limit, which is 5 % of the limit."""
 
 Item = TypeVar("Item")
 

@@ -1,4 +1,4 @@
-"""Count plans with the small-model reduction (see `prag_asp.reduction`).
+"""Counts of plans with the small-model reduction (see `prag_asp.reduction`).
 
 The tasks and skeletons of a domain are those of its reduced program. A task whose plan names j of a group of m
 interchangeable entities stands for m (m - 1) ... (m - j + 1) plans. The numbers of plans that name j entities, for all
@@ -36,7 +36,7 @@ Group = tuple[clingo.Symbol, ...]
 
 @dataclass
 class ReducedCounter:
-    """Count the words of a domain with its small-model reduction; `engine` is the name of an engine."""
+    """A counter of the words of a domain that uses its small-model reduction; `engine` is the name of an engine."""
 
     domain: Domain
     reduction: Reduction

@@ -1,8 +1,8 @@
 """The engine for the condition ``shortest``: its words are the tasks whose goal no shorter plan reaches.
 
-Whether there is a shorter plan depends on the whole plan, but only through what the plan makes known about its initial
-state and its final state. The states of the automaton are refined by both (``encodings/conditions/shortest.lp``), so
-that a state by itself determines whether the plans of one length that end in it are accepted.
+Whether there is a shorter plan depends on the whole plan, but only through the known values of its initial and its
+final state. The states of the automaton are refined by both (``encodings/conditions/shortest.lp``), so that a state by
+itself determines whether the plans of one length that end in it are accepted.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ class ShortestExplorer(Explorer):
         begun = [[values[place] for place in np.flatnonzero(kind)] for kind in kinds]
         different = [np.unique(goals[own], axis=0, return_inverse=True) for own in members]
         if self.tell:
-            self.tell(f"searching shorter plans from {len(kinds):,} initial states")
+            self.tell(f"searching for shorter plans from {len(kinds):,} initial states")
         found = search.solvable(begun, [each for each, _ in different], self.length - 1, clock)
         for own, (_, goal_of), solved in zip(members, different, found, strict=True):
             accepting[into[own[solved[goal_of.ravel()]]]] = False
@@ -114,7 +114,7 @@ def _reached(automaton: Automaton, length: int) -> NDArray[np.bool_]:
 
 
 class ShortestEngine:
-    """The engine for one level of tasks without detours, with one automaton for each length.
+    """The engine for one level of the tasks whose goal no shorter plan reaches, with one automaton for each length.
 
     Raises:
         EngineError: another engine is requested, or the step is not a function of the state and the action.

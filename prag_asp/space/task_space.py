@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from prag_asp.space.weights.temperature import Temperature
 
 SHOWN_LENGTHS, LONG_COUNT = 50, 10**60
-"""In a table of a notebook, the maximum number of lengths, and the smallest number that is too long to be shown."""
+"""The maximum number of lengths in a notebook's table, and the smallest count that is too long for the table."""
 
 GivenWeights = Mapping[str, Number] | Weights | None
 """Weights keyed by action names, pairs (``grasp>move``), entities and classes; None means the weights of the domain."""
@@ -186,7 +186,8 @@ class TaskSpace:
     def part(self, condition: str | Condition) -> TaskSpace:
         """Return the tasks that satisfy a condition, up to the renamings of this space, which preserve the condition.
 
-        With `where`, more entities may be interchangeable: for example a and b, if one entity is on each.
+        With `where`, more entities may be interchangeable: for example a and b, if the condition places one entity on
+        each.
         """
         return self._restricted([condition], self)
 
@@ -503,13 +504,13 @@ class TaskSpace:
         return {name: part(condition) for name, condition in parts.items()}
 
     def hold_out(self, what: str) -> tuple[TaskSpace, TaskSpace]:
-        """Return the tasks without and with `what`: an entity, a class, an action's name or a pair of names.
+        """Return the tasks without `what` (an entity, class, action's name or pair of names), and the tasks with it.
 
-        The first part is for training; the second contains a composition that training never shows. Both keep the
+        The first part is for training; the second contains a composition that never occurs in training. Both keep the
         symmetries of this space, even if more entities are interchangeable within a part.
 
         Raises:
-            QueryError: nothing has that name, or the entity is interchangeable with an entity that training shows.
+            QueryError: nothing has that name, or the entity is interchangeable with an entity that occurs in training.
         """
         from prag_asp.space.parts.shares import held_out
 

@@ -79,9 +79,9 @@ class Division:
             QueryError: the shares do not add up to 1, or do not fit the other options.
         """
         if hold_out is not None and skeletons:
-            raise QueryError("tasks are split by whole skeletons, or by what is held out; leave one of them out")
+            raise QueryError("tasks are split by whole skeletons or by a held-out feature; leave one of them out")
         if strata is not None and (skeletons or hold_out is not None):
-            raise QueryError("strata are the parts of a sample; leave whole skeletons and what is held out, out")
+            raise QueryError("strata cannot be combined with whole skeletons or held-out features; choose one of them")
         if shares is None and skeletons:
             raise QueryError("whole skeletons need shares, such as train=0.8,test=0.2")
         parsed = parse_shares(shares or ({WHOLE: 1} if hold_out is None else {WHOLE: "4/5", "test": "1/5"}))
@@ -124,7 +124,7 @@ class SpacePart:
 
 
 def space_part(space: TaskSpace, division: Division, name: str, *, seed: int) -> SpacePart:
-    """Return the tasks that this part has in a dataset with the same division and seed, in no particular order.
+    """Return the tasks of the part `name`, as in a dataset with the same division and seed, in no particular order.
 
     Raises:
         QueryError: there is no such part, or there is nothing to sample.
@@ -152,7 +152,7 @@ def ordered_parts(
     Without weights, lengths have their exact shares or, with `evenly`, alternate. With `over`, a skeleton or a goal of
     the space is sampled uniformly first; draws that are in other parts, or not new, are repeated. A `deal` selects the
     tasks of one of several workers. The `excluded` tasks, given as pairs of a length and a rank, are left out; parts
-    keep their other tasks. With `among`, all tasks except these are left out, and shares refer to these tasks.
+    keep their other tasks. With `among`, only these tasks are used, and the shares refer to them.
 
     Raises:
         QueryError: a part is empty, there is nothing to sample, an excluded rank has no task, or weights or `over` are
@@ -166,7 +166,7 @@ def ordered_parts(
         raise QueryError("lengths come evenly only with uniform sampling; add --uniform (weights={})")
     if over and evenly:
         raise QueryError(
-            f"lengths come evenly only with uniform sampling of tasks; leave --over {over} or --evenly out"
+            f"lengths come evenly only with uniform sampling of tasks; leave out --over {over} or --evenly"
         )
     own = _sets(space, whole, division, seed)
     sets: Mapping[str, Sequence[RankedWords]] = own
@@ -261,14 +261,14 @@ def _acceptance(
 
 
 def _is_in(order: RankOrder, place: int, rank: int | None) -> bool:
-    """Return whether the order contains the word with a given rank, if there is one, in the set at a place."""
+    """Return whether the order contains the word with a given rank, if any, in the set with index `place`."""
     return rank is not None and order.number(place, rank) is not None
 
 
 def _excluded_words(
     whole: Sequence[WordSet], excluded: Collection[tuple[int, int]]
 ) -> list[tuple[int, tuple[str, ...]]]:
-    """Return the place and the word of each excluded task whose length occurs in `whole`.
+    """Return the index in `whole` and the word of each excluded task whose length occurs in `whole`.
 
     Raises:
         QueryError: there is no task with a given rank.

@@ -30,7 +30,7 @@ class RankedWords(Protocol):
         ...
 
     def rank(self, word: tuple[str, ...]) -> int | None:
-        """Return the rank of a task, or None if it is not one of these."""
+        """Return the rank of a task, or None if the task is not included."""
         ...
 
 

@@ -72,7 +72,7 @@ def read(data: object, kind: type[Kind], name: str) -> Kind:
 
 
 def read_entry(entry: TableEntry, kind: type[Kind]) -> Kind | None:
-    """Return an entry's value converted to a type that msgspec supports; report any other value, and return None."""
+    """Return an entry's value converted to a type that msgspec supports; if this fails, report it and return None."""
     try:
         return msgspec.convert(entry.value, kind)
     except msgspec.ValidationError as error:

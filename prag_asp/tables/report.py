@@ -19,10 +19,10 @@ from prag_asp.tables.toml_text import key_line
 from prag_asp.wording import did_you_mean, nearest
 
 Keys = tuple[str | int, ...]
-"""The path to a value: names of keys, and positions in lists, from 0."""
+"""The path to a value: names of keys, and indices in lists, from 0."""
 
 LARGEST = 1e9
-"""The largest number in a table, which is far above any length in metres, angle in degrees or density."""
+"""The largest number allowed in a table; it is far above any length in metres, angle in degrees or density."""
 
 LONGEST = 40
 """The maximum number of characters of a wrong value in a message."""
@@ -65,7 +65,7 @@ class TableReport:
 
     @contextmanager
     def errors_at(self, *keys: str | int) -> Iterator[None]:
-        """Catch a `QueryError` that the block raises, and report each of its lines as a problem with a value."""
+        """Catch a `QueryError` in the block, and report each of its lines as a problem with the value at `keys`."""
         try:
             yield
         except QueryError as error:
@@ -83,7 +83,7 @@ class TableReport:
 
 
 _NONE = object()
-"""Stands for the lack of a default, because None is a possible default."""
+"""The marker for a missing default, because None is a possible default."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ class TableEntry:
     missing: bool = False
 
     def at(self, key: str | int, default: object = _NONE) -> TableEntry:
-        """Return the entry at a key or position; if it is missing, the entry holds the `default`, if there is one."""
+        """Return the entry at a key or index; for a missing key, the entry holds the `default`, if there is one."""
         keys = (*self.keys, key)
         if isinstance(self.value, Mapping) and key in self.value:
             return TableEntry(self.report, keys, self.value[key])

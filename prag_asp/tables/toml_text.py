@@ -42,9 +42,9 @@ def parse_toml(path: Path, text: str) -> dict[str, Any]:
 
 
 def key_line(text: str, keys: Sequence[str | int]) -> int:
-    """Return the first line that sets the key reached through `keys`, or else the nearest table above it.
+    """Return the number of the first line that sets the key at the path `keys`, or else its innermost enclosing table.
 
-    Positions in lists are ignored, so the line of a list is that of its key.
+    Indices in lists are ignored, so the line of a list item is that of the key of the list.
     """
     target = tuple(without_blanks(key) for key in keys if isinstance(key, str))
     best, depth = 1, 0
@@ -57,7 +57,7 @@ def key_line(text: str, keys: Sequence[str | int]) -> int:
 
 
 def without_blanks(key: str) -> str:
-    """Return a key without blanks around the arrow in a pair of actions, such as ``grasp>move``."""
+    """Return a key without spaces around the arrow in a pair of actions, such as ``grasp>move``."""
     return ">".join(part.strip() for part in key.split(">"))
 
 

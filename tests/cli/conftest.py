@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from prag_asp.cli import cli
-from tests.sharing import pictures_are_small, shared_logic  # noqa: F401 - fixtures
+from tests.sharing import automata_are_cached, pictures_are_small, shared_logic  # noqa: F401 - fixtures
 
 
 class Told:

@@ -38,7 +38,7 @@ def test_check_counts_the_grasps_of_a_bowl_and_names_its_cavity(tmp_path: Path) 
     result = checked(tmp_path, "bowl")
     assert result.exit_code == 0 and "warning" not in result.output
     assert "cavity: 136 x 136 x 49 mm" in result.output
-    above, slanted, side = map(int, re.findall(r"(\d+) (?:from above|at a slant|from the side)", result.output))
+    above, slanted, side = map(int, re.findall(r"(\d+) (?:from above|at an angle|from the side)", result.output))
     assert above > 8 and slanted >= 0 and side == 0
 
 

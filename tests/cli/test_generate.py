@@ -51,7 +51,7 @@ def test_what_is_held_out_is_in_the_test_part_alone(tmp_path: Path) -> None:
         (("--tasks", "1", "--split", "a=0.5,b=0.6"), 2, "add up to 1"),
         (("--tasks", "1", "--split", "a=0.5,b=x"), 2, "share of 'b': 'x' is not an exact number"),
         (("--tasks", "1", "--evenly"), 2, "--uniform"),
-        (("--tasks", "1", "--evenly", "--uniform", "--over", "goals"), 2, "leave --over goals or --evenly out"),
+        (("--tasks", "1", "--evenly", "--uniform", "--over", "goals"), 2, "leave out --over goals or --evenly"),
         (("--tasks", "1", "--demonstrate"), 2, "--demonstrate needs physics"),
         (("--tasks", "1", "--starts", "2"), 2, "--starts needs physics"),
         (("--tasks", "1", "--tier", "transit"), 2, "--tier needs physics"),

@@ -73,7 +73,7 @@ def test_physics_keeps_the_feasible_tasks_of_all_lengths(told: Told) -> None:
         (["count", "hanoi", "-n", "3.."], "--length 3..: write a whole number, such as 4, A..B for all"),
         (["count", "hanoi", "-n", "-1..3"], "--length -1..3: write a whole number"),
         (["count", "hanoi", "-n", "-1"], "--length -1: a plan has at least 0 actions"),
-        (["count", "hanoi", "-n", "1,3..4,4"], "--length 1,3..4,4: it has the length 4 twice; give each length once"),
+        (["count", "hanoi", "-n", "1,3..4,4"], "--length 1,3..4,4: the length 4 occurs twice; give each length once"),
         (["count", "hanoi", "-n", "1,"], "--length 1,: write a whole number"),
         (["task", "hanoi", "-n", "1,3", "--index", "0"], "several lengths, but one is needed"),
         (["count", "hanoi", "-n", "1..3", "--upto"], "--upto counts all lengths from 1; leave it out with"),

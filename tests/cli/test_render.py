@@ -157,7 +157,7 @@ def test_a_file_without_tasks_and_an_unwritable_folder_are_refused(tasks: Path, 
     (tmp_path / "empty.jsonl").write_text("")
     assert "no tasks in it" in run("render", "empty.jsonl", cwd=tmp_path).stderr
     (tmp_path / "file").write_text("")
-    assert "cannot be made" in run("render", str(tasks), "-o", "file/folder", cwd=tmp_path).stderr
+    assert "cannot be created" in run("render", str(tasks), "-o", "file/folder", cwd=tmp_path).stderr
 
 
 def test_a_witness_of_another_task_is_not_drawn(tmp_path: Path) -> None:

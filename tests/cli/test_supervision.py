@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -165,21 +166,25 @@ def test_what_is_too_large_is_refused_before_any_work(command: tuple[str, ...], 
     assert done.stderr.count("\n") == 1
 
 
-@pytest.mark.parametrize("work", [HOLDS_THE_INTERPRETER, SWALLOWS])
-@pytest.mark.parametrize(
-    ("number", "end"), [(signal.SIGINT, (130, "interrupted\n")), (signal.SIGTERM, (143, "terminated\n"))]
-)
-def test_a_command_that_does_not_react_is_killed_soon(
-    work: str, number: int, end: tuple[int, str], tmp_path: Path
-) -> None:
-    with interruptible(working(work), tmp_path) as process:
-        begun(process)
-        born, now = family(process.pid), time.monotonic()
-        process.send_signal(number)
-        said = process.communicate(timeout=120)[1]
-        assert time.monotonic() - now < 100
-        assert (process.returncode, said.removeprefix("\n")) == end  # it may hear before it is deaf
-        assert gone(born)
+def test_a_command_that_does_not_react_is_killed_soon(tmp_path: Path) -> None:
+    """All commands run at once, because their supervisors wait for seconds."""
+    cases = [
+        (work, number, end)
+        for work in (HOLDS_THE_INTERPRETER, SWALLOWS)
+        for number, end in ((signal.SIGINT, (130, "interrupted\n")), (signal.SIGTERM, (143, "terminated\n")))
+    ]
+    with ExitStack() as commands:
+        started = [commands.enter_context(interruptible(working(work), tmp_path)) for work, _, _ in cases]
+        for process in started:
+            begun(process)
+        born, now = [family(process.pid) for process in started], time.monotonic()
+        for process, (_, number, _) in zip(started, cases, strict=True):
+            process.send_signal(number)
+        for process, (work, _, end), family_of_one in zip(started, cases, born, strict=True):
+            said = process.communicate(timeout=120)[1]
+            assert time.monotonic() - now < 100, work
+            assert (process.returncode, said.removeprefix("\n")) == end, work  # it may hear before it is deaf
+            assert gone(family_of_one), work
 
 
 def test_a_second_ctrl_c_kills() -> None:

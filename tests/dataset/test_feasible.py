@@ -55,7 +55,7 @@ def test_a_wrong_request_is_refused_at_once(tabletop: Domain) -> None:
         feasible(TaskSpace(tabletop, 2), seed=3, weights={"juggle": 2})
     with pytest.raises(SceneError, match=r"no \[scene\]"):
         feasible(TaskSpace(load_domain("hanoi"), 2), seed=3)
-    with pytest.raises(OutputError, match="cannot be made"):
+    with pytest.raises(OutputError, match="cannot be created"):
         feasible(TaskSpace(tabletop, 2), seed=3, demonstrate="/dev/null/folder")
 
 

@@ -300,7 +300,7 @@ def test_a_wrong_request_is_refused_in_one_line(kitchen: TaskSpace, numbers: Pat
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("dear")
     refused("holds letter.txt, and is not a dataset; give a new folder", tmp_path / "mine")
-    refused("cannot be made", Path("/dev/null/folder"))
+    refused("cannot be created", Path("/dev/null/folder"))
     refused("is not a folder; name a new folder", numbers / "dataset.json")
     with pytest.raises(OutputError, match="is a dataset of kitchen, not of blocks"):
         generate(TaskSpace(load_domain("blocks"), 2), numbers, tasks=1)

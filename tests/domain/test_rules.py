@@ -57,7 +57,7 @@ def test_a_file_that_begins_with_a_byte_order_mark_is_read_with_its_lines_in_pla
     (tmp_path / "domain.toml").write_bytes(b"\xef\xbb\xbf" + settings.encode())
     assert load_domain(tmp_path).settings.title == "Lamps"
     (tmp_path / "domain.lp").write_bytes(b"\xef\xbb\xbf" + b"\xef\xbb\xbf" + SWITCH.encode())
-    with pytest.raises(DomainError, match=r"domain\.lp:1: the character '\\ufeff' cannot stand here; use a-z"):
+    with pytest.raises(DomainError, match=r"domain\.lp:1: the character '\\ufeff' is not allowed here; use a-z"):
         load_domain(tmp_path)
     (tmp_path / "domain.lp").write_bytes(SWITCH.encode("utf-16"))
     with pytest.raises(DomainError, match=r"domain\.lp:1: not UTF-8 text; save the file as UTF-8"):

@@ -69,7 +69,7 @@ def test_nothing_is_overwritten(tmp_path: Path) -> None:
     (tmp_path / "rooms").write_text("", encoding="utf-8")
     with pytest.raises(DomainError, match="pantry: exists already; choose another name"):
         write_new_domain("pantry", tmp_path)
-    with pytest.raises(OutputError, match="the folder cannot be made: Not a directory; choose another"):
+    with pytest.raises(OutputError, match="the folder cannot be created: Not a directory; choose another"):
         write_new_domain("rooms/pantry", tmp_path)
     assert list((tmp_path / "pantry").iterdir()) == []
 
@@ -90,5 +90,5 @@ def test_a_bad_name_is_refused(tmp_path: Path, name: str, message: str) -> None:
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
 def test_a_folder_that_cannot_be_written_is_reported(tmp_path: Path) -> None:
     tmp_path.chmod(0o500)
-    with pytest.raises(OutputError, match="the folder cannot be made: Permission denied; choose another"):
+    with pytest.raises(OutputError, match="the folder cannot be created: Permission denied; choose another"):
         write_new_domain("pantry", tmp_path)

@@ -41,7 +41,7 @@ def test_what_is_missing_in_a_text_is_not_found() -> None:
         ("put {0!r}", "has braces that do not match"),
         ("put {0:{1}}", "has braces that do not match"),
         ("put {0:abl}", r"has \{0:abl\}, which is not a case; cases are acc, dat"),
-        ("put {0}{1}", "two places side by side"),
+        ("put {0}{1}", "two pairs of braces side by side"),
         (" ", "is empty"),
     ],
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import product
+from typing import Any
 
 import pytest
 
@@ -65,9 +66,23 @@ def reported(check: Callable[[TableEntry], None]) -> list[str]:
     return list(map(str, entry.report.problems))
 
 
+@pytest.mark.parametrize(
+    ("words", "place"),
+    [
+        ({"repeated": "{deed} again"}, "repeated: has no other braces than action"),
+        ({"varied": "{action} again"}, "varied: has {manner}, and no other braces than action, manner"),
+        ({"was": {"one": "was", "several": ""}}, "was: has no form for several"),
+        ({"joints": {"goal": [" and "]}}, "joints.goal: has to be of the same kind"),
+    ],
+)
+def test_what_is_said_of_repeated_and_former_things_has_its_braces_and_forms(words: dict[str, Any], place: str) -> None:
+    (line,) = reported(lambda entry: check_forms(entry, words_of("en", words)))
+    assert line.startswith(f"words.{place}")
+
+
 def test_contractions_that_could_be_read_in_two_ways_are_refused() -> None:
     own = {"contractions": {"zu dem": "zum", "zu einem": "zum"}}
-    assert "words.contractions: zum stands for several; nobody could read it back: leave one out" in reported(
+    assert "words.contractions: zum stands for several texts, so it is ambiguous; leave one out" in reported(
         lambda entry: check_forms(entry, words_of("de", own))
     )
     (line,) = reported(lambda entry: check_forms(entry, words_of("de", {"contractions": {"zu dem": ""}})))

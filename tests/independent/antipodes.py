@@ -53,7 +53,9 @@ def gripped(
                 break
             around = tool @ Frame(np.eye(3), np.array([0.0, (found.low + found.high) / 2, 0.0]))
             found = grip(solids, around, opening)
-            if found is not None and max(found.angles) <= cone and max(-found.low, found.high) < opening / 2 - OPEN:
+            if found is None or found.leans(friction) > cone:
+                continue
+            if max(-found.low, found.high) < opening / 2 - OPEN:
                 return Place(around, found)
     return None
 

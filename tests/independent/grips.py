@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import product
+from itertools import combinations, product
 from typing import NamedTuple
 
 import numpy as np
@@ -38,6 +38,9 @@ GIVES = 0.001
 YIELDS = 0.0027
 """Metres by which a finger may be in what it holds: 2 mm of the definition, and how exact depths of hulls are."""
 
+BESIDE = 0.0005
+"""Metres by which a point may be off a face that it is still on, for lines are as far apart."""
+
 LINED = 1e-9
 """The cosine from which a line is parallel to a face."""
 
@@ -46,7 +49,8 @@ class Grip(NamedTuple):
     """What is between two pads: its ends along y of the tool in metres, and what each pad touches of it.
 
     Of that there are the mean angle to the pad in radians, the centre along x and z in metres, the mean square of the
-    distances from the centre, and the lowest and highest x and z, shape (2, 2).
+    distances from the centre, and the lowest and highest x and z, shape (2, 2). `edges` are the angles between the pads
+    and the nearest normals that what is outermost has, as an edge has those between its faces.
     """
 
     low: float
@@ -55,10 +59,18 @@ class Grip(NamedTuple):
     centres: tuple[Array, Array]
     spreads: tuple[float, float]
     ends: tuple[Array, Array]
+    edges: tuple[float, float]
 
     @property
     def width(self) -> float:
         return self.high - self.low
+
+    def leans(self, friction: float) -> float:
+        """Return the larger angle between a pad and what it touches; at edges only if they are opposite."""
+        aside = float(np.linalg.norm(self.centres[0] - self.centres[1]))
+        if aside > friction * self.width:
+            return max(self.angles)
+        return max(min(pair) for pair in zip(self.angles, self.edges, strict=True))
 
 
 def grip(parts: Sequence[tuple[Part, Frame]], tool: Frame, opening: float) -> Grip | None:
@@ -84,9 +96,28 @@ def grip(parts: Sequence[tuple[Part, Frame]], tool: Frame, opening: float) -> Gr
         slope = float(slopes[touched].mean()) if len(flat) else 0.0
         spread = float(((flat - centre) ** 2).sum(axis=1).mean()) if len(flat) else 0.0
         borders = np.array([flat.min(axis=0), flat.max(axis=0)]) if len(flat) else np.zeros((2, 2))
-        sides.append((outward * float(values.max()), float(np.arccos(min(1.0, slope))), centre, spread, borders))
-    (low, one, here, near, first), (high, two, there, far, last) = sides
-    return Grip(low, high, (one, two), (here, there), (near, far), (first, last))
+        owner, line = np.unravel_index(values.argmax(), values.shape)
+        place = begins[line] + outward * farthest[line] * tool.turn[:, 1]
+        edge = _nearest_normal(*parts[owner], place, outward * tool.turn[:, 1])
+        sides.append((outward * float(values.max()), float(np.arccos(min(1.0, slope))), centre, spread, borders, edge))
+    (low, one, here, near, first, edge), (high, two, there, far, last, other) = sides
+    return Grip(low, high, (one, two), (here, there), (near, far), (first, last), (edge, other))
+
+
+def _nearest_normal(part: Part, place: Frame, point: Array, way: Array) -> float:
+    """Return the least angle in radians between a direction and what the faces of a part at a point span."""
+    local, along = (point - place.at) @ place.turn - part.at, way @ place.turn
+    if part.kind == "sphere":
+        return float(np.arccos(min(1.0, local @ along / float(np.linalg.norm(local)))))
+    normals, offsets = _faces(part)
+    met = normals[offsets - normals @ local < BESIDE]
+    best = float((met @ along).max(initial=-1.0))
+    for one, two in combinations(met, 2):
+        # The nearest direction between two normals is the direction's own projection, if that is between them.
+        both, first, second = one @ two, along @ one, along @ two
+        if min(first - both * second, second - both * first) >= 0.0 and 1.0 - both**2 > LINED:
+            best = max(best, ((first**2 + second**2 - 2 * both * first * second) / (1.0 - both**2)) ** 0.5)
+    return float(np.arccos(np.clip(best, -1.0, 1.0)))
 
 
 def _through(part: Part, place: Frame, begins: Array, way: Array, most: float) -> tuple[Array, Array, Array, Array]:

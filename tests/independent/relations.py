@@ -343,7 +343,8 @@ def _gripped(seen: Seen, robot: str, name: str) -> Iterator[float]:
         return
     yield abs(seen.widths[robot] - grip.width) - 0.002
     yield abs(grip.high + grip.low) / 2 - 0.002
-    yield from (angle - np.arctan(RUBBER * seen.world.frictions[name]) for angle in grip.angles)
+    friction = RUBBER * seen.world.frictions[name]
+    yield grip.leans(friction) - np.arctan(friction)
 
 
 def grip_of(seen: Seen, robot: str, name: str, opening: float | None = None) -> Grip | None:

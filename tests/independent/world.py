@@ -56,11 +56,13 @@ class World:
 class Model:
     """What a scene says of a body from a file, in its own frame: the centre of mass, and the cavity.
 
-    The cavity is the middle of its floor, its sides and its depth; there is none where these are 0.
+    The cavity is the middle of its floor, its sides and its depth; there is none where these are 0. It is turned by an
+    angle.
     """
 
     centre: Array
     cavity: tuple[Array, Array]
+    turn: float = 0.0
 
 
 class Solid(NamedTuple):
@@ -156,7 +158,7 @@ class Layout:
             return (self.joint(name) if furniture.slides else self.poses[name]), furniture.room
         if name in self.world.models:
             middle, (wide, long, deep) = self.world.models[name].cavity
-            frame = self.poses[name] @ Frame(np.eye(3), middle)
+            frame = self.poses[name] @ Frame(turned(self.world.models[name].turn, "z"), middle)
             return frame, ((-wide / 2, wide / 2), (-long / 2, long / 2), (0.0, deep))
         (x, y, z), wall = self.world.halves[name], self.world.walls[name]
         return self.poses[name], ((wall - x, x - wall), (wall - y, y - wall), (wall - z, z))
@@ -236,6 +238,7 @@ def world_of(scene: Scene) -> World:
                 (np.zeros(3), np.zeros(3))
                 if model.cavity is None
                 else (np.array(model.cavity.middle), np.array(model.cavity.sides)),
+                0.0 if model.cavity is None else model.cavity.yaw,
             )
             for name, model in models.items()
         },

@@ -187,4 +187,4 @@ def test_an_action_that_asks_for_what_it_does_not_need_is_warned_of(more: str, *
     warnings = [each for each in domain.warnings if each.name == "asks-more"]
     assert len(warnings) == warned
     if warnings:
-        assert "is made only where" in warnings[0].text and "state precondition(" in warnings[0].text
+        assert "is derived only if" in warnings[0].text and "state precondition(" in warnings[0].text

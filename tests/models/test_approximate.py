@@ -116,7 +116,7 @@ def test_what_no_estimate_can_be_made_of_is_refused(arguments: list[str], messag
 
 
 def test_what_has_no_clauses_or_no_counter_or_a_seed_that_is_none_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(QueryError, match="#edge wants a graph without cycles; leave it out"):
+    with pytest.raises(QueryError, match="#edge requires a graph without cycles; leave it out"):
         answer_sets(text="{ a(1..2) }. #edge(1,2) : a(1). #edge(2,1) : a(2).").estimate()
     with pytest.raises(QueryError, match="seed -1: --approximate takes one from 0 to 4294967295"):
         estimate_models(Cnf(1, ((1,),), {}, (1,)), Tolerance(), -1)

@@ -132,7 +132,7 @@ def test_a_ground_program_is_alone_and_has_no_constants(tmp_path: Path) -> None:
     other.write_text("a.")
     with pytest.raises(DomainError, match=r"ground\.lp:1: a ground program in aspif has to be the only file"):
         answer_sets(other, ground)
-    with pytest.raises(DomainError, match=r"constant n: .* is ground already"):
+    with pytest.raises(DomainError, match=r"constant n: .* is already ground"):
         answer_sets(ground, constants={"n": 1})
     with pytest.raises(DomainError, match="<text>:1: this header is not that of aspif"):
         answer_sets(text="asp 2 0 0\n0\n")

@@ -82,7 +82,7 @@ def test_a_graph_that_has_to_be_acyclic_is_left_to_clingo_and_that_is_reported()
     notes: list[str] = []
     found = answer_sets(text="{e(1,2); e(2,1)}. #edge (X,Y) : e(X,Y).", tell=notes.append)
     assert found.count() == 3 and len(list(found.sample(5))) == 5
-    assert notes == ["#edge wants a graph without cycles: clingo enumerates, which takes time for each answer set"]
+    assert notes == ["#edge requires a graph without cycles: clingo enumerates, which takes time for each answer set"]
     with pytest.raises(QueryError, match="choose the engine clingo"):
         answer_sets(text="{e(1,2); e(2,1)}. #edge (X,Y) : e(X,Y).", engine="ganak").count()
 
@@ -133,10 +133,10 @@ def test_clingo_tells_on_the_way_how_many_answer_sets_there_are_at_least() -> No
     ("more", "note"),
     [
         ("", ""),
-        ("weight(heads(3),3).", "no rule derives heads(3), so that its weight counts for nothing; did you"),
+        ("weight(heads(3),3).", "no rule derives heads(3), so its weight has no effect; did you"),
         (
             "weight(x,3). weight(y,3). weight(z,0).",
-            "no rule derives x, so that its weight counts for nothing, and 2 other ",
+            "no rule derives x, so its weight has no effect, and 2 other ",
         ),
     ],
 )

@@ -41,7 +41,7 @@ def test_joined_conditions_are_ground_where_types_alone_would_make_too_many_acti
 def test_parameters_that_no_predicate_binds_still_make_too_many(tmp_path: Path) -> None:
     free = JOINED.replace("(next ?b ?c) (next ?c ?d) (next ?d ?e) (next ?e ?f)", "")
     message = (
-        r"domain.pddl:2: turn makes at least 72,030,000 actions of 70 objects, and no more than 10,000,000 can be made"
+        r"domain.pddl:2: turn has at least 72,030,000 instances with 70 objects, more than the limit of 10,000,000"
     )
     with pytest.raises(DomainError, match=message):
         load_domain(*written(tmp_path, free, ring(70, 3)))
@@ -107,7 +107,7 @@ def test_instances_are_counted_by_what_is_true_at_the_start(
     problem = f"(define (problem e) (:domain d) (:objects {' '.join(names)}) (:init {start}) (:goal (r)))"
     paths = written(tmp_path, UNARY.format(condition), problem)
     if least:
-        with pytest.raises(DomainError, match=f"domain.pddl:3: all makes at least {least} actions of 20 objects"):
+        with pytest.raises(DomainError, match=f"domain.pddl:3: all has at least {least} instances with 20 objects"):
             read(*paths)
     else:
         read(*paths)

@@ -145,12 +145,12 @@ def test_too_many_fluents_or_actions_are_refused_before_they_are_ground(tmp_path
     problem = PROBLEM.replace("(:objects o - b)", f"(:objects {' '.join(f'o{n}' for n in range(3200))} o - b)")
     binary = GOOD.replace("(and (not (p ?x))", "(and (not (p ?x)) (q ?x ?y)")
     message = (
-        r"domain.pddl:5: q makes 10,252,804 of 10,252,805 fluents of 3,202 objects, and no more than 1,000,000 can"
+        r"domain.pddl:5: q has 10,252,804 of 10,252,805 fluents with 3,202 objects, more than the limit of 1,000,000"
     )
     with pytest.raises(DomainError, match=message):
         read(*written(tmp_path, binary, problem))
     free = GOOD.replace("?x - a ?y)", "?x - a ?y ?z)").replace("(q ?x ?y))\n  :e", ")\n  :e")
-    message = r"domain.pddl:7: act makes at least 10,252,804 actions of 3,202 objects, and no more"
+    message = r"domain.pddl:7: act has at least 10,252,804 instances with 3,202 objects, more than"
     with pytest.raises(DomainError, match=message):
         read(*written(tmp_path, free, problem.replace("(:init", "(:init (p k)")))
     assert len(load_domain(*written(tmp_path, GOOD, problem)).facts.actions) == 1
@@ -228,8 +228,8 @@ def test_logic_of_ones_own_joins_files_of_pddl(tmp_path: Path) -> None:
             "x -a b - spot",
             "-a after x is neither a type that is declared nor the name before a type; write '- a' for a",
         ),
-        ("- spot x", "no name stands before '-'; write names before it, or remove it"),
-        ("x - spot - spot", "no name stands before '-'; write names before it, or remove it"),
+        ("- spot x", "no name precedes '-'; write names before it, or remove it"),
+        ("x - spot - spot", "no name precedes '-'; write names before it, or remove it"),
         ("x - - spot", "'-' is not expected here"),
         ("x -spot y -", "a type is missing after '-'; write it"),
     ],

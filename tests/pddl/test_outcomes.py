@@ -79,7 +79,7 @@ def test_what_changes_at_a_time_is_ignored_on_request(tmp_path: Path) -> None:
     timed = start.replace("(:init", "(:init (at 0 (six)) (at 0.5 (not (six))) (at 7 (lost b)) (at 0.0 (lost a))")
     loaded = load_domain(*written(tmp_path, text, timed), untimed=True)
     assert counts(loaded, 3) == Search(text, start.replace("(:init", "(:init (six) (lost a)")).count(3)
-    assert [each.line for each in loaded.warnings if "at a time is ignored" in each.text] == [1, 1]
+    assert [each.line for each in loaded.warnings if "at a time are ignored" in each.text] == [1, 1]
 
 
 CHARGE = """(define (domain d) (:types car) (:predicates (ready ?c - car)) (:functions (level ?c) (speed ?c))

@@ -247,7 +247,7 @@ def test_what_pddl_cannot_say_is_refused() -> None:
         write(load_domain(text=text), conditional=False)
     with pytest.raises(DomainError, match="unknown, which PDDL cannot express; let the action make it true or false"):
         write(load_domain(text="fluent(f). initially(f,true). action(a). postcondition(a,f,unknown).\n"))
-    with pytest.raises(DomainError, match="prag: its world is open, so it has no initial state that PDDL can say"):
+    with pytest.raises(DomainError, match="prag: its world is open, so it has no initial state that PDDL can express"):
         write(load_domain("prag"))
 
 

@@ -146,7 +146,7 @@ def test_a_wrong_opening_a_leap_of_furniture_and_a_wrong_grip_of_its_handle_are_
         (opened(0, {**present[0], "drawer_1": math.nan}), "cannot be open by nan"),
         (opened(1, {**present[1], "cupboard_1": 0.05}), "has been opened"),
         (opened(0, {"drawer_1": 0.0}), ""),
-        (moved(*motion[:3], *motion[-2:]), "ends open otherwise"),
+        (moved(*motion[:3], *motion[-2:]), "ends with an opening that differs"),
         (
             moved(*motion[:3], replace(motion[3], joints=motion[2].joints), *motion[4:]),
             "does not hold the handle of drawer_1",

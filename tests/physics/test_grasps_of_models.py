@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
+from prag_asp.dataset.jsonl import Record, write_line
 from prag_asp.physics import Budget, check_demonstration, check_witness, open_validator, validate_task
 from prag_asp.physics.demonstration.acting import SQUEEZE
 from prag_asp.physics.grasps.body_grasps import body_grasps, is_hand_free
@@ -25,11 +29,15 @@ from prag_asp.physics.verdict import Tier, Verdict
 from prag_asp.physics.witness import Arm, Witness
 from prag_asp.physics.world.dynamics import ArmCommand, open_dynamics
 from prag_asp.scene.geometry import Pose, compose, invert, yaw_of, yaw_quaternion
+from prag_asp.scene.read.body import body_shape, solid_mass
 from prag_asp.scene.robots.panda import PANDA
-from prag_asp.scene.scene import BodyModel, Scene, Shape, Solid
+from prag_asp.scene.scene import BodyModel, Material, Scene, Shape, Solid
 from tests.chance import Chance
+from tests.independent.check import problems
 from tests.independent.frames import Frame, frame
 from tests.independent.grips import grip_faults, points_on
+from tests.independent.world import world_of
+from tests.physics.grasps.test_grasps_at_edges import prism
 from tests.physics.scenarios import state, task
 
 PICK = ("pick(panda,thing_1)", state("holding(panda,thing_1)", "-on_top(thing_1,table_1)"))
@@ -246,6 +254,38 @@ def test_a_hand_that_is_in_what_it_holds_is_found(verdicts: dict[str, Verdict]) 
         tool = compose(invert(moment.poses["thing_1"]), tool_pose(PANDA, arm.joints))
         assert is_hand_free(HELD[name], gripper, tool, arm.width)
         assert not is_hand_free(HELD[name], gripper, tool, arm.width - 0.012)
+
+
+def prism_shape(folder: Path, corners: int, radius: float, height: float, lying: bool) -> Shape:
+    """Return a body of 0.1 kg from the file of a prism over a regular polygon, upright or lying on a side."""
+    mesh = trimesh.Trimesh(**trimesh.triangles.to_kwargs(prism(corners, radius, height, lying)))
+    mesh.export(folder / "prism.stl")
+    solid = Solid("mesh", (1.0, 1.0, 1.0), mesh=str(folder / "prism.stl"))
+    return body_shape("mesh", [solid], solid_mass([solid]).scaled(0.1))
+
+
+@pytest.mark.parametrize(
+    ("corners", "radius", "height", "lying"), [(3, 0.0404, 0.12, False), (5, 0.035, 0.12, True)], ids=["3", "5 lying"]
+)
+def test_the_robot_moves_a_prism_that_it_holds_at_an_edge(
+    tmp_path: Path, corners: int, radius: float, height: float, lying: bool
+) -> None:
+    made = scene(prism_shape(tmp_path, corners, radius, height, lying))
+    made = replace(made, materials={"thing_1": Material(friction=0.3)})
+    verdict = validate_task(MOVED, made, seed=1, budget=Budget(4, 8, Tier.DEMONSTRATION))
+    assert verdict.witness is not None and verdict.demonstration is not None, verdict.nearest
+    assert check_witness(MOVED, verdict.witness, made) == []
+    assert check_demonstration(MOVED, verdict.demonstration, made) == []
+    record = json.loads(write_line(Record(MOVED, None, verdict.witness.to_json())))
+    assert problems(record, record["witness"], world_of(made)) == []
+    # A tool does not hold the body if a pad is off the edge, or if the contacts are not opposite to each other.
+    moment = verdict.witness.moments[1]
+    arm = moment.arms["panda"]
+    held = tool_pose(PANDA, arm.joints)
+    for moved in (Pose((0.0, 0.004, 0.0)), Pose((0.0, 0.0, 0.0), yaw_quaternion(0.6))):
+        tools = {"panda": compose(held, moved)}
+        situation = Situation(made, moment.poses, {"panda": arm}, tools=tools)
+        assert not PREDICATES["holding"].holds(situation, ("panda", "thing_1"))
 
 
 @pytest.mark.parametrize("name", HELD)

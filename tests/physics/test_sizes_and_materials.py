@@ -156,4 +156,4 @@ def test_no_arm_takes_a_size_that_is_heavier_than_it_carries():
         for verdict in validate_tasks([stacking()] * 40, light, seed=2)
         if 15_000 * verdict.witness.sizes["cube_1"][0] ** 3 > limit
     )
-    assert any("cube_1 is heavier than the gripper carries" in text for text in check_witness(stacking(), large, heavy))
+    assert any("cube_1 is heavier than the payload" in text for text in check_witness(stacking(), large, heavy))

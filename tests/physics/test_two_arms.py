@@ -182,7 +182,7 @@ def test_arms_that_meet_move_unseen_or_are_missing_are_reported(scene, handover,
     there = next(inverse(robot_of(scene, "right"), tool_pose(robot_of(scene, "left"), left.joints)))
     meeting = found(2, left=left, right=Arm(there, 0.08))
     assert "state 2: the arm collides with" in meeting
-    assert "its last waypoint is not the arm of the next state" in meeting
+    assert "its last waypoint differs from the arm in the next state" in meeting
     left, right = witness.moments[0].arms.values()
     assert found(0, left=left, right=replace(right, joints=(right.joints[0] + 0.1, *right.joints[1:])))
     assert "state 0: it has the arms of left; the scene has those of left, right" in found(0, left=left)

@@ -30,11 +30,11 @@ def small_programs_are_large(monkeypatch: pytest.MonkeyPatch) -> None:
         (TRAPS[16], "an action has the name of one of them"),
         ("far(X) :- is_a(X,thing), not near(X). near(X) :- is_a(X,thing), not far(X).", "on itself through `not`"),
         ("{{ lucky(X) : is_a(X,thing) }}.", "a choice or an aggregate in a head"),
-        ("alone(X) :- exclusive(X,X).", "exclusive/2 may tell of every entity"),
+        ("alone(X) :- exclusive(X,X).", "exclusive/2 may depend on every entity"),
         ("fluent(h(@f(X))) :- is_a(X,thing).", "a function of a script"),
-        ("late(Z) :- is_a(X,thing), is_a(Z,thing), -X < -Z.", "a minus makes other names"),
-        ("precondition(a(X),g,true) :- action(a(X)), mark(-X).", "a minus makes other names"),
-        ("action(e(-X)) :- is_a(X,thing).", "a minus makes other names"),
+        ("late(Z) :- is_a(X,thing), is_a(Z,thing), -X < -Z.", "a minus sign turns names into other names"),
+        ("precondition(a(X),g,true) :- action(a(X)), mark(-X).", "a minus sign turns names into other names"),
+        ("action(e(-X)) :- is_a(X,thing).", "a minus sign turns names into other names"),
     ],
 )
 def test_a_rule_that_may_read_entities_that_no_plan_names_prevents_a_reduction(trap: str, told: str) -> None:

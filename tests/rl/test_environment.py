@@ -516,7 +516,7 @@ def test_the_witness_of_another_task_is_refused(given: Mapping[str, list[Given]]
     (task, witness), (_, other) = given["tabletop"][:2]
     short = Witness(witness.moments[:3], witness.motions[:2])
     for wrong, told in (
-        (other, "of the witness it does not hold that"),
+        (other, "of the witness, this fact does not hold:"),
         (short, "has 3 states, the task 5"),
     ):
         with pytest.raises(QueryError, match=told):

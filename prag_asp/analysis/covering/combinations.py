@@ -20,10 +20,10 @@ from prag_asp.space.task_space import TaskSpace
 from prag_asp.task import Task
 
 Combination = tuple[tuple[int, str], ...]
-"""Values of factors, each with the number of its factor, in ascending order."""
+"""Pairs of the number of a factor and its value, ordered by these numbers."""
 
 STRONGEST = 8
-"""The greatest strength; actions with more factors are not combined further."""
+"""The maximum strength; combinations of more factors are not considered."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Coverage:
 
     @property
     def share(self) -> float:
-        """The share of the reachable combinations that is covered, or 1 if there are none."""
+        """The share of the reachable combinations that are covered, or 1 if there are none."""
         return len(self.covered) / len(self.reachable) if self.reachable else 1.0
 
 
@@ -58,7 +58,7 @@ def combinations_of(action: Atom, classes: Mapping[str, str], strength: int) -> 
 
 
 def letter_combinations(space: TaskSpace, words: LayeredAutomaton, strength: int) -> list[frozenset[Combination]]:
-    """Return the combinations of each letter in the words of a space; for actions that never occur, they are empty."""
+    """Return the combinations of each letter in the words of a space; there are none for actions that never occur."""
     used = {int(letter) for step in words.edges or () for letter in np.unique(step.letters)}
     classes, actions = space.domain.facts.entity_names, space.engines.actions
     return [

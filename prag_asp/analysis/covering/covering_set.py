@@ -21,10 +21,12 @@ from prag_asp.space.task_space import TaskSpace
 from prag_asp.task import Task
 
 MOST_PAIRS = 20_000
-"""The maximum number of pairs of tasks that are tried, which takes seconds."""
+"""The maximum number of pairs of tasks to try; this takes seconds."""
 
 WIDTH = 32
-"""The number of beginnings of tasks that the beam search keeps; more of them hardly ever lead to a better task."""
+"""The beam width of the search: the number of prefixes of tasks that it keeps; a wider beam hardly ever finds better
+tasks.
+"""
 
 
 @dataclass(frozen=True)
@@ -41,9 +43,9 @@ def covering_set(space: TaskSpace, strength: int) -> CoveringSet:
     """Return a small set of tasks that together cover all reachable combinations of a space at a given strength.
 
     Each task is the best one that a beam search finds: it covers the most combinations not covered by earlier tasks
-    (the greedy algorithm for set covers, Chvatal 1979). Tasks that later tasks make superfluous are left out, and a
-    pair of tasks is replaced by one task if the search finds one that covers as much. The set is the smallest if it has
-    `at_least` tasks.
+    (the greedy algorithm for set covers, Chvatal 1979). Then redundant tasks are removed, and a pair of tasks is
+    replaced by one task if the search finds one that covers as much. If the set has `at_least` tasks, no smaller set
+    exists.
 
     Raises:
         QueryError: the strength is out of range, the space has several lengths, or its states are too many to be
@@ -89,7 +91,7 @@ class _Choice:
         return layers
 
     def _bounds(self, rest: int) -> list[NDArray[np.int64]]:
-        """Return, for each layer and state, a bound on the combinations in `rest` that a word covers from there on."""
+        """Return, for each layer and state, an upper bound on the combinations in `rest` that a suffix covers."""
         gains = np.array([(mask & rest).bit_count() for mask in self.masks], dtype=np.int64)
         bounds = [np.zeros(1, dtype=np.int64)]
         for step in reversed(self.words.edges or ()):
@@ -97,7 +99,7 @@ class _Choice:
         return bounds[::-1]
 
     def improved(self, words: Sequence[Word], enough: int) -> list[Word]:
-        """Return words that cover the same combinations, fewer if one can replace two; `enough` words are kept."""
+        """Return words that cover the same combinations; one word replaces two, if possible, until `enough` remain."""
         remaining = list(words)
         pairs, tried = combinations(range(len(remaining)), 2), 0
         while len(remaining) > enough and tried < MOST_PAIRS and (pair := next(pairs, None)) is not None:
@@ -115,7 +117,7 @@ class _Choice:
         return reduce(or_, (self.masks[letter] for word in words for letter in word), 0)
 
     def most(self, rest: int) -> int:
-        """Return a bound on the number of combinations in `rest` that one word covers."""
+        """Return an upper bound on the number of combinations in `rest` that one word covers."""
         return int(self._bounds(rest)[0][0])
 
     def all(self, rest: int, clock: LimitClock) -> list[Word]:
@@ -137,7 +139,7 @@ class _Choice:
         return chosen
 
     def _best(self, rest: int) -> tuple[Word, int]:
-        """Return a word that covers many combinations in `rest`, at least one, and the combinations that it covers."""
+        """Return a word that covers many combinations in `rest`, but at least one, and these combinations as bits."""
         bounds = self._bounds(rest)
         beam: dict[tuple[int, int], Word] = {(0, 0): ()}
         for place, edges in enumerate(self._edges):
@@ -156,7 +158,7 @@ class _Choice:
 
 
 def _without_superfluous(words: Sequence[Word], masks: Sequence[int]) -> list[Word]:
-    """Return the words except those that the others make superfluous."""
+    """Return the words without those whose combinations the others cover."""
     remaining = list(words)
     for word in words[::-1]:
         others = [other for other in remaining if other is not word]

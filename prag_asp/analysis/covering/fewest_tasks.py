@@ -20,7 +20,7 @@ ROUNDS = 4000
 """The number of updates; more updates hardly ever improve a bound."""
 
 WORK = 40_000_000
-"""The number of edges that all updates together visit, which takes about a second."""
+"""The total number of edges that the updates visit; this takes about a second."""
 
 COARSE, FINE = 3, 5
 """Updates reduce weights by 1/8 in the first quarter of the rounds, and by 1/32 after that."""

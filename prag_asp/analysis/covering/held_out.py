@@ -1,4 +1,4 @@
-"""Combinations of factors that training can do without while it still covers all combinations with one factor fewer."""
+"""Combinations of factors to hold out from training, which still covers all combinations with one factor fewer."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.space.task_space import TaskSpace
 
 SHARE = 5
-"""By default, one out of this many combinations is held out."""
+"""By default, one in `SHARE` combinations is held out."""
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,9 @@ class HeldOut:
 
 
 def hold_out_combinations(space: TaskSpace, strength: int, seed: int = 0, at_most: int | None = None) -> HeldOut:
-    """Return combinations of `strength` + 1 factors such that tasks without them reach all combinations of `strength`.
+    """Return combinations of `strength` + 1 factors to hold out; tasks without them cover those of `strength` factors.
 
-    They are tried in random order until `at_most` are held out, by default a fifth of all reachable ones.
+    Combinations are tried in random order until `at_most` are held out, by default a fifth of the reachable ones.
 
     Raises:
         QueryError: none can be held out, the strength is out of range, or the states of the space are too many to be
@@ -85,7 +85,7 @@ def held_out(space: TaskSpace, strength: int, held: Iterable[Combination]) -> He
 
 
 def _occurring(words: LayeredAutomaton, kept: NDArray[np.bool_]) -> Collection[int]:
-    """Return the letters that occur in words all of whose letters are kept."""
+    """Return the letters that occur in words that consist only of kept letters."""
     steps = words.edges or ()
     alive = [np.ones(1, dtype=np.bool_)]
     for step in reversed(steps):

@@ -26,17 +26,18 @@ ROUNDS = 10
 them."""
 
 WALKS = 100
-"""The number of random tasks among which an unused one is looked for, because neighbours of infeasible tasks are often
-infeasible."""
+"""The number of random tasks that are tried to find an unused one, because neighbours of infeasible tasks are often
+infeasible.
+"""
 
 LOOK = 10_000
-"""The number of tasks, in order, among which an unused one is then looked for."""
+"""The number of tasks, in order, that are tried after the random ones."""
 
 
 class CoveringRounds:
-    """Chooses tasks of a space round by round, as ranks; tasks of `excluded` ranks are never chosen.
+    """A choice of tasks of a space in rounds, given by ranks; tasks with `excluded` ranks are never chosen.
 
-    Unless `trivial` is true, tasks whose final state is the initial state do not replace others.
+    Unless `trivial` is true, tasks whose final state equals the initial state do not replace others.
 
     Raises:
         QueryError: the strength is out of range, the space has several lengths, or its states are too many to be
@@ -66,7 +67,7 @@ class CoveringRounds:
         )
 
     def following(self, feasible: Sequence[Sequence[str]]) -> list[int]:
-        """Return the ranks of the tasks in the next round, given the feasible plans so far, or nothing at the end."""
+        """Return the ranks of the tasks in the next round, given all feasible plans; empty if all rounds are over."""
         self._round += 1
         if self._round == 1 and self._first:
             self._used.update(self._first)
@@ -82,7 +83,7 @@ class CoveringRounds:
         return chosen
 
     def _replacement(self, combination: Combination, left: frozenset[Combination]) -> int | None:
-        """Return an unused task with a given combination, if possible without any other that remains."""
+        """Return the rank of an unused task with a combination, if possible without other uncovered combinations."""
         having = [combination in own for own in self._covers]
         fewest = min(len(own & left) for own in self._covers if combination in own)
         clean = [has and len(own & left) == fewest for has, own in zip(having, self._covers, strict=True)]
@@ -102,7 +103,7 @@ class CoveringRounds:
 
 
 class WordsThrough:
-    """The words without `banned` letters that have at least one of the letters `hit`; both are arrays (letters,)."""
+    """The words without `banned` letters that have at least one `hit` letter; both are masks of shape (letters,)."""
 
     def __init__(self, words: LayeredAutomaton, hit: NDArray[np.bool_], banned: NDArray[np.bool_]) -> None:
         self._steps = words.edges or ()
@@ -119,14 +120,14 @@ class WordsThrough:
         self._possible = bool(through[0] > 0)
 
     def found(self, chance: random.Random) -> Iterator[list[int]]:
-        """Yield words: first random ones, which may be repeated, and then all in order, up to a maximum number."""
+        """Yield words: first random ones, which may repeat, and then the words in order, up to a maximum number."""
         if self._possible:
             for _ in range(WALKS):
                 yield self._walk(chance)
             yield from islice(self._from(0, 0, False), LOOK)
 
     def _edges(self, place: int, state: int, seen: bool) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Return the edges from a state along words of the set, and how many words each leads to, up to a factor."""
+        """Return the edges from a state that lead to words of the set, and, up to a factor, how many words each has."""
         begins = self._steps[place].begins
         end = begins[state + 1] if state + 1 < len(begins) else len(self._steps[place].letters)
         edges = np.arange(begins[state], end)
@@ -144,7 +145,7 @@ class WordsThrough:
         return word
 
     def _from(self, place: int, state: int, seen: bool) -> Iterator[list[int]]:
-        """Yield the remainders of words from a state, in order."""
+        """Yield the suffixes of words from a state, in order."""
         if place == len(self._steps):
             yield []
             return

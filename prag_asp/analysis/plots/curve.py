@@ -1,7 +1,6 @@
 """Plot the numbers of plans, tasks, skeletons and all sequences of names against the length, as in the paper.
 
-Counts exceed the range of floats, so their decimal logarithms are plotted, with far more correct digits than a picture
-can show.
+Counts exceed the range of floats, so their decimal logarithms are plotted, which are far more precise than a picture.
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ SIZE = (8.0, 5.5)
 """The size of a picture in inches."""
 
 MARKED = 60
-"""The maximum number of lengths up to which each length has a marker."""
+"""The maximum number of lengths with a marker for each length."""
 
 
 @dataclass(frozen=True)

@@ -17,10 +17,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST = 5_000
-"""The largest number of tasks in a dendrogram; its table of distances takes 200 MB."""
+"""The maximum number of tasks in a dendrogram, whose table of distances takes 200 MB."""
 
 LABELLED = 60
-"""The largest number of leaves that have labels."""
+"""The maximum number of leaves for which labels are drawn."""
 
 INCHES = 8.0
 """The size of a picture in inches."""
@@ -126,7 +126,7 @@ def _numbered(found: Sequence[tuple[int, int, float]], count: int) -> tuple[tupl
 
 
 def dendrogram_figure(dendrogram: Dendrogram, labels: Sequence[str], title: str) -> Figure:
-    """Return the dendrogram as a matplotlib figure; tasks are labelled if there are few."""
+    """Return the dendrogram as a matplotlib figure; at most `LABELLED` tasks get labels."""
     from matplotlib.collections import LineCollection  # noqa: PLC0415 - heavy
     from matplotlib.figure import Figure  # noqa: PLC0415 - heavy
 

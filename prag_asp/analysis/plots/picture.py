@@ -1,4 +1,4 @@
-"""What all pictures have in common: colours, resolution, and files that are identical in every run."""
+"""Common parts of all pictures: colours, resolution, and files that are identical in every run."""
 
 from __future__ import annotations
 

@@ -24,7 +24,7 @@ INCHES = 7.0
 
 @dataclass(frozen=True)
 class TaskMap:
-    """One point for each task, shape (tasks, 2), and the share of the sum of positive eigenvalues that they show."""
+    """One point for each task, shape (tasks, 2), and the share of the sum of positive eigenvalues in these two axes."""
 
     points: NDArray[np.float64]
     share: float

@@ -20,7 +20,7 @@ def recognizes(folder: Path) -> bool:
 
 
 def read(folders: Mapping[str, Path]) -> Iterator[AuditedProblem | FailedRead]:
-    """Yield the problems in the folders of suites; all of them together show which actions objects allow."""
+    """Yield the problems in the folders of suites; the actions that objects allow are derived from all of them."""
     found: dict[str, tuple[str, Path, GroundProblem, tuple[str, ...]]] = {}
     for suite, folder in folders.items():
         for path in bddl_files(folder):

@@ -1,4 +1,4 @@
-"""Task texts in LeRobot datasets; a text stands for the problems of other suites that have the same text."""
+"""Task instructions in LeRobot datasets; a text stands for the problems in other suites with the same instruction."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SCENE = re.compile(r"^(?:[A-Z]+_)+SCENE\d+_")
 
 @dataclass(frozen=True)
 class TaskText:
-    """A text from a dataset, with its suite and its place."""
+    """An instruction from a dataset, with its suite and its location."""
 
     suite: str
     text: str
@@ -48,7 +48,7 @@ def read_texts(folders: Mapping[str, Path]) -> Iterator[TaskText]:
 
 
 def matched(texts: Sequence[TaskText], problems: Sequence[AuditedProblem]) -> Iterator[AuditedProblem | FailedRead]:
-    """Yield each text as the problem that has the same text; if several problems have it, yield one for each."""
+    """Yield the problem with the same text for each text; if several problems have this text, yield each of them."""
     by_text: dict[str, dict[object, AuditedProblem]] = {}
     for each in problems:
         name = SCENE.sub("", each.name.rpartition("/")[2]).replace("_", " ")

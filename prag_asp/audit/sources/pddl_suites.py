@@ -27,10 +27,10 @@ if TYPE_CHECKING:
     import clingo
 
 DOMAIN_NAME = re.compile(r"\(\s*define\s*\(\s*domain\s+([^\s()]+)", re.IGNORECASE)
-"""The head of a domain, including its name."""
+"""The pattern of the head of a domain, including its name."""
 
 PROBLEM_DOMAIN = re.compile(r"\(\s*:domain\s+([^\s()]+)", re.IGNORECASE)
-"""The name that a problem gives for its domain."""
+"""The pattern of the domain's name in a problem."""
 
 
 def recognizes(folder: Path) -> bool:
@@ -39,7 +39,7 @@ def recognizes(folder: Path) -> bool:
 
 
 def read(folders: Mapping[str, Path]) -> Iterator[AuditedProblem | FailedRead]:
-    """Yield the problems in folders; the domain of a problem is in its folder, or else anywhere in the suite."""
+    """Yield the problems in folders; the domain of a problem is searched for in its folder, then in the whole suite."""
     for suite, folder in folders.items():
         domains: dict[str, list[Path]] = {}
         problems: list[tuple[Path, str]] = []

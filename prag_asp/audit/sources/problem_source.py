@@ -12,7 +12,7 @@ from prag_asp.audit.audited_problem import AuditedProblem
 
 @dataclass(frozen=True)
 class FailedRead:
-    """A file in a suite that could not be read: its place, and the reason."""
+    """A file in a suite that could not be read: its location, and the reason."""
 
     suite: str
     place: str

@@ -1,4 +1,4 @@
-"""``prag-asp audit``: what suites of problems have, share and get wrong."""
+"""``prag-asp audit``: the contents, overlaps and mistakes of suites of problems."""
 
 from __future__ import annotations
 
@@ -39,8 +39,8 @@ def audit(
     """Audit benchmarks: distinct tasks, overlaps, combinations, and mistakes.
 
     Each FOLDER is a suite of BDDL problems, a suite of PDDL problems with their domain, a prag-asp dataset, or a
-    LeRobot dataset, whose texts are looked up in the other suites. Two problems are the same task if renaming the
-    objects of each class maps one to the other. The exit code is 1 if there are mistakes.
+    LeRobot dataset, whose instructions are looked up in the other suites. Two problems are the same task if renaming
+    the objects of each class maps one to the other. The exit code is 1 if there are mistakes.
     """
     from prag_asp.audit import audit as audit_folders
     from prag_asp.audit.audit_report import audit_json, audit_page, audit_text

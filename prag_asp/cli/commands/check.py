@@ -68,7 +68,7 @@ def check(*, request: DomainOptions, symmetries: bool) -> None:
 
 
 def _parts(domain: Domain) -> list[str]:
-    """Return the phrases that summarize a domain, giving the number of declarations of each kind."""
+    """Return the phrases that summarize a domain, such as the number of declarations of each kind."""
     reduction = domain.reduction
     facts, total = (reduction.facts_with_all_entities, reduction.total) if reduction else (domain.facts, len)
     possible = f"{total(facts.tried)} of " if len(facts.tried) < len(facts.declared_actions) else ""
@@ -108,7 +108,7 @@ def _check_learned(domain: Domain) -> None:
 
 
 def _scene_warnings(domain: Domain) -> Iterable[Problem]:
-    """Return warnings about the bodies of a scene, and about grasps and places that are impossible in it."""
+    """Return warnings about the bodies of a scene, and about grasps and placements that are impossible in the scene."""
     if not domain.settings.scene:
         return ()
     if domain.reduction:

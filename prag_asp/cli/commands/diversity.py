@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 SHOWN = 20
-"""The number of missing combinations that are listed in text."""
+"""The maximum number of missing combinations that the text lists."""
 
 FEATURES = ("actions", "classes", "names", "pairs")
 
@@ -110,7 +110,7 @@ def diversity(
 
 
 def _exact(value: Any) -> Any:
-    """Return a fraction as text, and the frequencies of a feature as an object."""
+    """Return a fraction as a string, and a frequency test as a JSON object."""
     if isinstance(value, Fraction):
         return str(value)
     rows = {each.value: {"observed": each.observed, "expected": str(each.expected)} for each in value.frequencies}

@@ -1,4 +1,4 @@
-"""``prag-asp evaluate`` and ``prag-asp compare``: the success of a policy, and how two policies differ."""
+"""``prag-asp evaluate`` and ``prag-asp compare``: the success rates of a policy, and the difference of two policies."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ def evaluate(
 @click.command()
 @click.argument("first", metavar="DIR", shell_complete=shell_completion.files)
 @click.argument("second", metavar="DIR", shell_complete=shell_completion.files)
-@click.option("--across", is_flag=True, help="Compare although the domains, controls or step limits differ.")
+@click.option("--across", is_flag=True, help="Compare even if the domains, controls or step limits differ.")
 def compare(*, first: str, second: str, across: bool) -> None:
     """Compare two evaluations on their shared scenarios.
 
@@ -192,7 +192,7 @@ def _source(
 
 
 def _options(texts: tuple[str, ...]) -> dict[str, Any]:
-    """Parse the environment options in texts of the form NAME=VALUE; a value is JSON or else a text.
+    """Parse the environment options in texts of the form NAME=VALUE; a value that is not JSON is a string.
 
     Raises:
         QueryError: a text is not of the form NAME=VALUE.

@@ -56,7 +56,7 @@ def explain(
 
     With --length, explain why there is no task of that length.
 
-    Actions are separate arguments, or one argument in which blanks or commas separate them. For a sequence that is not
+    Actions are separate arguments, or one argument in which spaces or commas separate them. For a sequence that is not
     a plan, prints the first step that cannot occur, the reason, and which steps conflict. For a length without tasks,
     prints a set of lines of the domain that together exclude every task, while no proper subset does. The exit code is
     1 if the sequence is not a plan or there is no task, otherwise 0.
@@ -120,7 +120,7 @@ def _explain_plan(request: DomainOptions, words: tuple[str, ...]) -> None:
 
 
 def _reasons(space: TaskSpace, action: str | None, step: int | None, *, smallest: bool) -> Iterator[str]:
-    """Yield lines that explain why a space is empty, or nothing if it is not."""
+    """Yield lines that explain why a space is empty, or nothing if the space has a task."""
     from prag_asp.space.emptiness import why_empty
 
     found = why_empty(space, action=action, step=step, smallest=smallest)
@@ -143,7 +143,7 @@ def _reasons(space: TaskSpace, action: str | None, step: int | None, *, smallest
 
 
 def _other_lengths(space: TaskSpace) -> Iterator[str]:
-    """Yield a line with the shortest length that has a task, or one that there is none, unless this takes too long."""
+    """Yield a line about the shortest length that has a task, or its absence, unless the search takes too long."""
     from prag_asp.space.emptiness import shortest_length
 
     where = " that satisfies the conditions" if space.condition else ""
@@ -156,7 +156,7 @@ def _other_lengths(space: TaskSpace) -> Iterator[str]:
 
 
 def _changes(space: TaskSpace, action: str | None, step: int | None) -> Iterator[str]:
-    """Yield lines whose removal leaves a task in an empty space, or nothing if it is not empty."""
+    """Yield lines whose removal leaves a task in an empty space, or nothing if the space has a task."""
     from prag_asp.space.emptiness import fewest_changes
 
     found = fewest_changes(space, action=action, step=step)

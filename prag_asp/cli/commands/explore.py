@@ -26,10 +26,10 @@ OF_TASKS = (
     "length", "by", "prefix", "settings", "rules", "encodings", "flat", "learned", "strict", "untimed", "cached",
     "trust",
 )  # fmt: skip
-"""The names of the options that do not apply to a program that describes no tasks."""
+"""The names of the options that apply only to tasks, not to answer sets (--models)."""
 
 OF_MODELS = ("project", "optimal")
-"""The names of the options that apply only to such a program."""
+"""The names of the options that apply only with --models."""
 
 
 @click.command()
@@ -116,7 +116,7 @@ def _serve_tasks(request: DomainOptions, by: Any, prefix: str | None, *, port: i
     parse_query(state.query)
     with progress():
         explored = replace(_explored(request, limits), progress=turns.tell)
-        explored.chosen(state)  # a wrong condition or prefix is reported here; the page counts
+        explored.chosen(state)  # reports a wrong condition or prefix; the page counts later
     end_progress()
     serve_page(space_views(explored), turns, f"?{state.query}", port=port, opens=opens)
 

@@ -24,14 +24,14 @@ if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
 
 USUAL = "dimacs"
-"""The form for a command line that names no form."""
+"""The default form, for a command line that names no form."""
 
 
 class Forms(WholeSentences):
     """The commands for each form; ``export DOMAIN ...`` is the same as ``export dimacs DOMAIN ...``."""
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
-        """Insert the usual form if none is named, unless the first word is a misspelt form."""
+        """Insert the default form if none is named, unless the first word is a misspelt form."""
         if args and args[0] not in (*self.commands, *ctx.help_option_names):
             domain = args[0].startswith("-") or args[0] in shipped_domains() or Path(args[0]).exists()
             near = None if domain else nearest(args[0], self.commands)
@@ -41,7 +41,7 @@ class Forms(WholeSentences):
         return super().parse_args(ctx, args)
 
     def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem[Any]]:
-        """Complete forms, and domains for the usual form."""
+        """Complete forms, and domains for the default form."""
         return [
             *super().shell_complete(ctx, incomplete),
             *shell_completion.domains(ctx, self.commands[USUAL].params[0], incomplete),
@@ -93,9 +93,9 @@ def dimacs(*, request: DomainOptions, by: Any, format: str, output: str | None) 
 def pddl(*, request: DomainOptions, selection: TaskSelection, positive: bool, unconditional: bool, output: str) -> None:
     """Write a domain, or some of its tasks, as PDDL domains and problems.
 
-    They have the same plans. Fluents that are unknown in the initial state of a task are false in PDDL; a comment in
-    the problem gives their number. The files domain.planviz.json and state_view.js make the PDDL extension of VS Code
-    show the final states of plans.
+    The PDDL files have the same plans as the domain. Fluents that are unknown in the initial state of a task are false
+    in PDDL; a comment in the problem gives their number. The files domain.planviz.json and state_view.js make the PDDL
+    extension of VS Code show the final states of plans.
     """
     from prag_asp.output import new_folder, replace_file
     from prag_asp.planners import write

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from prag_asp.dataset.store.manifest import Manifest
 
 SHOWN = 5
-"""The maximum number of missing combinations that are listed on a line."""
+"""The maximum number of missing combinations in a line."""
 
 
 @click.command()
@@ -198,7 +198,7 @@ def generate(
 
 
 def parse_shares_option(text: str) -> dict[str, str]:
-    """Return the parts in a text such as ``train=0.8,test=0.2``, with their shares as texts.
+    """Return the parts in a text such as ``train=0.8,test=0.2``, with their shares as strings.
 
     Raises:
         QueryError: the text does not have this form.
@@ -262,7 +262,7 @@ def print_parts(dataset: Dataset) -> None:
 
 
 def chosen_lines(manifest: Manifest) -> Iterator[str]:
-    """Yield a line about what the chosen tasks of a dataset achieve, if it has any."""
+    """Yield lines about the coverage and the diversity of a dataset whose tasks were chosen for these."""
     if manifest.cover:
         cover = manifest.cover
         names = f"; missing: {', '.join(cover.missing[:SHOWN])}" if cover.missing else ""

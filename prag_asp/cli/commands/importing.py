@@ -59,7 +59,7 @@ def import_(files: tuple[str, ...], cost_factor: str | None, output: str, untime
 
 
 def _bddl_texts(path: str) -> dict[str, str]:
-    """Return, by name, the files of the domain made from BDDL problems."""
+    """Return the contents of the files, by name, of the domain made from BDDL problems."""
     from prag_asp.bddl import read_suite
 
     suite = read_suite(path)
@@ -70,7 +70,7 @@ def _bddl_texts(path: str) -> dict[str, str]:
 
 
 def _pddl_texts(files: tuple[str, ...], cost_factor: str | None, *, untimed: bool) -> dict[str, str]:
-    """Return, by name, the files of the domain made from PDDL files, and print warnings.
+    """Return the contents of the files, by name, of the domain made from PDDL files, and print warnings.
 
     Raises:
         QueryError: there are not two files, or one that contains both.
@@ -92,7 +92,7 @@ def _pddl_texts(files: tuple[str, ...], cost_factor: str | None, *, untimed: boo
 
 
 def _weights(imported: Imported, text: str) -> str:
-    """Return the costs of all ground actions as the text of a table of weights.
+    """Return the costs of all ground actions, converted to weights, as the text of a table.
 
     Raises:
         DomainError: no action has a cost, or the problem lacks the cost of an action.

@@ -49,7 +49,7 @@ def learn(*, request: DomainOptions, number: int, seed: int, validation: Physics
     """Propose rules that exclude what physics proves impossible.
 
     Prints rules for the file learned.lp and their effect: the numbers of plans, tasks and skeletons of length N, and
-    how many of K uniformly sampled tasks pass the physics checks, without and with the rules. An existing learned.lp is
+    how many of K uniformly sampled tasks pass the physics checks, with and without the rules. An existing learned.lp is
     ignored.
     """
     from prag_asp.dataset import learn as learn_rules

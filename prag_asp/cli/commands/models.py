@@ -93,7 +93,7 @@ program_options = grouped(
         where_option,
     ),
 )  # fmt: skip
-"""Give a command the options of a program, as one value `program`."""
+"""The decorator that gives a command the options of a program, as a single value `program`."""
 
 format_option = click.option(
     "--format", "form", type=click.Choice(["text", "json"]), default="text", show_default=True,
@@ -216,9 +216,9 @@ def facets(*, program: ProgramOptions, form: str) -> None:
 def explain(*, files: tuple[str, ...], constants: tuple[str, ...], where: tuple[str, ...], form: str) -> None:
     """Explain why a program has no answer set.
 
-    Prints a set of lines of the program that together exclude every answer set, while no proper subset does: lifting
-    any one of them, so that a constraint is dropped and a rule only allows its head, leaves an answer set. The exit
-    code is 1 if there is no answer set, otherwise 0. Rules of a ground program are printed in clingo's language.
+    Prints a set of lines of the program that together exclude every answer set, while no proper subset does: relaxing
+    any one of them (a constraint is dropped; a rule only allows its head) leaves an answer set. The exit code is 1 if
+    there is no answer set, otherwise 0. Rules of a ground program are printed in clingo's language.
     """
     from prag_asp.models.questions.conflict import explain_program
 
@@ -254,7 +254,7 @@ def _say_all(found: AnswerSets, listed: Iterator[AnswerSet], form: str) -> None:
 
 
 def _document(found: AnswerSets, fields: Mapping[str, str]) -> str:
-    """Return a JSON object of the optimum and other fields, given as JSON because numbers may have any size."""
+    """Return a JSON object with the optimum and other fields, which are JSON text because numbers may have any size."""
     if found.optimum is not None:
         values = [{"priority": priority, "value": value} for priority, value in found.optimum.values]
         fields = {"optimum": json.dumps(values), **fields}
@@ -263,7 +263,7 @@ def _document(found: AnswerSets, fields: Mapping[str, str]) -> str:
 
 
 def _facet_object(facet: Facet) -> str:
-    """Return the share of an atom and the numbers that remain after choosing or excluding it, as JSON."""
+    """Return as JSON the share of an atom, and what remains after choosing or excluding the atom."""
     objects = [
         f'{{"answer_sets": {digits_of(each.answer_sets)}, "facets": {each.facets}, '
         f'"of_answer_sets": "{_spelled(each.of_answer_sets)}", "of_facets": "{_spelled(each.of_facets)}"}}'
@@ -283,6 +283,6 @@ def _cells(facet: Facet) -> list[str]:
 
 
 def _spelled(number: Fraction) -> str:
-    """Return a fraction in decimal digits, however many there are."""
+    """Return a fraction as decimal integers of any size, such as ``1/3``."""
     over = digits_of(number.numerator)
     return over if number.denominator == 1 else f"{over}/{digits_of(number.denominator)}"

@@ -1,4 +1,4 @@
-"""``prag-asp power``: how many scenarios a claim about two policies needs, and what a given number of them can show."""
+"""``prag-asp power``: the number of scenarios that a claim about two policies needs, and the effect that N can show."""
 
 from __future__ import annotations
 

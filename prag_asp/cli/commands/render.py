@@ -37,7 +37,7 @@ SCENES = ("html", "glb")
 """The forms of 3D scenes: a page that plays the episode, and binary glTF for 3D programs."""
 
 FASTEST = 1000
-"""The largest factor by which an animation is sped up or slowed down."""
+"""The maximum factor by which an animation is sped up or slowed down."""
 
 RECORD = "record it again with --demonstrate"
 STILLS = (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".bmp")
@@ -141,7 +141,7 @@ def _frame_size(form: str, size: str | None) -> tuple[int, int]:
     """Return the size of a frame in pixels; `size` is a text such as ``360x320``, or None for the default of the form.
 
     Raises:
-        QueryError: the text is no size, the size is out of range, or the form has none.
+        QueryError: the text is not a size, the size is out of range, or the form has no size.
     """
     if size is None:
         return SIZES.get(form, SIZES["state"])
@@ -154,7 +154,7 @@ def _frame_size(form: str, size: str | None) -> tuple[int, int]:
 
 
 def _read_chosen(file: str, numbers: Sequence[int]) -> dict[int, Record]:
-    """Return the records of a file by their numbers: those with the given numbers, or all if none is given.
+    """Return records of a file by number: those with the given numbers, or all if no numbers are given.
 
     Raises:
         QueryError: the file has no tasks, or no task with one of the numbers.
@@ -173,7 +173,7 @@ def _read_chosen(file: str, numbers: Sequence[int]) -> dict[int, Record]:
 
 @dataclass(frozen=True)
 class _Renderer:
-    """Draws tasks in a given form."""
+    """A renderer of tasks in a given form."""
 
     form: str
     state: int | None
@@ -187,7 +187,7 @@ class _Renderer:
     def draw(
         self, record: Record, number: int, writer: InstructionWriter, path: Path, tell: Callable[[float], None]
     ) -> None:
-        """Draw a task into a file; `tell` receives the share that has been done.
+        """Draw a task into a file; `tell` receives the fraction that has been done.
 
         Raises:
             QueryError: the task has no witness and none is found, or the robot fails to execute it.
@@ -281,7 +281,7 @@ def _executed(task: Task, shown: Witness | Demonstration, scene: Scene) -> Demon
 
 
 def _suffixes(form: str) -> tuple[str, ...]:
-    """Return the possible suffixes for files of a form, the usual one first."""
+    """Return the possible suffixes for files of a form, beginning with the default one."""
     return (f".{form}",) if form in (*ANIMATED, *SCENES) else STILLS
 
 
@@ -289,7 +289,7 @@ def _check_output(output: Path, form: str) -> None:
     """Check, before anything is loaded, that the output can be a picture.
 
     Raises:
-        QueryError: its suffix does not fit the form.
+        QueryError: the suffix of the output does not fit the form.
         OutputError: the output or its folder cannot be written.
     """
     if _is_file(output):

@@ -140,10 +140,10 @@ def sample(
 
 
 def _with_physics(domain: Domain, physics: bool | None) -> bool:
-    """Return whether tasks are checked by physics; by default they are if the domain has a scene.
+    """Return whether physics checks the tasks; by default, it does if the domain has a scene.
 
     Raises:
-        PhysicsMissingError: they are, and physics is not installed.
+        PhysicsMissingError: physics is required, and is not installed.
     """
     scene = bool(domain.settings.scene)
     with_physics = scene if physics is None else physics
@@ -259,7 +259,7 @@ def _write_strata(
 
 
 def _remedy(tally: Tally) -> str:
-    """Return the remedy for a number of draws that contain too few feasible tasks.
+    """Return the remedy if too few of the sampled tasks are feasible.
 
     More draws help if some tasks are feasible, and a larger budget may help if no feasible task was found; if tasks are
     proved infeasible, rules that exclude them help.

@@ -1,4 +1,4 @@
-"""``prag-asp scenario``: the tasks identified by scenario ids, with the witnesses from their initial states."""
+"""``prag-asp scenario``: the tasks identified by scenario ids, with witnesses from the initial states."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ FORM = click.option(
 @click.argument("ids", metavar="[ID]...", nargs=-1)
 @click.option(
     "--from", "file", metavar="FILE", shell_complete=shell_completion.files,
-    help="Read the ids of a file, one per line; - is standard input.",
+    help="Read ids from a file, one per line; - is standard input.",
 )  # fmt: skip
 @domain_options(*OF_FILE, options.trust)
 @format_options(FORM)
@@ -42,9 +42,9 @@ def scenario(
 ) -> None:
     """Print the tasks with given scenario ids.
 
-    An id names a domain with a digest of its content, the conditions, the length and the rank of a task, and the search
-    for its initial state; the same id gives the same task and initial state on every machine. It is refused if the
-    domain has changed.
+    An id contains the name of a domain and a digest of its content, the conditions, the length and the rank of a task,
+    and the search for its initial state; the same id gives the same task and initial state on every machine. An id is
+    refused if the domain has changed.
     """
     from prag_asp.dataset.scenario import Scenario
     from prag_asp.dataset.scenarios import read_scenarios

@@ -129,7 +129,7 @@ def _background(given: ComparedTasks, up_to: str) -> Background:
 
 
 def _metric(metric: str, costs: str | None, given: ComparedTasks, up_to: str) -> Metric:
-    """Return the metric with a given name or with the costs in a file; if the costs are not a metric, print why."""
+    """Return the metric with a given name or with the costs in a file; if it is not a metric, print the reason."""
     from prag_asp.similarity.metrics import metric_of
 
     if costs is None:
@@ -179,7 +179,7 @@ def _edit_text(edit: Edit, found: TaskComparison) -> str:
 
 
 def _reason(edit: Edit, found: TaskComparison) -> str:
-    """Return the lowest common classes of the objects of a replacement whose cost depends on classes."""
+    """Return the lowest common classes of the objects in a replacement, if its cost depends on classes."""
     from prag_asp.atom import Atom
 
     old, new = edit.old, edit.new
@@ -228,7 +228,7 @@ def _json(found: TaskComparison) -> Iterator[str]:
 def _novel(
     given: ComparedTasks, known: ComparedTasks, metric: str, costs: str | None, up_to: str, form: str
 ) -> Iterator[str]:
-    """Yield how far the given tasks are from the nearest known ones, nearest first."""
+    """Yield lines with the distances of the given tasks from the nearest known ones, smallest first."""
     import json
 
     from prag_asp.analysis.farthest_first import novelty

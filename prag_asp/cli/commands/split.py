@@ -135,7 +135,7 @@ def _proved(
     space: TaskSpace, distance: int | None, cover: int | None, combinations: int | None, shares: tuple[str, ...],
     skeletons: bool, held: str | None, seed: int,
 ) -> DistantSplit:  # fmt: skip
-    """Return the request for parts that are far apart, or of which the first covers combinations."""
+    """Return the request for parts that are far apart, or for a first part that covers combinations."""
     from prag_asp.audit.distant_split import DistantSplit
 
     if cover is not None:

@@ -73,7 +73,7 @@ def suite(*, name: str, counts: bool, output: str | None, most: int | None, work
 
 
 def _show(suite: Suite, figures: Figures) -> None:
-    """Print the exact sizes of parts, and the exact numbers of shared and held-out tasks."""
+    """Print the exact sizes of the parts, and the exact numbers of shared and held-out tasks."""
     width = max(map(len, suite.parts))
     for name, part in suite.parts.items():
         lengths = f"{part.lengths[0]}" if len(part.lengths) == 1 else f"{part.lengths[0]}..{part.lengths[-1]}"

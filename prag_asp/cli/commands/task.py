@@ -30,7 +30,7 @@ FORM = click.option(
 @click.option("--index", type=int, metavar="I", help="Rank of the task, from 0; negative ranks count from the end.")
 @click.option(
     "--rank-of", "plan", metavar="'A B ...'", shell_complete=shell_completion.plan,
-    help="Print the rank of the task with these actions; blanks or commas separate them.",
+    help="Print the rank of the task with these actions, separated by spaces or commas.",
 )  # fmt: skip
 @format_options(FORM)
 @click.option("--all", "false_facts", is_flag=True, help="Also print the facts that are known to be false.")

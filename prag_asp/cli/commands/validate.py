@@ -90,7 +90,7 @@ def validate(
 
 
 def _scenes_in(file: str, request: DomainOptions) -> list[Scene]:
-    """Return the scenes of the domains that the tasks in a file name, or none if the file can be read only once.
+    """Return the scenes of the domains of the tasks in a file, or none if the file can be read only once.
 
     A damaged line is skipped, because `recheck` reports it.
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CoveringTasks:
-    """The tasks of a covering set, which take the place of those that a space samples."""
+    """The tasks of a covering set, which replace the samples of a space."""
 
     space: TaskSpace
     found: CoveringSet
@@ -34,7 +34,7 @@ class CoveringTasks:
         return iter(self.found.tasks)
 
     def report(self, records: Iterable[Record]) -> Iterator[Record]:
-        """Yield the feasible tasks, and print which combinations they cover."""
+        """Yield the feasible tasks; if they miss combinations, print the number that they cover."""
         from prag_asp.analysis.covering.combinations import coverage
 
         passed = list(records)
@@ -48,7 +48,7 @@ class CoveringTasks:
 
 
 def covering_tasks(space: TaskSpace, strength: int) -> CoveringTasks:
-    """Return a few tasks that cover all reachable combinations, and print their numbers."""
+    """Return a few tasks that cover all reachable combinations, and print the numbers of both."""
     from prag_asp.analysis.covering.covering_set import covering_set
 
     found = covering_set(space, strength)
@@ -60,7 +60,7 @@ def covering_tasks(space: TaskSpace, strength: int) -> CoveringTasks:
 
 
 def far_apart(records: Iterable[Record], count: int, space: TaskSpace) -> Iterator[Record]:
-    """Yield `count` tasks that are far apart, or all if there are fewer, and print how far apart they are."""
+    """Yield `count` tasks that are far apart, and print their distance; yield all tasks if there are no more."""
     from prag_asp.analysis.all_pairs import pair_distances
     from prag_asp.analysis.farthest_first import METRIC, diverse_choice
 

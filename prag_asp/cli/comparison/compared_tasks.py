@@ -36,7 +36,7 @@ class ComparedTasks:
 
 
 def read_pair(words: Sequence[str], request: DomainOptions, up_to: str) -> ComparedTasks:
-    """Return the two tasks that two words name.
+    """Return the two tasks that two words of a command line name.
 
     Raises:
         QueryError: a word names no task, or the tasks belong to different domains.

@@ -1,4 +1,4 @@
-"""How complex the tasks in a file or dataset are, according to their logic and to the effort of physics."""
+"""The complexity of the tasks in a file or dataset: by their logic, and by the effort of physics."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ FIGURES = {
     "failed": "failed attempts",
     "seconds": "seconds of the episode",
 }
-"""The figures with the names that they have in text."""
+"""The figures, with their names in text."""
 
 
 def complexities(given: Sequence[GivenTask], dataset: Dataset | None, space: TaskSpace) -> dict[str, Any]:
-    """Return the figures of each task; there are figures of physics if it was run, and seconds if there is a recording.
+    """Return the figures of each task; those of physics need a verdict, and `seconds` needs a recording.
 
-    `restarts` is the number of initial states that the search tried, and `causes` are its failed attempts by cause.
+    `restarts` is the number of initial states that the search tried, and `causes` counts the failed attempts by cause.
 
     Raises:
         QueryError: a task is not in the space, or the states of the space are too many to be listed.

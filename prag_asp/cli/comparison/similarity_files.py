@@ -156,4 +156,4 @@ FILE_OPTIONS = grouped(
         ),
     ),
 )  # fmt: skip
-"""Give a command the options for the files to write, as a single value `files`."""
+"""The decorator that gives a command the options for the files to write, as a single value `files`."""

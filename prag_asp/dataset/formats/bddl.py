@@ -1,4 +1,4 @@
-"""BDDL as LIBERO reads it: one file per task, with its objects, its initial state, its goal, and its instruction.
+"""BDDL as LIBERO reads it: one file per task, with the objects, the initial state, the goal and the instruction.
 
 The grammar is that of https://github.com/Lifelong-Robot-Learning/LIBERO, ``libero/envs/bddl_utils.py``: expressions in
 parentheses, in lower case. Facts known to be false are written as ``(not ...)``; facts that are not listed are unknown.
@@ -28,19 +28,19 @@ if TYPE_CHECKING:
     from prag_asp.physics import Witness
 
 BRACKETS = str.maketrans("()", "[]")
-"""Replaces the parentheses of a term such as ``disc(1)``, which BDDL would parse as an expression."""
+"""The replacements for the parentheses of a term such as ``disc(1)``, which BDDL would parse as an expression."""
 
 INSTRUCTION_CHARACTERS = str.maketrans("();", "[],")
-"""Replaces the characters of an instruction that are syntax in BDDL."""
+"""The replacements for characters of an instruction that are syntax in BDDL."""
 
 WORD = re.compile(r"[^\s();A-Z]+")
 Region = tuple[str, tuple[float, float, float, float], float]
-"""A region of the table: its name, its minimum x and y and its maximum x and y in metres, and a yaw in radians."""
+"""A region of the table: its name, the minimum x and y and the maximum x and y in metres, and a yaw in radians."""
 
 
 @dataclass(frozen=True)
 class Bddl:
-    """Writes a folder with a file for each task, ``PART-NUMBER.bddl``."""
+    """The format of a folder with a file for each task, ``PART-NUMBER.bddl``."""
 
     def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
         """Write the folder; the files have regions if the domain has a scene.
@@ -142,7 +142,7 @@ def _regions(source: EpisodeSource, witness: Witness | None) -> Iterator[str]:
 
 
 def _typed(entities: Mapping[str, str]) -> list[str]:
-    """Return one line per class with all its entities; if a class had two, LIBERO would read only the last."""
+    """Return one line per class with all its entities; if a class had two lines, LIBERO would read only the last."""
     kinds = dict.fromkeys(entities.values())
     of = {kind: " ".join(_word(name) for name, each in entities.items() if each == kind) for kind in kinds}
     return [f"    {names} - {_word(kind)}" for kind, names in of.items()]

@@ -30,7 +30,7 @@ def body_names(scene: Scene) -> list[str]:
 
 
 def body_values(situation: Situation) -> NDArray[np.float32]:
-    """Return the values at a moment, shape (numbers,): 1 and the pose for each object, or zeros if it is absent.
+    """Return the values at a moment, shape (values,): 1 and the pose for each object, or zeros if it is absent.
 
     The openings of furniture follow, in metres or radians.
     """

@@ -19,13 +19,13 @@ CHUNK = 1000
 MEGABYTE = 1 << 20
 
 ROWS = 100
-"""The number of rows of the table of episodes that are written together."""
+"""The number of rows of the table of episodes that are written at a time."""
 
 Place = tuple[int, int]
 
 
 def places() -> Iterator[Place]:
-    """Yield, for each file in turn, the number of its chunk and its number within the chunk."""
+    """Yield the index of the chunk and the index within the chunk for each file in turn, endlessly."""
     chunk = 0
     while True:
         yield from ((chunk, file) for file in range(CHUNK))
@@ -33,7 +33,7 @@ def places() -> Iterator[Place]:
 
 
 class ChunkedTable:
-    """The rows of one table in several files, each of at most about `megabytes`."""
+    """A writer of the rows of one table to several files, each of about `megabytes` MB at most."""
 
     def __init__(self, folder: Path, pattern: str, schema: pa.Schema, megabytes: int) -> None:
         self._folder, self._pattern, self._limit = folder, pattern, megabytes * MEGABYTE
@@ -44,7 +44,7 @@ class ChunkedTable:
         self._rows: list[Mapping[str, Any]] = []
 
     def add(self, rows: pa.Table) -> Place:
-        """Write rows as one group, and return the numbers of their chunk and file.
+        """Write rows as one row group, and return the indices of the chunk and the file.
 
         Raises:
             OutputError: the rows cannot be written.
@@ -101,7 +101,7 @@ class ChunkedTable:
 
 
 def texts_table(name: str, texts: Mapping[str, int]) -> pa.Table:
-    """Return a table of texts, numbered in the column ``NAME_index``; pandas uses the texts as the index."""
+    """Return a table of texts with their numbers in the column ``NAME_index``; pandas uses the texts as the index."""
     number = f"{name}_index"
     columns = [
         {"name": number, "field_name": number, "pandas_type": "int64", "numpy_type": "int64", "metadata": None},

@@ -32,12 +32,12 @@ NO_TASK = "has no such task; request others"
 
 @dataclass(frozen=True, eq=False)
 class ExportEpisode:
-    """A recording of R robots as N time steps, one for each camera image or frame, with the actions between them.
+    """A recording of R robots as N time steps: one for each camera image or, without cameras, for each frame.
 
-    `frames` (N,) are the frames of the recording at these steps; `state` (N, 8R) has the joint angles in radians and
-    the gripper opening in metres of each robot, in the order of `EpisodeSource.joints`; `commands` (N + 1, R, 8) has
-    the motor commands at these steps and at the end of the recording. `subgoal` (N,) is the index of the action of the
-    task that is being executed; `subgoals` holds a sentence for each action.
+    `frames` (N,) holds the frames of the recording at these steps; `state` (N, 8R) holds the joint angles in radians
+    and the gripper opening in metres of each robot, in the order of `EpisodeSource.joints`; `commands` (N + 1, R, 8)
+    holds the motor commands at these steps and at the end of the recording. `subgoal` (N,) is the index of the action
+    of the task that is being executed; `subgoals` holds a sentence for each action.
     """
 
     entry: DatasetEntry
@@ -87,7 +87,7 @@ class ExportEpisode:
 
     @property
     def subgoal(self) -> NDArray[np.int64]:
-        """The index of the current action, shape (N,): that of the first action that has not ended before the step."""
+        """The index of the current action at each step, shape (N,): the first one that has not ended before it."""
         over = np.searchsorted(self.demonstration.ends[1:], self.frames)
         return np.minimum(over, max(0, len(self.demonstration.ends) - 2))
 
@@ -165,18 +165,18 @@ class EpisodeSource:
 
     @cached_property
     def legend(self) -> list[str]:
-        """The entity that each number in a segmentation stands for, which is the same for all episodes."""
+        """The entity for each value in segmentation images; it is the same for all episodes."""
         others = [entity for entity, shape in self.scene.shapes.items() if not shape.traits.body]
         return list(dict.fromkeys([NOTHING, table_of(self.scene), *others, *self.robots, *self.objects]))
 
     @property
     def segmentation_type(self) -> np.dtype[np.unsignedinteger]:
-        """The type of the numbers in a segmentation: bytes if these suffice with one value to spare."""
+        """The type of the values in segmentation images: bytes, if they suffice with one value to spare."""
         return np.dtype(np.uint8 if len(self.legend) < np.iinfo(np.uint8).max else np.uint16)
 
     @property
     def count(self) -> int:
-        """An upper bound on the number of episodes, because conditions may exclude some."""
+        """The number of recordings, an upper bound on the number of episodes, because conditions may exclude some."""
         return sum(note.rows("recordings") for note in self.data.manifest.parts if note.name in self.data.parts)
 
     def require_recordings(self) -> None:
@@ -208,7 +208,7 @@ class EpisodeSource:
                 raise QueryError(f"{name}: does not show the states of its task; copy the dataset once more")
             sizes = {camera: video.size for camera, video in footage.videos.items()} if footage else {}
             if sizes != dict(self.cameras):
-                raise QueryError(f"{name}: is not of the cameras that dataset.json names; copy the dataset once more")
+                raise QueryError(f"{name}: is not from the cameras in dataset.json; copy the dataset once more")
             frames = footage.frames if footage else np.arange(len(demonstration.times))
             yield ExportEpisode(entry, start, self.instruction(entry), demonstration, frames.astype(np.int64))
         if empty:
@@ -241,7 +241,7 @@ class EpisodeSource:
         return tools
 
     def objects_of(self, episode: ExportEpisode) -> Floats:
-        """Return the poses of objects, shape (N, objects, 8): 1 and the pose, or zeros for objects not in the task."""
+        """Return the poses of objects, shape (N, objects, 8): 1 and the pose, or zeros if the object is absent."""
         demonstration = episode.demonstration
         poses = np.zeros((episode.length, len(self.objects), 1 + len(POSE)), dtype=np.float32)
         for number, entity in enumerate(demonstration.objects):
@@ -250,7 +250,7 @@ class EpisodeSource:
         return poses
 
     def openings_of(self, episode: ExportEpisode) -> Floats:
-        """Return the openings of furniture in metres or radians, shape (N, furniture); 0 if it is not in the task."""
+        """Return the openings of furniture in metres or radians, shape (N, furniture), or 0 if a piece is absent."""
         demonstration = episode.demonstration
         openings = np.zeros((episode.length, len(self.furniture)), dtype=np.float32)
         for number, entity in enumerate(demonstration.furniture):
@@ -263,14 +263,14 @@ class EpisodeSource:
         return body_names(self.scene)
 
     def bodies_of(self, episode: ExportEpisode) -> Floats:
-        """Return the poses of objects and the openings of furniture at each time step, shape (N, numbers)."""
+        """Return the poses of objects and the openings of furniture at each time step, shape (N, values)."""
         poses = self.objects_of(episode).reshape(episode.length, -1)
         return np.concatenate([poses, self.openings_of(episode)], axis=1)
 
     def states_of(self, episode: ExportEpisode, names: Sequence[ControlName]) -> Floats:
-        """Return the states of the robots at each time step in given conventions, shape (N, numbers).
+        """Return the states of the robots at each time step in given conventions, shape (N, components).
 
-        `state_names` gives the names of the numbers.
+        `state_names` returns the names of the components.
         """
         result: Floats = states_in(names, self.scene, episode.arms).astype(np.float32)
         return result

@@ -9,11 +9,11 @@ from typing import NamedTuple, Protocol
 from prag_asp.dataset.formats.episode_source import EpisodeSource
 
 Progress = Callable[[str, int, int], None]
-"""Reports progress: a message, the number of exported items, and the total number."""
+"""A callback that reports progress: a message, the number of exported items, and the total number."""
 
 
 class ExportFormat(Protocol):
-    """Writes a dataset in the format of another program."""
+    """A format of another program, with its options."""
 
     def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
         """Write a dataset atomically, with one episode in memory at a time.
@@ -40,4 +40,4 @@ FORMS: Mapping[str, FormatInfo] = {
     "bddl": FormatInfo("Bddl", ("pyarrow",), recorded=False),
     "rerun": FormatInfo("Rerun", ("pyarrow", "PIL", "rerun"), extra="rerun"),
 }
-"""The formats by name; a name is also that of the module that defines the class."""
+"""The formats by name, which is also the name of the module that defines the class."""

@@ -16,7 +16,7 @@ from prag_asp.safe_reading import is_inside
 from prag_asp.wording import unknown
 
 UNCHANGED = {"state": ("joint_position",), "objects": None, "depth": False}
-"""The options that only LeRobot has, with their defaults."""
+"""The options that exist only for LeRobot, with their defaults."""
 
 
 def export(
@@ -35,12 +35,11 @@ def export(
 
     `form` is one of ``lerobot``, ``minari``, ``robomimic``, ``bddl`` and ``rerun``; `target` is a new folder or, for
     ``robomimic``, a new file. The export is written atomically, with the same bytes for the same dataset, except for
-    ``rerun``, which numbers rows at random. `level` is
-    the level of detail of the instructions: ``vague``, ``default`` or ``exact``. `action` is the convention of actions,
-    one of `prag_asp.physics.control.control.CONTROLS`. The other options apply only to ``lerobot``, because the other
-    formats have all observations: `state` holds the conventions of the state, which are ``joint_position`` or
-    ``ee_position`` or both; `objects`, which is the default without cameras, adds the poses of objects; `depth` adds
-    the depth images.
+    ``rerun``, which numbers rows at random. `level` is the level of detail of the instructions: ``vague``, ``default``
+    or ``exact``. `action` is the convention of actions, one of `prag_asp.physics.control.control.CONTROLS`. The other
+    options apply only to ``lerobot``, because the other formats have all observations. `state` holds the conventions of
+    the state: ``joint_position``, ``ee_position`` or both; `objects` adds the poses of objects, by default only if
+    there are no cameras; `depth` adds the depth images.
 
     Raises:
         QueryError: there is no such format or convention, or the dataset has no recordings or no task.

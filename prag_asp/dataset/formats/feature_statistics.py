@@ -16,7 +16,7 @@ LEVELS = 256
 """The number of levels of a colour channel with 8 bits."""
 
 BOUNDS = dict.fromkeys(("min", "q01", "q10", "q50"), np.minimum)
-"""The statistics whose minimum over the episodes is kept; for other bounds, the maximum is kept."""
+"""The statistics that are aggregated by the minimum over episodes; other quantiles are aggregated by the maximum."""
 
 
 def statistics_of(values: NDArray[Any]) -> Statistics:
@@ -28,7 +28,7 @@ def statistics_of(values: NDArray[Any]) -> Statistics:
 
 
 class Colours:
-    """A histogram of the colours of images of shape (H, W, 3), which are added one by one."""
+    """A histogram of the colours of 8-bit images of shape (H, W, 3), which are added one by one."""
 
     def __init__(self) -> None:
         self._counts = np.zeros((3, LEVELS), dtype=np.int64)
@@ -41,7 +41,7 @@ class Colours:
         self._pictures += 1
 
     def statistics(self) -> Statistics:
-        """Return the statistics of each channel, scaled to 0 to 1, over all pixels; each has shape (3, 1, 1)."""
+        """Return the statistics of each channel over all pixels, in the range 0 to 1; each has shape (3, 1, 1)."""
         levels, channels = np.arange(LEVELS) / (LEVELS - 1), []
         for counts in self._counts:
             occurring, total, cumulative = np.flatnonzero(counts), counts.sum(), counts.cumsum()

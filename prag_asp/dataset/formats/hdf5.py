@@ -1,4 +1,4 @@
-"""What the HDF5 formats have in common: files with reproducible bytes, and the observations in an episode."""
+"""The common parts of the HDF5 formats: files with reproducible bytes, and the observations in an episode."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from prag_asp.processes.workers import uninterrupted
 
 PACKED, STRENGTH = "gzip", 6
 BLOCK, ROWS = 16, 8
-"""Images and pixel rows in a compressed block; pixels that do not change from image to image then take little space."""
+"""The numbers of images and of pixel rows in a compressed block, in which unchanged pixels take little space."""
 
 LONGEST = 60_000
 """The maximum length of a text attribute in bytes, because the header of a group in HDF5 holds 64 kB."""
@@ -98,7 +98,7 @@ class _Disk:
 
 @contextmanager
 def written(path: Path, shown: Path) -> Iterator[tuple[h5py.File, Callable[[], None]]]:
-    """Yield a new HDF5 file, and a function to call after each episode, which raises an error if writing failed.
+    """Yield a new HDF5 file, and a function that raises an error if writing failed; call it after each episode.
 
     Errors give `shown` as the path.
 
@@ -179,7 +179,7 @@ def note(group: h5py.Group, values: Mapping[str, Any]) -> None:
 
 
 def origin(episode: ExportEpisode) -> Mapping[str, Any]:
-    """Return where an episode comes from: its instruction, its plan, and its place in the dataset."""
+    """Return the origin of an episode: its instruction, its plan, and the part, task and start in the dataset."""
     entry = episode.entry
     return {
         "instruction": episode.instruction,

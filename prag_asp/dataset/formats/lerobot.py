@@ -43,8 +43,9 @@ DATA, EPISODES = f"data/{PLACE}.parquet", f"meta/episodes/{PLACE}.parquet"
 VIDEOS = f"videos/{{video_key}}/{PLACE}.mp4"
 
 DEPTH = "depth."
-"""The prefix of the features for depth images; LeRobot's policies would use features named ``observation...`` as
-inputs."""
+"""The prefix of the features for depth images. It does not begin with ``observation``, because LeRobot's policies would
+use such features as inputs.
+"""
 
 CARD = """---
 tags: [LeRobot]
@@ -62,9 +63,9 @@ A LeRobotDataset {version}: {episodes} of `{name}`, written by prag_asp. `subtas
 
 @dataclass(frozen=True)
 class LeRobot:
-    """Writes LeRobotDatasets; a data or video file that reaches its size limit in megabytes gets no more episodes.
+    """The format of a LeRobotDataset; a data or video file that reaches its size limit in megabytes is full.
 
-    `state` holds the conventions of ``observation.state``; with `objects`, which is the default without cameras,
+    `state` holds the conventions of ``observation.state``; with `objects`, the default if there are no cameras,
     ``observation.environment_state`` has the poses of objects; with `depth`, ``depth.CAMERA`` has the depth images.
 
     Raises:
@@ -104,7 +105,7 @@ class LeRobot:
 
 
 class _LeRobotWriter:
-    """Writes one dataset, episode by episode."""
+    """A writer of one dataset, episode by episode."""
 
     def __init__(self, form: LeRobot, source: EpisodeSource, folder: Path) -> None:
         self._form, self._source, self._folder = form, source, folder
@@ -219,7 +220,7 @@ class _LeRobotWriter:
 
 
 class _VideoFeature:
-    """Writes the videos of one camera."""
+    """A writer of the videos of one camera."""
 
     def __init__(self, form: LeRobot, source: EpisodeSource, folder: Path, camera: str) -> None:
         self._form, self._source, self._folder, self._camera = form, source, folder, camera
@@ -228,7 +229,7 @@ class _VideoFeature:
         self._video: Video | None = None
 
     def add(self, episode: ExportEpisode) -> tuple[dict[str, Any], Statistics]:
-        """Add the video of an episode, and return its place in the files and the statistics of its colours."""
+        """Add the video of an episode, and return its location in the files and the statistics of its colours."""
         if self._video is not None and self._video.size >= self._form.video_megabytes * MEGABYTE:
             self.close()
             self._place = next(self._places)
@@ -298,7 +299,7 @@ def _features(form: LeRobot, source: EpisodeSource) -> dict[str, Any]:
 
 
 def has_statistics(name: str) -> bool:
-    """Return whether a feature has statistics; those of each pixel of depth images would be as large as an image."""
+    """Return whether a feature has statistics; depth images have none, because those per pixel would fill an image."""
     return not name.startswith(DEPTH)
 
 

@@ -1,6 +1,6 @@
 """Minari: a local dataset for `minari.load_dataset`, in the layout of https://minari.farama.org.
 
-The environment named in its metadata has the same actions but different observations, so the metadata includes the
+The environment that the metadata names has the same actions but different observations, so the metadata includes the
 spaces.
 """
 
@@ -34,7 +34,7 @@ LAYOUT = "0.5.0"
 
 MAIN = "main_data.hdf5"
 SMALLEST = 32
-"""The side length in pixels from which on Minari treats colours as an image and stores it as JPEG."""
+"""The minimum side length in pixels with which Minari treats an array of colours as an image and stores it as JPEG."""
 
 QUALITY = 95
 """The JPEG quality of images, as in Minari."""
@@ -42,7 +42,7 @@ QUALITY = 95
 
 @dataclass(frozen=True)
 class Minari:
-    """Writes a folder for ``MINARI_DATASETS_PATH``, with one dataset, ``prag_asp/DOMAIN-v0``."""
+    """The format of a folder for ``MINARI_DATASETS_PATH``, with one dataset, ``prag_asp/DOMAIN-v0``."""
 
     def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
         """Write the folder.
@@ -95,8 +95,8 @@ def dataset_name(source: EpisodeSource) -> str:
 def environment_of(source: EpisodeSource) -> dict[str, Any]:
     """Return the specification of the environment of a dataset, as Gymnasium writes it.
 
-    The environment samples tasks from the space of the dataset. A domain that is not shipped has no name, so the
-    environment needs the dataset as the argument ``dataset=`` of ``recover_environment``.
+    The environment samples tasks from the space of the dataset. A domain that is not shipped cannot be loaded by name,
+    so ``recover_environment`` needs the dataset as the argument ``dataset=``.
     """
     manifest, kwargs = source.data.manifest, dict[str, Any]()
     name = manifest.domain.name
@@ -176,12 +176,12 @@ def _free(*shape: int) -> dict[str, Any]:
 
 
 def _between(low: float, high: float, shape: tuple[int, ...], kind: str) -> dict[str, Any]:
-    """Return a box with the same bounds everywhere."""
+    """Return a box with the same bounds for all elements."""
     return _box((np.full(shape, low), np.full(shape, high)), *shape, kind)
 
 
 def _box(bounds: tuple[NDArray[Any], NDArray[Any]], *rest: Any) -> dict[str, Any]:
-    """Return a box as Minari encodes it, given its bounds, the dimensions of its shape, and the type of its numbers."""
+    """Return a box as Minari encodes it, given its bounds, the dimensions of its shape, and the element type."""
     *shape, kind = rest
     low, high = (each.astype(kind).tolist() for each in bounds)
     return {"type": "Box", "dtype": kind, "shape": shape, "low": low, "high": high}

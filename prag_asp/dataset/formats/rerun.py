@@ -1,4 +1,4 @@
-"""Recordings of Rerun (https://rerun.io/docs): one .rrd file per episode, which the viewer opens with its 3D scene.
+"""Recordings of Rerun (https://rerun.io/docs): one .rrd file per episode, with the 3D scene for the viewer.
 
 Unlike the exports for training, a file also shows the bodies of the episode, the subgoals, and the contacts with their
 forces, on the same timeline as the joints and the camera images. Rerun numbers rows at random, so the bytes of two
@@ -36,7 +36,7 @@ TIME = "time"
 """The timeline, in seconds since the start of the episode."""
 
 WORLD, CAMERAS, ROBOTS, FURNITURE, CONTACTS, SUBGOAL = "world", "cameras", "robots", "furniture", "contacts", "subgoal"
-"""The first parts of the paths of entities."""
+"""The first parts of the paths of entities in Rerun."""
 
 FRUSTUM = 0.08
 """The distance in metres at which the viewer draws the image plane of a camera."""
@@ -44,7 +44,7 @@ FRUSTUM = 0.08
 
 @dataclass(frozen=True)
 class Rerun:
-    """Writes a folder with one file per episode, ``PART-NUMBER-START.rrd``."""
+    """The format of a folder with one file per episode, ``PART-NUMBER-START.rrd``."""
 
     def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
         """Write the folder.
@@ -106,7 +106,7 @@ def _send_body(recording: rr.RecordingStream, track: BodyTrack, times: NDArray[n
 
 
 def _mesh(piece: MeshPiece) -> rr.Mesh3D:
-    """Return triangles in one colour or with a texture."""
+    """Return a mesh of triangles in one colour or with a texture."""
     rows, triangles = piece.indexed()
     texture: dict[str, Any] = {}
     if piece.texture and piece.places is not None:
@@ -126,7 +126,7 @@ def _mesh(piece: MeshPiece) -> rr.Mesh3D:
 
 
 def _send_joints(recording: rr.RecordingStream, source: EpisodeSource, shown: Demonstration) -> None:
-    """Send the joint angles in radians, and the openings of robots and furniture in metres."""
+    """Send the joint angles in radians, the openings of grippers in metres, and those of furniture."""
     values = np.concatenate([shown.joints, shown.widths[..., None]], axis=2).reshape(len(shown.times), -1)
     for name, column in zip(source.joints, values.T, strict=True):
         recording.send_columns(f"{ROBOTS}/{name}", [_seconds(shown.times)], rr.Scalars.columns(scalars=column))
@@ -136,7 +136,7 @@ def _send_joints(recording: rr.RecordingStream, source: EpisodeSource, shown: De
 
 
 def contact_forces(shown: Demonstration) -> Mapping[tuple[str, str], NDArray[np.float32]]:
-    """Return the force in newtons between any two bodies that touch, for each frame, shape (T,); 0 without contact."""
+    """Return the contact force in newtons in each frame, shape (T,), for all pairs of bodies that touch at all."""
     forces: dict[tuple[str, str], NDArray[np.float32]] = {}
     for touch in shown.touches(0, len(shown.times) - 1):
         first, second = sorted((touch.one, touch.two))
@@ -152,7 +152,7 @@ def _send_contacts(recording: rr.RecordingStream, shown: Demonstration) -> None:
 
 
 def subgoal_marks(episode: ExportEpisode) -> Iterator[tuple[float, str]]:
-    """Yield each start time in seconds with the action and its sentence, and then the time when the task is done."""
+    """Yield the start time in seconds of each action, with its text, and then the end time with the result."""
     times, ends = episode.demonstration.times, episode.demonstration.ends.tolist()
     for number, (action, sentence) in enumerate(zip(episode.plan, episode.subgoals, strict=False)):
         yield float(times[ends[number]]), f"{number + 1}. {sentence} [{action}]"
@@ -174,7 +174,7 @@ def _send_video(
     segmentation: NDArray[np.unsignedinteger],
     times: NDArray[np.float32],
 ) -> None:
-    """Send the images of a camera, losslessly, with the camera's pose in each image."""
+    """Send the images of a camera, losslessly compressed, and the pose of the camera at each image."""
     path, (width, height) = f"{WORLD}/{CAMERAS}/{camera}", video.size
     lens = rr.Pinhole(
         image_from_camera=video.intrinsics,

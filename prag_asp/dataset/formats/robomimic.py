@@ -23,8 +23,7 @@ from prag_asp.output import whole_file
 from prag_asp.wording import plural
 
 GYM = 2
-"""The type of environment in the file, which is Gym because robomimic has no type for a dataset without an environment.
-"""
+"""The type of environment in the file: Gym, because robomimic has no type for a dataset without an environment."""
 
 IMAGES = {"rgb": "image", "depth": "depth", "segmentation": "segmentation"}
 """The suffix of each kind of camera image in robomimic."""
@@ -32,7 +31,7 @@ IMAGES = {"rgb": "image", "depth": "depth", "segmentation": "segmentation"}
 
 @dataclass(frozen=True)
 class Robomimic:
-    """Writes one file for robomimic."""
+    """The format of one file for robomimic."""
 
     def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
         """Write a file with ``data`` and ``mask``.
@@ -77,7 +76,7 @@ def _write(demo: h5py.Group, source: EpisodeSource, episode: ExportEpisode) -> i
 
 
 def _observed(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[str, NDArray[Any]]]:
-    """Yield the keys of observations, each with its values at every moment."""
+    """Yield the keys of observations, each with its values at every time step."""
     numbers = numbers_of(source, episode)
     for at, robot in enumerate(source.robots):
         own = numbers["state"].reshape(episode.length, len(source.robots), -1)[:, at]
@@ -94,7 +93,7 @@ def _observed(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[s
 
 
 def _environment(source: EpisodeSource) -> dict[str, Any]:
-    """Return a description of the environment, whose arguments hold the metadata because none can be created."""
+    """Return a description of an environment that cannot be created; its arguments hold the metadata."""
     control = source.control
     values = {
         **provenance_of(source, "robomimic"),

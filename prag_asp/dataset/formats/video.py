@@ -14,15 +14,16 @@ from prag_asp.output.atomic_file import output_errors
 
 CODEC, PIXELS = "av1", "yuv420p"
 OPTIONS = {"g": "10", "crf": "30", "preset": "8", "svtav1-params": "lp=1"}
-"""A key frame at least every ten images, so that readers can seek quickly, and a single thread, for reproducible bytes.
+"""The options of the encoder: a key frame at least every ten images, for quick seeking, and a single thread, for
+reproducible bytes.
 """
 
 QUIET = "0"
-"""Silences the encoder, which writes to stderr; failures are raised as errors."""
+"""The log level that silences the encoder, which writes to stderr; failures are raised as errors."""
 
 
 class Video:
-    """Writes a video file image by image."""
+    """A writer of a video file, image by image."""
 
     def __init__(self, path: Path, size: tuple[int, int], rate: int) -> None:
         """Begin a file for images with a width and height in pixels and a `rate` in images per second.
@@ -54,7 +55,7 @@ class Video:
         return self.path.stat().st_size if self.path.exists() else 0
 
     def add(self, picture: NDArray[np.uint8], *, key: bool = False) -> None:
-        """Add an image of shape (H, W, 3); a `key` frame can be decoded without those before it.
+        """Add an image of shape (H, W, 3); a `key` frame can be decoded without the preceding frames.
 
         Raises:
             OutputError: the file cannot be written.

@@ -1,7 +1,8 @@
-"""The visible properties of the objects of a scene: kind, colour, size, and the place of fixed objects.
+"""The visible properties of the objects of a scene: kind, colour, size, and the position of fixed objects.
 
-Each property is known to fit an object, known not to fit it, or in doubt: for an orange that could pass for red, both
-words are in doubt, so neither distinguishes the object from one of the other colour.
+Each property is known to fit an object, known not to fit it, or in doubt: for a shade between orange and red, the
+nearer word fits, and the farther one is in doubt: it neither describes the object nor distinguishes another object from
+it.
 """
 
 from __future__ import annotations
@@ -41,10 +42,10 @@ BASIC: Mapping[str, tuple[str, ...]] = {
 """The basic colour terms of English (Berlin and Kay 1969, plus turquoise and beige), with sample colours for each."""
 
 DOUBT = 12.0
-"""How much farther than the nearest colour term, in CIELAB, a term may be to count as in doubt rather than excluded."""
+"""The distance in CIELAB, beyond that of the nearest colour term, up to which a term is in doubt, not excluded."""
 
 LARGER = 1.25
-"""The ratio of mean extents above which an object is visibly larger."""
+"""The ratio of mean extents above which one object is visibly larger than another."""
 
 APART = 0.10
 """The distance in metres above which one object is visibly to the left of another."""
@@ -55,10 +56,11 @@ class Appearance:
     """The appearance of the entities of a domain, independent of the state.
 
     For each entity, `nouns` holds the words that fit it, most specific first; `names` holds its name, which is used if
-    nothing visible distinguishes it; `colors` holds the colour terms that fit it (true) or may fit it (false); `sizes`
-    holds its mean extent in metres, and `places` its position if it is fixed. `seen` holds the entities that every
-    picture shows; `pictured` is true if the domain has a scene to show. `sayable` holds the colours, sizes and places
-    for which the language has adjectives, and `robots` holds the robots of the scene.
+    nothing visible distinguishes it; `colors` holds the colour terms that certainly fit it (true) or may fit it
+    (false); `sizes` holds its mean extent in metres, and `places` holds its position if it is fixed: metres to the
+    right and to the back. `seen` holds the entities in every picture; `pictured` is true if the domain has a scene.
+    `sayable` holds the colours, sizes and places for which the language has adjectives, and `robots` holds the robots
+    of the scene.
     """
 
     nouns: Mapping[str, tuple[str, ...]]
@@ -78,7 +80,7 @@ class Appearance:
 
     @cached_property
     def terms(self) -> tuple[str, ...]:
-        """The colour terms that the language has and that fit something."""
+        """The colour terms that fit something and that the language has."""
         sure = [term for terms in self.colors.values() for term, fits in terms.items() if fits]
         return tuple(term for term in dict.fromkeys(sure) if term in self.sayable)
 
@@ -126,13 +128,13 @@ def appearance_of(domain: Domain, grammar: Grammar, colors: Mapping[str, str] | 
 
 
 def _has_colour(scene: Scene, entity: str) -> bool:
-    """Return whether an entity has a single colour, rather than the colours in the file for its body."""
+    """Return whether an entity has a single colour, not the colours in the file of its body."""
     model = scene.shapes[entity].model
     return entity in scene.colors and (model is None or not model.looks or scene.colors[entity] != WHITE)
 
 
 def _line(entity: str, kind: str, parents: Mapping[str, tuple[str, ...]]) -> list[str]:
-    """Return an entity, its class and the classes above it, nearest first."""
+    """Return an entity, its class and its superclasses, nearest first."""
     found = [entity, kind]
     for name in found:
         found += [parent for parent in parents.get(name, ()) if parent not in found]
@@ -141,7 +143,7 @@ def _line(entity: str, kind: str, parents: Mapping[str, tuple[str, ...]]) -> lis
 
 @lru_cache(maxsize=4096)
 def color_terms(color: str) -> Mapping[str, bool]:
-    """Map each basic term that may describe a colour to whether it is certain, as only the nearest term can be."""
+    """Return the basic terms that may describe a colour: true for the nearest term, false for terms in doubt."""
     here = lab(color)
     distances = {term: min(dist(here, lab(each)) for each in colors) for term, colors in BASIC.items()}
     nearest = min(distances, key=distances.__getitem__)
@@ -151,7 +153,7 @@ def color_terms(color: str) -> Mapping[str, bool]:
 
 @lru_cache(maxsize=4096)
 def lab(color: str) -> Lab:
-    """Return a colour given as ``#rrggbb`` in CIELAB, for the white of sRGB (IEC 61966-2-1, CIE 15)."""
+    """Return a colour ``#rrggbb`` in CIELAB, relative to the white point of sRGB (IEC 61966-2-1, CIE 15)."""
     channels = [int(color[i : i + 2], 16) / 255 for i in (1, 3, 5)]
     red, green, blue = (each / 12.92 if each <= 0.04045 else ((each + 0.055) / 1.055) ** 2.4 for each in channels)
     x = (0.4124 * red + 0.3576 * green + 0.1805 * blue) / 0.95047

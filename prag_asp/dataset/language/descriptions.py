@@ -1,7 +1,7 @@
 """Referring expressions: the shortest description that fits an object in a state and nothing else.
 
 Unknown facts may hold: a description distinguishes an object from another only if it is known not to fit the other.
-Therefore, in no state that a task allows does a picture show two objects that the description fits.
+Therefore, a description never fits two objects in a picture, in any state that the task allows.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ Signature = tuple[str, int]
 
 
 class InstructionContext(NamedTuple):
-    """The context in which an instruction is given: the entities that are present, and the known facts of the state."""
+    """The context of an instruction: the entities that are present, and the known facts of the state."""
 
     entities: frozenset[str]
     state: State
@@ -35,7 +35,7 @@ class InstructionContext(NamedTuple):
 
 
 class Relation(NamedTuple):
-    """A property of an object: the name of a fluent, the position of the object, and the other arguments."""
+    """A property of an object: a fluent with its name, the index of the object, and the other arguments."""
 
     name: str
     subject: int
@@ -47,7 +47,7 @@ class Relation(NamedTuple):
 
 
 class Description(NamedTuple):
-    """The content of a noun phrase: the noun, and the properties that distinguish an object from others of its kind.
+    """The content of a noun phrase: the noun, and properties that distinguish an object from others of this kind.
 
     `name` is the entity itself if no property distinguishes it.
     """
@@ -61,7 +61,7 @@ class Description(NamedTuple):
 
 
 class ContextSet:
-    """The objects that one picture shows, and the descriptions that fit them in every state; `read` caches phrases."""
+    """The objects in a picture, and the descriptions that fit them in every state; `read` caches phrases."""
 
     def __init__(self, appearance: Appearance, entities: frozenset[str]) -> None:
         self.appearance = appearance
@@ -83,7 +83,7 @@ class ContextSet:
         return len(self.certain) == len(self.entities)
 
     def fits(self, what: Description, entity: str) -> bool | None:
-        """Return whether a description, apart from its relation, fits an entity, or None if that is in doubt."""
+        """Return whether a description, apart from its relation, fits an entity, or None if this is in doubt."""
         if what.name:
             return what.name == entity
         if what.noun not in self.appearance.nouns.get(entity, ()):
@@ -96,14 +96,14 @@ class ContextSet:
         return False if False in verdicts else None if None in verdicts else True
 
     def best(self, entity: str) -> Description | None:
-        """Return the shortest description without relations that fits only this entity, or None if there is none."""
+        """Return the shortest description without a relation that fits only this entity, or None if there is none."""
         if entity not in self._best:
             found = (each for each in self.properties(entity) if self.meant(each) == entity)
             self._best[entity] = next(found, None)
         return self._best[entity]
 
     def short(self, entity: str) -> Description | None:
-        """Return the best description of an entity if no description with a relation can be better in any state."""
+        """Return the best description of an entity if, in every state, no description with a relation is better."""
         if entity not in self._short:
             best = self.best(entity)
             enough = best is not None and (not self.appearance.pictured or sum(map(bool, best[1:])) <= 1)
@@ -113,7 +113,7 @@ class ContextSet:
     def properties(self, entity: str) -> Iterator[Description]:
         """Yield the descriptions of an entity that use its properties, shortest first (full brevity, Dale 1989).
 
-        Among descriptions of the same length, colour comes before size, and size before place, as people choose (the
+        Among descriptions of the same length, colour comes before size, and size before place, as people prefer (the
         preference order of the incremental algorithm, Dale and Reiter 1995).
         """
         nouns = self.appearance.nouns.get(entity, ())
@@ -181,11 +181,11 @@ PLACES: Mapping[str, tuple[int, int]] = {"left": (0, 1), "right": (0, -1), "fron
 
 
 SIZES = ("large", "small")
-"""The words for the extent of an object as compared with others of its kind."""
+"""The words for the size of an object compared with others of its kind."""
 
 
 class View:
-    """A state as its pictures show it; `read` caches the meaning of phrases in it."""
+    """A state as its pictures show it; `read` caches the meanings of phrases in this state."""
 
     def __init__(
         self,
@@ -205,13 +205,13 @@ class View:
         return self._described[entity]
 
     def related(self, things: tuple[str, ...]) -> tuple[Description | None, ...]:
-        """Return each object's description if it uses a relation, or None because it is the same in every state."""
+        """Return each object's description if it uses a relation, otherwise None; or nothing if no object has one."""
         if self.context.certain.issuperset(things):
             return ()
         return tuple(each if each.relation is not None else None for each in map(self.describe, things))
 
     def outdated(self, things: Iterable[str], later: State) -> frozenset[str]:
-        """Return the objects whose descriptions use a relation that other objects have in a later state."""
+        """Return the objects whose descriptions use a relation whose facts differ in a later state."""
         if self.context.settled:
             return frozenset()
         found = set()
@@ -223,7 +223,7 @@ class View:
         return frozenset(found)
 
     def _search(self, entity: str) -> Description:
-        """Return the best description; a relation counts as much as a property, but comes after all properties."""
+        """Return the best description; a relation counts like a property, but is tried after all properties."""
         best = self.context.best(entity)
         named = Description(next(iter(self.context.appearance.nouns.get(entity, ())), ""), name=entity)
         if not self.context.appearance.pictured:
@@ -239,7 +239,7 @@ class View:
         return best or named
 
     def meant(self, what: Description) -> str | None:
-        """Return the entity that a description certainly fits if it can fit no other entity, or None."""
+        """Return the entity that a description certainly fits if it can fit no other one, or None."""
         relation = what.relation
         if relation is None:
             return self.context.meant(what)

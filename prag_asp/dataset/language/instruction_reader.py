@@ -1,7 +1,7 @@
-"""Parse instructions: an instruction means a plan, or facts that have to hold at the end.
+"""Parse instructions: the meaning of an instruction is a plan, or facts that have to hold at the end.
 
 Parsing uses only the text and its context: the objects that are present, and the known facts of the initial state. A
-phrase that fits no object, or may fit two, is refused, and so is a sentence that could mean two actions.
+phrase that fits no object or may fit two objects is refused, and so is a sentence that could mean two actions.
 """
 
 from __future__ import annotations
@@ -32,15 +32,14 @@ LONGEST_SENTENCE = 1_000
 """The maximum number of characters of a sentence in an instruction."""
 
 MOST = 64
-"""The number of readings of a text after which no more are collected, because two readings already make it ambiguous.
-"""
+"""The maximum number of readings of a text to collect; two readings already make it ambiguous."""
 
 
 @dataclass(frozen=True)
 class Reading:
     """The meaning of an instruction: a plan, or a goal of facts that have to hold in the final state.
 
-    If the instruction states the purpose of each action, `aims` holds these facts, in one mapping per action.
+    If the instruction states the purpose of each action, `aims` holds one mapping of facts per action.
     """
 
     actions: tuple[Atom, ...] = ()
@@ -49,7 +48,7 @@ class Reading:
 
 
 class ParsedSentence(NamedTuple):
-    """The meaning of a sentence: an action, or a fluent with its value; "it" means the `topic` in the next sentence.
+    """The meaning of a sentence: an action, or a fluent with its value; in the next sentence, "it" means `topic`.
 
     The next fact may omit the `subject`.
     """
@@ -61,7 +60,7 @@ class ParsedSentence(NamedTuple):
 
 
 class InstructionReader:
-    """Parses instructions for a domain in one language."""
+    """A parser of instructions for a domain in one language."""
 
     def __init__(self, lexicon: Lexicon) -> None:
         self.lexicon = lexicon
@@ -76,25 +75,28 @@ class InstructionReader:
         vocabulary = lexicon.phrases.vocabulary()
         self._joints, self._reach = dict[str, Sequence[re.Pattern[str]]](), dict[str, int]()
         for kind in ("sentences", "facts"):
-            texts_between = {*lexicon.words.joints(kind), *(lexicon.words.many if kind == "facts" else ())}
+            texts_between = lexicon.words.between_facts if kind == "facts" else lexicon.words.joints(kind)
             # Each occurrence of each joint; the look-ahead also finds those that overlap.
-            joints = [re.compile(f"(?=({re.escape(joint)}))") for joint in sorted(texts_between)]
+            joints = [re.compile(f"(?=({re.escape(joint)}))") for joint in sorted({*texts_between})]
+            if kind == "facts" and lexicon.words.adjoined:
+                joints.append(re.compile(f"(?=( )(?:{'|'.join(map(re.escape, lexicon.words.adjoined))}) )"))
             self._joints[kind] = joints
-            # the number of joints that are tried as the end of a sentence: those at one position, and those that it may
-            # contain
+            # the number of joints that are tried as the end of a sentence: those at one position, and those that the
+            # sentence may contain
             in_phrase = 3 * max((_occurrences(joints, text) for text in vocabulary), default=0)
             inside = (
                 sum(_occurrences(joints, text) for text in each.texts) + in_phrase * len(each.slots)
                 for each in sentences
             )
-            self._reach[kind] = 1 + len(joints) + max(inside, default=0)
+            pair = in_phrase + len(joints) if kind == "facts" and lexicon.words.both else 0  # of two subjects
+            self._reach[kind] = 1 + len(joints) + max(inside, default=0) + pair
         self._parsed: dict[tuple[object, str, str | None, bool], frozenset[ParsedSentence]] = {}
 
     def read(self, start: InstructionContext, text: str) -> Reading:
         """Return the meaning of an instruction in a context.
 
         Raises:
-            QueryError: the instruction has no meaning or several; the message quotes the part that is at fault.
+            QueryError: the instruction has no meaning or several; the message quotes the faulty part.
         """
         if len(text) > LONGEST:
             raise QueryError(f"an instruction has at most {LONGEST:,} characters; this one has {len(text):,}")
@@ -132,7 +134,7 @@ class InstructionReader:
                     yield Reading((action,), aims=(aims,))
         for frame in self._vague:
             for (inner,) in frame.find(text):
-                for parsed in self._fact_lists(view, inner, None):
+                for parsed in self.facts(view, inner, None):
                     yield Reading(goal=FrozenDict({each.atom: each.value for each in parsed}))
         for frame in self._default:
             for (inner,) in frame.find(text):
@@ -162,22 +164,25 @@ class InstructionReader:
                     yield from self._aimed(view, action, *aims)
 
     def _aimed(self, view: View, action: str, *aims: str) -> Iterator[tuple[Atom, Mapping[Atom, bool]]]:
-        """Yield the meanings of an action's sentence and, if there are any, of the facts that are its aims."""
+        """Yield the meanings of an action's sentence, with the meanings of the facts that are its aims, if any."""
         for parsed in self.sentence(view, action, None, of_actions=True):
             if not aims:
                 yield parsed.atom, FrozenDict()
-            for facts in self._fact_lists(view, aims[0], parsed.topic) if aims else ():
+            for facts in self.facts(view, aims[0], parsed.topic) if aims else ():
                 yield parsed.atom, FrozenDict({each.atom: each.value for each in facts})
 
-    def _fact_lists(self, view: View, text: str, topic: str | None) -> Iterator[tuple[ParsedSentence, ...]]:
-        """Yield the lists of facts that a text can mean, including a predicate of both of two subjects."""
-        yield from self._list(view, text, "facts", topic)
+    def facts(self, view: View, text: str, topic: str | None) -> Iterator[tuple[ParsedSentence, ...]]:
+        """Yield the lists of facts that a text can mean; "it" means the topic in all of them."""
+        return self._list(view, text, "facts", topic)
+
+    def _both(self, view: View, text: str, topic: str | None) -> Iterator[tuple[ParsedSentence, ...]]:
+        """Yield the pairs of facts that a sentence with one predicate of two subjects can mean."""
         words = self.lexicon.words
         if not words.both or not text.startswith(words.both[0]):
             return
         inner = text[len(words.both[0]) :]
-        for joint in re.finditer(re.escape(words.both[1]), inner):
-            after = inner[joint.end() :]
+        for joint in re.finditer(f"(?=({re.escape(words.both[1])}))", inner):  # also those that overlap
+            after = inner[joint.end(1) :]
             for blank in re.finditer(" ", after):
                 subjects = inner[: joint.start()], after[: blank.start()]
                 predicates = words.in_singular(after[blank.end() :])
@@ -208,18 +213,21 @@ class InstructionReader:
             for end, after in (*breaks[place : place + self._reach[kind] - 1], (len(text), len(text))) if paths else ():
                 if end - begin > LONGEST_SENTENCE or end <= begin:
                     continue
+                found = begun.setdefault(after, [])
                 for path in paths:
                     for part in dict.fromkeys(omitted + text[begin:end] for omitted in ("", *path.subjects)):
                         for parsed in self.sentence(view, part, path.topic, of_actions=kind == "sentences"):
-                            found = begun.setdefault(after, [])
                             verb = self.lexicon.words.verb_phrase(part)
                             subjects = (parsed.subject, part[:verb]) if kind == "facts" else ()
                             if len(found) <= MOST:
                                 found.append(_Path(parsed, topic if kind == "facts" else parsed.topic, path, subjects))
+                    for one, other in self._both(view, text[begin:end], topic) if kind == "facts" else ():
+                        if len(found) <= MOST:
+                            found.append(_Path(other, topic, _Path(one, topic, path)))
         yield from (path.sentences() for path in begun.get(len(text), ()))
 
     def sentence(self, view: View, text: str, topic: str | None, *, of_actions: bool) -> frozenset[ParsedSentence]:
-        """Return the meanings of a sentence in a state, where "it" means `topic`."""
+        """Return the meanings of a sentence in a state; "it" means `topic`."""
         return self.parse_sentence(view, text, topic, of_actions=of_actions)[0]
 
     def parse_sentence(
@@ -264,12 +272,12 @@ class InstructionReader:
         return self.lexicon.phrases.read(view, text)
 
     def subject(self, template: Template, words: Sequence[str]) -> str:
-        """Return the subject with which a sentence begins, and a blank; or an empty text if it begins otherwise."""
+        """Return the subject at the beginning of a sentence, followed by a space, or "" if it begins otherwise."""
         begins = bool(words) and not template.texts[0] and template.texts[1].startswith(" ")
         return f"{words[0]} " if begins else ""
 
     def topic(self, arguments: Sequence[str]) -> str | None:
-        """Return what "it" means after a sentence: the first movable object in the sentence, or else the first thing.
+        """Return the meaning of "it" after a sentence: the first movable object in the sentence, or else the first one.
 
         That is its highest-ranked centre in centering theory (Grosz, Joshi and Weinstein 1995).
         """
@@ -295,13 +303,13 @@ class InstructionReader:
         return f"{shortened(text)!r} is not an instruction {known}; write one as sample does"
 
     def _parts(self, text: str, kind: str) -> list[str]:
-        """Return the parts of a text between joints, taking the longest joint at each place."""
+        """Return the parts of a text between joints; at each position, the longest joint counts."""
         words = self.lexicon.words
-        joints = sorted((*words.joints(kind), *(words.many if kind == "facts" else ())), key=len, reverse=True)
+        joints = sorted(words.between_facts if kind == "facts" else words.joints(kind), key=len, reverse=True)
         return re.split("|".join(map(re.escape, joints)), text)
 
     def _unclear(self, view: View, part: str) -> str | None:
-        """Return the phrase of a sentence that fits nothing or is ambiguous, or None if all are clear."""
+        """Return a message about a phrase of a sentence that fits nothing or is ambiguous, or None if all are clear."""
         for clause in (*self._actions, *self._facts):
             for words in clause.template.find(part[:1].lower() + part[1:]):
                 for word in words:
@@ -316,7 +324,7 @@ class InstructionReader:
 class _Path(NamedTuple):
     """A sentence in a list, the meaning of "it" after this sentence, and the previous sentences.
 
-    The next fact may omit one of the `subjects`, without or with the verb: "it is on the table and behind the can".
+    The next fact may omit one of the `subjects`, with or without the verb: "it is on the table and behind the can".
     """
 
     parsed: ParsedSentence | None
@@ -348,7 +356,7 @@ def read_instruction(
 
 
 def context_of(task: Task, number: int = 0) -> InstructionContext:
-    """Return the context before an action of a task, given the number of the action, counting from 0."""
+    """Return the context before the action of a task with the index `number`."""
     return InstructionContext(frozenset(task.entities), {}).at(task.states[number - 1] if number else task.initial)
 
 
@@ -379,7 +387,7 @@ def _frame(text: str) -> Template:
 
 
 def _occurrences(joints: Sequence[re.Pattern[str]], text: str) -> int:
-    """Return how often joints occur in a text between other texts."""
+    """Return the number of occurrences of joints in a text that has other texts around it."""
     return sum(len(joint.findall(f" {text} ")) for joint in joints)
 
 

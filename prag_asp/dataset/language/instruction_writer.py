@@ -11,11 +11,13 @@ from copy import copy
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from prag_asp.atom import Atom
+from prag_asp.atom import Atom, atom_of
+from prag_asp.dataset.language.clause_joiner import ClauseJoiner, words_of
 from prag_asp.dataset.language.descriptions import InstructionContext, View
 from prag_asp.dataset.language.instruction_reader import InstructionReader, Reading, capital, context_of, unnumbered
 from prag_asp.dataset.language.lexicon import Lexicon
 from prag_asp.dataset.language.plain import sentence
+from prag_asp.dataset.language.recurrences import REPETITIONS, recurrences
 from prag_asp.dataset.language.sentence_writer import ClearSentence, PhraseRng, SentenceWriter
 from prag_asp.errors import QueryError
 from prag_asp.grammar.phrasings import Phrasings
@@ -29,13 +31,13 @@ START_FACTS, CAPTION_FACTS = 4, 2
 """The maximum numbers of facts in the caption of the initial state and in the captions of other states."""
 
 STEM = 6
-"""The number of letters in which words with the same stem agree."""
+"""The number of initial letters in which words with the same stem agree."""
 
 SEVERAL = 2
-"""The number of things from which on "it" could mean any of them, and of clauses that one conjunction joins."""
+"""The number of objects from which on "it" is ambiguous, and the number of clauses that one conjunction joins."""
 
 SHORT = 3
-"""The maximum number of letters of words that are not looked for inside other words."""
+"""The maximum number of letters of words that do not count as parts of other words."""
 
 COLOR = re.compile(r"#[0-9a-fA-F]{6}")
 CACHED = 1 << 16
@@ -48,7 +50,7 @@ class Instructions:
 
     `vague` states the goal, `default` the actions, and `exact` also the purpose of each action; all refer to objects as
     they are in the initial state. `subgoals` holds a sentence for each action, which refers to the state before it.
-    `named` are the entities that are referred to by name, because nothing visible distinguishes them.
+    `named` holds the entities that are referred to by name, because nothing visible distinguishes them.
     """
 
     vague: str
@@ -59,14 +61,14 @@ class Instructions:
 
 
 class InstructionWriter:
-    """Writes and parses instructions for a domain in one language."""
+    """A writer and parser of instructions for a domain in one language."""
 
     def __init__(
         self, domain: Domain, language: str = "en", colors: Mapping[str, str] | None = None, phrasings: str = ""
     ) -> None:
         """Read a domain's tables for a language; `colors` override those of the scene.
 
-        Only the chosen `phrasings` are written; all are parsed.
+        Only the chosen `phrasings` are written, but all phrasings are parsed.
 
         Raises:
             QueryError: the domain does not have the language or such phrasings.
@@ -76,16 +78,18 @@ class InstructionWriter:
         self.phrasings = Phrasings.parse(phrasings)
         self.phrasings.require(self.lexicon.grammar.actions, self.lexicon.words.frames, language)
         self._sentences = SentenceWriter(self.reader, self.phrasings)
+        self._joiner = ClauseJoiner(self.reader, self.phrasings)
         self._aims: dict[State, State] = {}
 
     def recoloured(self, colors: Mapping[str, str]) -> InstructionWriter:
-        """Return a writer for pictures in which the given entities have different colours."""
+        """Return a writer for pictures in which some entities have the given colours."""
         if not colors:
             return self
         other = copy(self)
         other.lexicon = self.lexicon.recoloured(colors)
         other.reader = InstructionReader(other.lexicon)
         other._sentences, other._aims = SentenceWriter(other.reader, self.phrasings), {}
+        other._joiner = ClauseJoiner(other.reader, self.phrasings)
         return other
 
     def instructions(self, task: Task, seed: int = 0) -> Instructions:
@@ -102,7 +106,7 @@ class InstructionWriter:
         named: dict[str, None] = {}
         written, frames = self.lexicon.words.contracted, self.lexicon.words.frames
         subgoals = []
-        again = recurrences(task)
+        again = recurrences(task, self.lexicon.grammar)
         for number, action in enumerate(task.actions):
             here = self.lexicon.view(initial.at(task.states[number - 1]) if number else initial)
             step = self._sentences.write(here, action, None, each, recurrence=again[number]).text
@@ -120,28 +124,26 @@ class InstructionWriter:
         last = task.states[-1] if task.states else task.initial
         changed = view.outdated({each for fluent in goal for each in fluent.arguments}, last)
         facts = self._sentences.facts(view, goal, None, vague, changed)
-        clauses, topic = list[ClearSentence](), None
+        clauses = list[ClearSentence]()
         states = (task.initial, *task.states)
         outdated = [view.outdated(action.arguments, state) for action, state in zip(task.actions, states, strict=False)]
         for action, recurrence, old in zip(task.actions, again, outdated, strict=True):
-            # "it" is the topic of the previous sentence
+            topic = self._topic(task, clauses)
             clause = self._sentences.write(view, action, topic, default, recurrence=recurrence, outdated=old)
-            topic = clause.topic
             clauses.append(clause)
         return Instructions(
-            written(self._framed("vague", "facts", facts, vague)),
-            written(self._framed("default", "sentences", clauses, default)),
+            written(self._framed(view, "vague", "goal", facts, vague)),
+            written(self._framed(view, "default", "sentences", clauses, default)),
             written(self._exact(view, task.actions, aims, again, outdated, exact)),
             tuple(subgoals),
             tuple(sorted(named)),
         )
 
     def captions(self, task: Task) -> list[tuple[str, str]]:
-        """Return a heading and a caption for a picture of each state, including the initial one.
+        """Return a heading and a caption for the picture of each state, including the initial state.
 
         The heading is the action that leads to the state, and the caption states its effects; the caption of the
-        initial state has the known facts about the objects that the actions name. If there are several sentences, the
-        first one is used.
+        initial state has known facts about the objects in the actions. Of several phrasings, the first one is used.
         """
         handled = {argument for action in task.actions for argument in action.arguments} - self.lexicon.appearance.seen
         known = {fluent: True for fluent, value in task.initial.items() if value}
@@ -153,7 +155,7 @@ class InstructionWriter:
             described = [relation.about(thing) for thing, relation in relations if relation is not None]
             if not handled.isdisjoint(fluent.arguments) and fluent not in described:
                 shown.append(fluent)
-        start = self._sentences.facts(view, dict.fromkeys(shown[:START_FACTS], True))
+        start = self._sentences.facts(view, dict.fromkeys(shown[:START_FACTS], True), recurrence="initial")
         captions = [(str(self.lexicon.words.frames["start"]), start)]
         for number, (action, subgoal) in enumerate(zip(task.actions, task.subgoals, strict=True), 1):
             before = self.lexicon.view(context_of(task, number - 1))
@@ -176,10 +178,11 @@ class InstructionWriter:
         return self.reader.read(context_of(start) if isinstance(start, Task) else start, text)
 
     def goal(self, task: Task) -> Mapping[Atom, bool]:
-        """Return the goal that the vague instruction states: the notable facts that the task changes permanently.
+        """Return the goal that the vague instruction states: the notable facts that the task changes in the end.
 
-        If only silent facts change, these are the goal. The goal of a task that changes nothing permanently is the aim
-        of its last action, which for a trivial task holds in the initial state.
+        Facts that others imply are left out: "the cup is in a corner of the tray" and therefore in the tray. If only
+        silent facts change, these are the goal. The goal of a task that changes nothing in the end is the aim of its
+        last action, which holds in the initial state if the task is trivial.
         """
         made: dict[Atom, bool] = {}
         for subgoal in task.subgoals:
@@ -191,7 +194,42 @@ class InstructionWriter:
         aim = task.subgoals[-1] if task.subgoals else {}
         if not changed and not task.trivial:
             aim = {fluent: value for fluent, value in aim.items() if task.initial.get(fluent) != value}
-        return notable_facts(changed, self.lexicon) or dict(sorted(changed.items())) or notable_facts(aim, self.lexicon)
+        facts = (
+            notable_facts(changed, self.lexicon) or dict(sorted(changed.items())) or notable_facts(aim, self.lexicon)
+        )
+        return self._without_entailed(task, facts)
+
+    def _without_entailed(self, task: Task, facts: Mapping[Atom, bool]) -> Mapping[Atom, bool]:
+        """Return facts without those that the words of another one entail."""
+        if len({fluent.arguments[:1] for fluent in facts}) == len(facts):
+            return facts
+        view = self.lexicon.view(context_of(task))
+        texts = {
+            fact.text: fluent
+            for fluent, value in facts.items()
+            for fact in self._sentences.facts(view, {fluent: value})
+        }
+        entailed = {texts[text] for text in self._joiner.entailed(list(texts))}
+        return {fluent: value for fluent, value in facts.items() if fluent not in entailed}
+
+    def _topic(self, task: Task, clauses: Sequence[ClearSentence]) -> str | None:
+        """Return what "it" means in the next sentence: the topic of the previous one, or None if it is not clear.
+
+        After two like actions, "it" could be the topic of either if the next action were possible with both: "open the
+        cupboard, then open the drawer".
+        """
+        topic, number, actions = clauses[-1].topic if clauses else None, len(clauses), task.actions
+        other = clauses[-SEVERAL].topic if number >= SEVERAL else None
+        if topic is None or other in {None, topic} or actions[number - 1].name != actions[number - SEVERAL].name:
+            return topic
+        action = actions[number]
+        alike = Atom(action.name, tuple(str(other) if each == topic else each for each in action.arguments))
+        facts, state = self.lexicon.domain.facts, task.states[number - 1]
+        term = facts.actions_by_text.get(str(alike))
+        if alike == action or term is None:
+            return topic
+        known = ((state.get(atom_of(fluent)), value == "true") for fluent, value in facts.preconditions.get(term, ()))
+        return topic if any(now is not None and now != needed for now, needed in known) else None
 
     def _note(self, view: View, atoms: Sequence[Atom], named: dict[str, None]) -> None:
         """Record the entities that are referred to by name."""
@@ -202,12 +240,12 @@ class InstructionWriter:
                     if argument in self.lexicon.appearance.nouns and view.describe(argument).name:
                         named[argument] = None
 
-    def _framed(self, level: str, kind: str, clauses: Sequence[ClearSentence], rng: PhraseRng) -> str:
-        """Return sentences joined in the frame of a level, or an empty text if there are none."""
+    def _framed(self, view: View, level: str, kind: str, clauses: Sequence[ClearSentence], rng: PhraseRng) -> str:
+        """Return sentences joined in the frame of a level, or "" if there are none."""
         if not clauses:
             return ""
         frame = rng.pick(self.phrasings.of(self.lexicon.words.frames[level]))
-        text = self._joined(clauses, kind, rng)
+        text = self._joiner.in_order(clauses, rng) if kind == "sentences" else self._joiner.facts(view, clauses, kind)
         return capital(frame.format(facts=text, actions=text, Actions=capital(text)))
 
     def _exact(
@@ -219,7 +257,7 @@ class InstructionWriter:
         outdated: Sequence[Set[str]],
         rng: PhraseRng,
     ) -> str:
-        """Return the exact instruction: the actions, and the aim of each if its sentence does not state it already."""
+        """Return the exact instruction: the actions, with the aim of each one unless its sentence states the aim."""
         words, steps = self.lexicon.words, []
         alone, aimed = words.frames["exact"]
         steps_of = zip(actions, aims, again, outdated, strict=True)
@@ -227,17 +265,22 @@ class InstructionWriter:
             clause = self._sentences.write(view, action, None, rng, recurrence=recurrence, outdated=old)
             movable = {*action.arguments} & self.lexicon.appearance.nouns.keys() - self.lexicon.appearance.seen
             topic = clause.topic if len(movable) < SEVERAL else None  # "it" could be any of several
-            facts = self._sentences.facts(view, aim, topic, rng, old) if recurrence != "repeated" else []
+            facts = self._sentences.facts(view, aim, topic, rng, old) if recurrence not in REPETITIONS else []
             said = {*words_of(clause.text), *self._words_for(action)}
             said |= words.implications(said)
-            facts = [fact for fact in facts if not is_stated(fact.text, said, words.function_words)]
+            entailed = self._joiner.entailed([fact.text for fact in facts])
+            facts = [
+                fact
+                for fact in facts
+                if fact.text not in entailed and not is_stated(fact.text, said, words.function_words)
+            ]
             frame = aimed if facts else alone
             frame = unnumbered(frame) if len(actions) == 1 else frame
             step = frame.format(
                 number=words.number(number),
                 action=clause.text,
                 Action=capital(clause.text),
-                facts=self._joined(facts, "facts", rng) if facts else "",
+                facts=self._joiner.facts(view, facts, "facts", topic) if facts else "",
             )
             steps.append(capital(step))
         return str(words.table["joints"]["steps"]).join(steps)
@@ -247,62 +290,6 @@ class InstructionWriter:
         templates = self.lexicon.grammar.actions.get((action.name, len(action.arguments)), ())
         return {word for template in templates for text in template.texts for word in words_of(text)}
 
-    def _joined(self, clauses: Sequence[ClearSentence], kind: str, rng: PhraseRng) -> str:
-        """Return sentences joined into one text."""
-        words = self.lexicon.words
-        joints, latest = self.phrasings.of(words.joints(kind)), -1
-        if kind == "facts":
-            merged = self._both(clauses) or self._merged(clauses, words.joints(kind)[0])
-            if words.many and (len(merged) > SEVERAL or joints[0] == words.joints(kind)[0]):
-                return words.many[1].join(part for part in (words.many[0].join(merged[:-1]), merged[-1]) if part)
-            return joints[0].join(merged)
-        text = clauses[0].text
-        for clause in clauses[1:]:  # within a sentence, joints occur in the order of their list
-            allowed = [place for place, each in enumerate(joints) if place > latest or begins_sentence(each)]
-            fresh = [place for place in allowed if place != latest]
-            latest = rng.pick(fresh or allowed or range(len(joints)))
-            text += joints[latest] + clause.text
-        return text
-
-    def _merged(self, facts: Sequence[ClearSentence], joint: str) -> list[str]:
-        """Return sentences for facts; those with the same subject, and verb if possible, are merged.
-
-        "it is red and clean", "the arm holds it and is over the table"
-        """
-        groups: dict[str, list[str]] = {}
-        for fact in facts:
-            groups.setdefault(fact.subject or fact.text, []).append(fact.text)
-        merged = []
-        for subject, texts in groups.items():
-            begins = {text[: self.lexicon.words.verb_phrase(text)] for text in texts}
-            shared = begins.pop() if len(begins) == 1 else ""
-            shared = shared if len(shared) > len(subject) else subject
-            rest = [text[len(shared) :] for text in texts]
-            if not begins and len(rest) > 1:
-                rest.sort(key=self._names_no_place)
-            merged.append(shared + joint.join(rest))
-        return merged
-
-    def _names_no_place(self, predicate: str) -> bool:
-        """Return whether a predicate does not begin with a place, as "on the table" does, which comes first."""
-        words = self.lexicon.words
-        preposition, article, *_ = (*predicate.split(), "", "")
-        return preposition not in words.table.get("implied", ()) or article not in words.articles
-
-    def _both(self, facts: Sequence[ClearSentence]) -> list[str]:
-        """Return one sentence for two facts with the same predicate about different subjects, or nothing.
-
-        "both the drawer and the cupboard are open"
-        """
-        words = self.lexicon.words
-        if len(facts) != SEVERAL or not words.both or not all(fact.subject for fact in facts):
-            return []
-        one, other = (fact.text[len(fact.subject) :] for fact in facts)
-        first, second = (fact.subject for fact in facts)
-        plural = words.in_plural(one)
-        same = words.in_plural(other) == plural and first != second
-        return [f"{words.both[0]}{first.rstrip()}{words.both[1]}{second}{plural}"] if plural and same else []
-
 
 def instruction_writer_of(
     domain: Domain, language: str = "en", colors: Mapping[str, str] | None = None, phrasings: str = ""
@@ -310,12 +297,11 @@ def instruction_writer_of(
     """Return the instruction writer of a domain in a language.
 
     `colors` of entities (``#rrggbb``) override those of the scene. With `phrasings`, only some of the sentences are
-    written: with ``1 of 2``, these are every second one from the first on. The sentences of ``1 of 2`` and ``2 of 2``
-    are disjoint.
+    written: ``1 of 2`` selects every second one from the first on, and shares no sentence with ``2 of 2``.
 
     Raises:
         QueryError: the domain does not have the language or such phrasings, or a colour is malformed.
-        SceneError: something is wrong with the scene.
+        SceneError: the scene is invalid.
     """
     for entity, color in (colors or {}).items():
         if entity not in domain.facts.entity_names or not COLOR.fullmatch(color):
@@ -325,38 +311,11 @@ def instruction_writer_of(
     return InstructionWriter(domain, language, colors, phrasings)
 
 
-def begins_sentence(joint: str) -> bool:
-    """Return whether a text between two sentences ends the first one."""
-    return joint.lstrip().startswith(".")
-
-
-def recurrences(task: Task) -> list[Recurrence]:
-    """Return, for each action, whether its facts are new, held in an earlier state, or are made once more.
-
-    An action that changes nothing repeats an earlier action if it is the same or has the same aim: "carry the can to
-    the bowl, then carry it once more to the bowl along a given path".
-    """
-    states, found = [task.initial, *task.states], list[Recurrence]()
-    for number, subgoal in enumerate(task.subgoals):
-        changed = {fluent: value for fluent, value in subgoal.items() if states[number].get(fluent) != value}
-        if changed:
-            made = {fluent: value for fluent, value in changed.items() if value} or changed
-            restored = any(made.items() <= state.items() for state in states[:number])
-            found.append("restored" if restored else "new")
-        else:
-            made = {fluent: value for fluent, value in subgoal.items() if value} or dict(subgoal)
-            repeated = task.actions[number] in task.actions[:number] or any(
-                made and made.items() <= dict(earlier).items() for earlier in task.subgoals[:number]
-            )
-            found.append("repeated" if repeated else "new")
-    return found
-
-
 def is_stated(fact: str, said: Set[str], function_words: Set[str]) -> bool:
-    """Return whether all words of a fact are already `said`, as in "open the drawer, so that it is open".
+    """Return whether all words of a fact have already been `said`, as in "open the drawer, so that it is open".
 
-    Words count as the same if one begins with the other or has it inside, or if both have the same stem, as "in" and
-    "into", "öffne" and "geöffnet", or "entferne" and "entfernt".
+    Two words count as the same if one begins with or contains the other, or if both have the same stem: "in" and
+    "into", "öffne" and "geöffnet", "entferne" and "entfernt".
     """
 
     def same(one: str, other: str) -> bool:
@@ -367,15 +326,16 @@ def is_stated(fact: str, said: Set[str], function_words: Set[str]) -> bool:
     return all(word in function_words or any(same(word, each) for each in said) for word in words_of(fact))
 
 
-def words_of(text: str) -> list[str]:
-    """Return the words of a text in lower case."""
-    return text.casefold().replace(",", " ").split()
-
-
 def notable_facts(facts: State, lexicon: Lexicon) -> Mapping[Atom, bool]:
-    """Return the notable facts, which are not silent: the true ones or, if there are none, the false ones."""
+    """Return the notable facts, which are not silent: the true ones or, if there are none, the false ones.
+
+    A fact is left out if another one implies it by a state constraint of the domain.
+    """
     forms = lexicon.grammar.facts
     known = {fluent: forms.get((fluent.name, len(fluent.arguments))) for fluent in facts}
     loud = {fluent: value for fluent, value in facts.items() if (form := known[fluent]) is not None and not form.silent}
     true = {fluent: value for fluent, value in loud.items() if value}
+    for fluent in sorted(true) if lexicon.implied else ():
+        for other in lexicon.implied.get(fluent, frozenset()) - {fluent} if fluent in true else ():
+            true.pop(other, None)
     return dict(sorted((true or loud).items()))

@@ -1,12 +1,13 @@
-"""The lexicon of a domain in one language: its sentences, its noun phrases, and what they mean in each state."""
+"""The lexicon of a domain in one language: sentences and noun phrases, with their meanings in each state."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import copy
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from typing import TYPE_CHECKING
 
+from prag_asp.atom import Atom, atom_of
 from prag_asp.dataset.language.appearance import appearance_of
 from prag_asp.dataset.language.descriptions import ContextSet, InstructionContext, View
 from prag_asp.dataset.language.phrases import NounPhrases
@@ -32,7 +33,7 @@ class Lexicon:
 
         Raises:
             QueryError: the domain does not have the language, or lacks words in it.
-            SceneError: something is wrong with the scene.
+            SceneError: the scene is invalid.
         """
         reader = _reader(domain, language)
         self.domain, self.language, self.words = domain, language, reader.words
@@ -48,12 +49,20 @@ class Lexicon:
         self._reset_caches()
 
     def recoloured(self, colors: Mapping[str, str]) -> Lexicon:
-        """Return the lexicon for pictures in which the given entities have different colours."""
+        """Return the lexicon for pictures in which some entities have the given colours."""
         other = copy(self)
         other.appearance = self.appearance.recoloured(colors)
         other.phrases = NounPhrases(self.grammar, other.appearance, self.sentences)
         other._reset_caches()
         return other
+
+    @cached_property
+    def implied(self) -> Mapping[Atom, frozenset[Atom]]:
+        """The fluents that each fluent implies, by the state constraints of the domain."""
+        found: dict[Atom, set[Atom]] = {}
+        for fluent, other in self.domain.facts.implies:
+            found.setdefault(atom_of(fluent), set()).add(atom_of(other))
+        return {fluent: frozenset(others) for fluent, others in found.items()}
 
     def _reset_caches(self) -> None:
         """Create empty caches of contexts and states."""
@@ -64,8 +73,8 @@ class Lexicon:
     def view(self, known: InstructionContext) -> View:
         """Return the view of a state.
 
-        It is cached only if descriptions depend on the state, because a look-up by state takes longer than creating a
-        view.
+        The view is cached only if descriptions depend on the state, because otherwise a lookup takes longer than
+        creating it.
 
         Raises:
             QueryError: the domain has no such entity.

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from itertools import product
 
 from prag_asp.dataset.language.appearance import Appearance
 from prag_asp.dataset.language.descriptions import PLACES, SIZES, ContextSet, Description, Relation, View
 from prag_asp.dataset.language.sentences import Modifier, SentenceTable
-from prag_asp.grammar.reader import Grammar, Noun, plain
-from prag_asp.grammar.template import Template, agrees, parse_template
+from prag_asp.grammar.reader import Grammar, Noun, listed, plain
+from prag_asp.grammar.template import Template, parse_template
 
 CACHED = 1 << 14
 """The maximum number of phrases whose meaning in a context is cached; the tasks of a space share most of them."""
@@ -41,8 +41,8 @@ class NounPhrases:
     def write(self, view: View, value: str, case: str, variant: int = 0, *, outdated: bool = False) -> str:
         """Return the noun phrase for an entity in a state, or the word for another value.
 
-        If the phrase has a relation, variants after the first are less ambiguous. An `outdated` phrase says that the
-        relation held originally.
+        If the phrase has a relation, later variants are less ambiguous than the first one. An `outdated` phrase says
+        that the relation held originally.
         """
         if value not in self.appearance.nouns:
             return self.value(value)
@@ -57,11 +57,14 @@ class NounPhrases:
             best = view.context.best(other) if other in self.appearance.nouns else None
             words.append(self.plain(best, slot.case or self.words.cases[0]) if best else self.value(other))
         where = modifier.template.fill(words)
-        forms = [each for each in self._modified if not each.genders or gender in each.genders]
+        forms, formerly = (
+            [each for each in templates if not each.genders or gender in each.genders]
+            for templates in (self._modified, self._formerly)
+        )
         if modifier.template.genders:  # the modifier has a verb
             variant = 0
-        elif outdated and self._formerly is not None:
-            return self._formerly.fill([self.plain(what._replace(relation=None), case), where])
+        elif outdated and formerly:
+            return formerly[0].fill([self.plain(what._replace(relation=None), case), where])
         return forms[min(variant, len(forms) - 1)].fill([self.plain(what._replace(relation=None), case), where])
 
     def value(self, value: str) -> str:
@@ -93,12 +96,12 @@ class NounPhrases:
         return self._written[what, case]
 
     def _displayed(self, name: str) -> str:
-        """Return the name of an entity as phrases spell it: "block A", unless another entity has this name."""
+        """Return the name of an entity as it appears in phrases; a single letter is in upper case: "block A"."""
         upper = name.upper()
         return upper if len(name) == 1 and upper not in self.appearance.names.values() else name
 
     def _modifiers(self, relation: Relation, gender: str = "") -> Iterator[Modifier]:
-        """Yield the modifiers that mean only this relation, for subjects of a given gender."""
+        """Yield the modifiers that mean only this relation; `gender` is that of the subject, or "" for any."""
         for modifier in self.sentences.modifiers.get((relation.name, len(relation.others) + 1), ()):
             genders = modifier.template.genders
             if gender and genders and gender not in genders:
@@ -113,20 +116,20 @@ class NounPhrases:
     @cached_property
     def _modified(self) -> tuple[Template, ...]:
         """The templates of a noun phrase followed by a modifier."""
-        found = []
-        for text in self.words.table["modified"]:
-            spelled = text.replace("{phrase}", "{0}").replace("{where}", "{1}")
-            for gender in self.words.genders if agrees(spelled) else ("",):
-                verbs = {"is": self.words.agreeing("is", gender)} if gender else {}
-                genders = frozenset([gender] if gender else [])
-                found.append(parse_template(spelled, self.words.cases, 2, verbs, genders))
-        return tuple(found)
+        return tuple(self._with_modifier(self.words.table["modified"], "is"))
 
     @cached_property
-    def _formerly(self) -> Template | None:
-        """The template of a noun phrase followed by a modifier that was true originally, if the language has one."""
-        text = str(self.words.table.get("formerly", "")).replace("{phrase}", "{0}").replace("{where}", "{1}")
-        return parse_template(text, self.words.cases, 2) if text else None
+    def _formerly(self) -> tuple[Template, ...]:
+        """The templates of a noun phrase followed by a modifier that was true originally, if the language has any."""
+        return tuple(self._with_modifier(listed(self.words.table.get("formerly", ())), "was"))
+
+    def _with_modifier(self, texts: Sequence[str], verb: str) -> Iterator[Template]:
+        """Yield templates of a noun phrase and a modifier: if a text has a verb, one for each of its forms."""
+        for text in texts:
+            spelled = text.replace("{phrase}", "{0}").replace("{where}", "{1}")
+            for gender in self.words.genders if f"{{{verb}}}" in spelled else ("",):
+                verbs = {verb: self.words.agreeing(verb, gender)} if gender else {}
+                yield parse_template(spelled, self.words.cases, 2, verbs, frozenset([gender] if gender else []))
 
     @cached_property
     def _known(self) -> Mapping[str, tuple[Description, ...]]:
@@ -172,7 +175,7 @@ class NounPhrases:
         return known
 
     def stated(self, view: View, text: str) -> dict[str, set[Relation]]:
-        """Map each entity that a phrase can mean to the relations that the phrase then states about it."""
+        """Return the relations that a phrase states about each entity that it can mean."""
         found: dict[str, set[Relation]] = {}
         for whats, where in self._modifications(text):
             for relation in self._relations(view.context, where):
@@ -184,7 +187,7 @@ class NounPhrases:
 
     def _modifications(self, text: str) -> Iterator[tuple[tuple[Description, ...], str]]:
         """Yield the descriptions with which a text can begin, each with the modifier that follows."""
-        for template in (*self._modified, *([self._formerly] if self._formerly else [])):
+        for template in (*self._modified, *self._formerly):
             first, between, last = template.texts
             if text.startswith(first) and text.endswith(last):
                 inner = text[len(first) : len(text) - len(last)]
@@ -202,7 +205,7 @@ class NounPhrases:
         return [*self._known, *self._values, *where]
 
     def fitting(self, view: View, text: str) -> list[str] | None:
-        """Return the entities that a phrase without a relation may mean, or None if the text is not such a phrase."""
+        """Return the entities that a phrase without a relation may fit, or None if the text is not such a phrase."""
         if text not in self._known:
             return None
         context = view.context

@@ -12,8 +12,8 @@ from prag_asp.task import Task
 def sentence(atom: Atom, templates: Mapping[str, str]) -> str:
     """Return an action or a fluent in words.
 
-    Its template has ``{0}`` for the first argument; text in brackets is left out. Without a template, the name and the
-    arguments are joined by blanks.
+    In a template, ``{0}`` stands for the first argument, and text in brackets is left out. Without a template, the name
+    and the arguments are joined by spaces.
     """
     arguments = [_plain(argument) for argument in atom.arguments]
     template = templates.get(atom.name)

@@ -1,4 +1,4 @@
-"""Write unambiguous sentences: each is parsed back before it is used, and replaced by another if it is ambiguous."""
+"""Write unambiguous sentences: each one is parsed before it is used, and replaced by another if it is ambiguous."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from prag_asp.grammar.template import Recurrence
 Option = TypeVar("Option")
 
 VARIANTS = (0, 1)
-"""The wordings of a relation, the shorter one first."""
+"""The variants of phrases with a relation, the shorter one first."""
 
 CACHED = 1 << 16
 """The maximum number of cached sentences; the tasks of a space share most of them."""
@@ -33,9 +33,9 @@ class ClearSentence(NamedTuple):
 
 
 class PhraseRng:
-    """A random generator seeded with a text, which is the same on every machine and in every version of Python.
+    """A random generator seeded with a text; it is the same on every machine and in every version of Python.
 
-    Its numbers are digits of the text's digest in a mixed base.
+    The random numbers are digits of a digest of the text in a mixed base.
     """
 
     def __init__(self, text: str) -> None:
@@ -58,11 +58,11 @@ class PhraseRng:
 
 @dataclass(frozen=True)
 class _Paraphrases:
-    """The sentences for an action or a fluent: `given` ones, and `spare` ones in case all of these are ambiguous.
+    """The sentences for an action or a fluent: `given` ones, and `spare` ones in case all given ones are ambiguous.
 
-    `shorter` sentences omit the place from which an object is moved, for phrases that already name this place.
-    `objects` are the entities that the action or fluent names, `known` is true if the domain has the action or fluent,
-    and `clear` caches the unambiguous sentence for each way in which the objects are described.
+    `shorter` sentences omit the place from which an object is moved, for phrases that already name this place. `things`
+    holds the entities in the action or fluent, `known` is true if the domain has the action or fluent, and `clear`
+    caches the unambiguous sentence for each combination of descriptions of the entities.
     """
 
     given: tuple[Sentence, ...]
@@ -74,7 +74,7 @@ class _Paraphrases:
 
 
 class SentenceWriter:
-    """Writes sentences in a language that a reader parses back to one action, or to one fluent and its value."""
+    """A writer of sentences that a reader parses back to exactly one action, or one fluent and its value."""
 
     def __init__(self, reader: InstructionReader, phrasings: Phrasings) -> None:
         self._reader, self._lexicon, self._phrasings = reader, reader.lexicon, phrasings
@@ -95,11 +95,11 @@ class SentenceWriter:
     ) -> ClearSentence:
         """Return an unambiguous sentence for an action, or for a `fact` with its value, and the topic of the sentence.
 
-        The sentence of an action may state its `recurrence`, as in "put it back into the tray".
-        The relations in the phrases for `outdated` objects no longer hold when the action begins.
+        The sentence of an action may state its `recurrence`, as in "put it back into the tray". Relations in the
+        phrases for `outdated` objects no longer hold when the action begins.
 
         Raises:
-            QueryError: every sentence of the atom could mean something else.
+            QueryError: every sentence for the atom could mean something else.
         """
         key = (atom, value, fact, recurrence)
         sentences = self._paraphrases.get(key)
@@ -148,12 +148,17 @@ class SentenceWriter:
         topic: str | None = None,
         rng: PhraseRng | None = None,
         outdated: Set[str] = frozenset(),
+        *,
+        recurrence: Recurrence = "new",
     ) -> list[ClearSentence]:
         """Return a sentence for each fact for which there is an unambiguous one."""
         texts = []
         for fluent, value in facts.items():
             try:
-                texts.append(self.write(view, fluent, topic, rng, value=value, fact=True, outdated=outdated))
+                sentence = self.write(
+                    view, fluent, topic, rng, value=value, fact=True, recurrence=recurrence, outdated=outdated
+                )
+                texts.append(sentence)
             except QueryError:
                 continue
         return texts
@@ -168,7 +173,7 @@ class SentenceWriter:
     ) -> tuple[ClearSentence | None, bool]:
         """Return the first unambiguous sentence, and whether the choice depends on the state.
 
-        A choice that depends only on the descriptions of the objects does not count as dependent on the state.
+        The choice may depend on the descriptions of the objects without depending on the state in this sense.
         """
         (atom, value, fact), of_state, phrases = meaning, False, self._lexicon.phrases
         for variant in VARIANTS:
@@ -191,17 +196,17 @@ class SentenceWriter:
         return None, of_state
 
     def _find_paraphrases(self, atom: Atom, value: bool, fact: bool, recurrence: Recurrence) -> _Paraphrases:
-        """Return the sentences; if only some phrasings are written, an action has no other sentences."""
+        """Return the sentences; if only some phrasings are written, an action has no spare sentences."""
         lexicon = self._lexicon
         table = lexicon.sentences.facts if fact else lexicon.sentences.actions
         known = [each for each in table.get((atom.name, len(atom.arguments)), ()) if each.value == value]
         usable, shorter = [], []
         for each in known:
             template = each.template
-            if template.recurrence not in {None, recurrence}:
+            if template.recurrences and recurrence not in template.recurrences:
                 continue
             if each.sources:
-                shorter.append(each)
+                shorter += [each] if atom in each.sources else []
                 continue
             first = lexicon.phrases.gender(atom.arguments[template.arguments[0]]) if template.slots else ""
             if not template.genders or first in template.genders:

@@ -1,4 +1,4 @@
-"""The sentences of a language, with the actions and fluents that each can mean."""
+"""The sentences of a language, with the actions or fluents that each one can mean."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import cached_property
 
 from prag_asp.atom import Atom, atom_of
 from prag_asp.dataset.language.descriptions import Relation
-from prag_asp.grammar.reader import FactForms, Grammar, Where
+from prag_asp.grammar.reader import FactForms, Grammar, Where, listed
 from prag_asp.grammar.template import Template, admits
 from prag_asp.grammar.ways import Signature, Way
 from prag_asp.program.facts import Facts
@@ -45,7 +45,7 @@ class Sentence:
         return {arguments: tuple(atoms) for arguments, atoms in found.items()}
 
     def arguments(self, atom: Atom) -> Words:
-        """Return the arguments that the sentence names, in the order of its slots."""
+        """Return the arguments of an atom that occur in the sentence, in the order of its slots."""
         return tuple(atom.arguments[index] for index in self.template.arguments)
 
     def meant(self, arguments: Words) -> tuple[Atom, ...]:
@@ -53,14 +53,14 @@ class Sentence:
         return self._meant.get(arguments, ())
 
     def meant_from(self, arguments: Words, relations: Set[Relation]) -> tuple[Atom, ...]:
-        """Return the actions that a sentence with a source means if the phrase for the object states a relation."""
+        """Return the actions that a sentence with a source means if the phrase for the object states `relations`."""
         stated = {relation.about(arguments[self.moved]) for relation in relations}
         return tuple(atom for atom in self.meant(arguments) if self.sources.get(atom) in stated)
 
     def identifies(self, atom: Atom, robots: frozenset[str]) -> bool:
         """Return whether the sentence means only this action or fluent.
 
-        A sentence that does not name the robot is only for scenes with one robot.
+        A sentence without the robot identifies an action only if the scene has one robot.
         """
         named = self.template.arguments
         unnamed = (argument for index, argument in enumerate(atom.arguments) if index not in named)
@@ -90,7 +90,7 @@ class Modifier:
         return self._meant.get(arguments, frozenset())
 
     def arguments(self, relation: Relation) -> Words:
-        """Return the arguments of a relation that the modifier names, in the order of its slots."""
+        """Return the arguments of a relation that occur in the modifier, in the order of its slots."""
         whole = relation.about("").arguments
         return tuple(whole[index] for index in self.template.arguments)
 
@@ -111,7 +111,8 @@ class SentenceTable:
                 for template, own in grammar.plain.get(signature, ())
             ]
             sources = grammar.sources.get(signature, {})
-            shorter = [each for sentence in (*given, *plain) for each in _from_phrase(sentence, sources)]
+            particles = listed(grammar.words.table.get("defaults", {}).get("particles", ()))
+            shorter = [each for sentence in (*given, *plain) for each in _from_phrase(sentence, sources, particles)]
             shorter.sort(key=lambda each: len(each.template.texts[each.moved + 1]))
             self.actions[signature] = (*given, *plain, *shorter)
         self.facts: dict[Signature, tuple[Sentence, ...]] = {}
@@ -127,14 +128,20 @@ class SentenceTable:
             )
 
 
-def _from_phrase(sentence: Sentence, sources: Mapping[str, tuple[int, Way]]) -> Iterator[Sentence]:
-    """Yield a sentence without the place from which an object is moved, if this place directly follows the object."""
+def _from_phrase(
+    sentence: Sentence, sources: Mapping[str, tuple[int, Way]], particles: Sequence[str]
+) -> Iterator[Sentence]:
+    """Yield a sentence without the place from which an object is moved, if this place directly follows the object.
+
+    A particle before the place remains; without known `particles`, these are all words except the last one.
+    """
     template = sentence.template
     for place, moved in {(place, way.moved) for place, way in sources.values()}:
         slot = template.arguments.index(moved) if moved in template.arguments else -1
         if slot < 0 or template.arguments[slot + 1 : slot + 2] != (place,) or template.arguments.count(place) > 1:
             continue
-        particle = template.texts[slot + 1].rsplit(maxsplit=1)[0] if len(template.texts[slot + 1].split()) > 1 else ""
+        words = template.texts[slot + 1].split()[:-1]
+        particle = "".join(f" {word}" for word in words if word in particles or not particles)
         texts = (*template.texts[: slot + 1], particle + template.texts[slot + 2], *template.texts[slot + 3 :])
         slots = (*template.slots[: slot + 1], *template.slots[slot + 2 :])
         fluents = {atom: sources[str(atom)][1].fluent for atom in sentence.atoms if str(atom) in sources}
@@ -145,7 +152,7 @@ def _from_phrase(sentence: Sentence, sources: Mapping[str, tuple[int, Way]]) -> 
 def _admitted(
     template: Template, templates: Sequence[Template], atoms: tuple[Atom, ...], kinds: Set[tuple[str, str]]
 ) -> tuple[Atom, ...]:
-    """Return the atoms that a template is for: of several that admit an atom, the last one written counts."""
+    """Return the atoms for which a template is used: of several templates that admit an atom, the last one counts."""
     special = list(dict.fromkeys(each.only for each in templates if each.only))
     if not special:
         return atoms
@@ -159,7 +166,7 @@ def _admitted(
 def _of_fluents(
     forms: FactForms, atoms: tuple[Atom, ...], kinds: Set[tuple[str, str]], given: Set[Template] | None = None
 ) -> Iterator[Sentence]:
-    """Yield the sentences for a fluent; with `given` templates, only the other sentences, as spare ones."""
+    """Yield the sentences for a fluent; with `given` templates, yield those of other templates, as spare ones."""
     for value, templates in ((True, forms.true), (False, forms.false)):
         for template in templates:
             if given is None or template not in given:

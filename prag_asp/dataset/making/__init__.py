@@ -1,1 +1,1 @@
-"""Generate a dataset: the run that writes it, the executors that validate draws, and the parts of other machines."""
+"""The generation of a dataset: the run that writes it, executors that validate draws, and parts of other machines."""

@@ -31,12 +31,13 @@ if TYPE_CHECKING:
     from prag_asp.space.task_space import TaskSpace
 
 TOGETHER = 16
-"""The number of draws in a round of tasks that are far apart: it occupies a machine's workers, and few draws are
-wasted."""
+"""The number of draws in a round of tasks that are far apart: enough to occupy the workers of a machine, and few enough
+to waste little work.
+"""
 
 
 class DrawChoice(Protocol):
-    """The draws chosen so far, and what follows them."""
+    """The draws chosen so far, and the rules for further ones."""
 
     draws: list[RankedDraw]
 
@@ -46,16 +47,16 @@ class DrawChoice(Protocol):
         ...
 
     def extend(self, passed: Collection[int]) -> bool:
-        """Choose another round, given the feasible draws among those before it; return False if there is none."""
+        """Choose another round, given the numbers of the feasible draws so far; return False if there is none."""
         ...
 
     def figures(self, rows: Iterable[Row]) -> CoverFigures | DiverseFigures:
-        """Return what the tasks of a part achieve, given their rows with the columns `draw` and `plan`."""
+        """Return the coverage or distances of the tasks of a part, given rows with the columns `draw` and `plan`."""
         ...
 
 
 def choice_of(space: TaskSpace, spec: DatasetSpec, order: TaskOrder, share: int) -> DrawChoice | None:
-    """Return the choice that a dataset requests for a part with an order, or None if its tasks are sampled.
+    """Return the choice of tasks for a part of a dataset with an `order`, or None if its tasks are only sampled.
 
     `share` is the number of candidates for the part.
 
@@ -69,7 +70,7 @@ def choice_of(space: TaskSpace, spec: DatasetSpec, order: TaskOrder, share: int)
 
 
 def chosen_order(choice: DrawChoice, passed: Collection[int]) -> Iterator[RankedDraw]:
-    """Yield all draws of a choice in order, given the feasible ones."""
+    """Yield all draws of a choice in order, given the numbers of the feasible ones."""
     for number in count():
         if number == len(choice.draws) and not choice.extend(passed):
             break
@@ -79,7 +80,7 @@ def chosen_order(choice: DrawChoice, passed: Collection[int]) -> Iterator[Ranked
 
 
 class CoverChoice:
-    """Draws that cover all reachable combinations of factors; sampled tasks follow."""
+    """A choice of draws that cover all reachable combinations of factors; sampled tasks follow."""
 
     def __init__(self, space: TaskSpace, spec: DatasetSpec, order: TaskOrder) -> None:
         self._space, self._spec, self._size = space, spec, order.size
@@ -108,14 +109,14 @@ class CoverChoice:
         return bool(ranks)
 
     def figures(self, rows: Iterable[Row]) -> CoverFigures:
-        """Return which combinations the tasks cover, both chosen and sampled ones."""
+        """Return the coverage of combinations by all tasks, both chosen and sampled ones."""
         missing, reachable = self._rounds.missing([row["plan"] for row in rows]), len(self._rounds.reachable)
         texts = sorted(map(combination_text, missing))
         return CoverFigures(int(self._spec.cover or 0), reachable, reachable - len(missing), texts)
 
 
 class DiverseChoices:
-    """Candidates, the first sampled tasks, in the order of a farthest-first traversal (Gonzalez 1985)."""
+    """A choice of candidates, the first sampled tasks, by farthest-first traversal (Gonzalez 1985)."""
 
     rest = None
 
@@ -130,7 +131,7 @@ class DiverseChoices:
         self.draws: list[RankedDraw] = []
 
     def _nearest(self, chosen: Collection[int]) -> NDArray[np.float64]:
-        """Return the distance of each candidate from the nearest of those given, or infinity if there are none."""
+        """Return the distance of each candidate from the nearest chosen one, or infinity if none is chosen."""
         nearest = np.full(len(self._candidates), np.inf)
         for number in chosen:
             nearest = np.minimum(nearest, self._distances.row(number) / float(self._distances.denominator or 1))
@@ -153,7 +154,7 @@ class DiverseChoices:
         return len(self._chosen) > begun
 
     def figures(self, rows: Iterable[Row]) -> DiverseFigures:
-        """Return how far apart the tasks are, and how near the other candidates are to them."""
+        """Return the smallest distance between tasks, and the largest distance of a candidate from its nearest task."""
         chosen = self._passed({row["draw"] for row in rows})
         separation = 0.0
         for place, number in enumerate(chosen[1:], 1):
@@ -197,7 +198,7 @@ class FollowingOrder:
 
 
 def record_figures(manifest: Manifest, part: str, figures: CoverFigures | DiverseFigures) -> None:
-    """Record in dataset.json what the tasks of a part achieve."""
+    """Set the coverage or the distances of a part's tasks in a manifest."""
     if isinstance(figures, CoverFigures):
         manifest.cover = figures
     else:

@@ -10,7 +10,7 @@ from prag_asp.space.sampling.sharding import ALL, Deal
 
 
 class Holder(NamedTuple):
-    """The number, from 0, of the machine part that has validated a draw, and the number of the draw in that part."""
+    """The index of the machine part that has validated a draw, and the index of the draw in that part."""
 
     machine: int
     draw: int
@@ -20,8 +20,8 @@ class Holder(NamedTuple):
 class DrawPlan:
     """The draws of one part of the split in a run, numbered from 0.
 
-    With a `deal` such as ``3/64``, they are every 64th of all draws. In a merge, the n-th machine part has validated
-    the first ``validated[n]`` of its draws; the run validates the others.
+    With a `deal` such as ``3/64``, these are every 64th of all draws, from the third on. In a merge, the n-th machine
+    part has validated the first ``validated[n]`` of its draws; the run validates the others.
     """
 
     deal: Deal = ALL

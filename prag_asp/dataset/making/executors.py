@@ -13,19 +13,18 @@ from prag_asp.errors import QueryError
 from prag_asp.missing import require_ray
 
 CHUNK = 4
-"""The number of searches sent to a local process together: a few seconds of work, much longer than sending them takes.
-"""
+"""The number of searches sent to a local process at a time: a few seconds of work, much longer than the transfer."""
 
 RAY = "ray"
 """The name of the remote executor."""
 
 
 class Executor(Protocol):
-    """Validates draws; all executors yield the same results in the same order."""
+    """An executor that validates draws; all executors yield the same results in the same order."""
 
     @property
     def captions(self) -> bool:
-        """Whether the executor decodes draws into tasks, and writes their texts and rows."""
+        """Whether the executor also decodes draws into tasks, and writes their texts and rows."""
         ...
 
     def run(self, jobs: Iterator[ValidationJob], setup: ValidationSetup) -> Generator[JobResult, None, None]:
@@ -66,7 +65,7 @@ def executor_of(workers: int, on: str | None) -> Executor:
     """Return the requested executor.
 
     Raises:
-        QueryError: there is no such executor, or `workers` is below 1 or, for Ray, which has its own workers, above 1.
+        QueryError: there is no such executor, or `workers` is below 1, or above 1 for Ray, which has its own workers.
         RayMissingError: Ray is not installed.
     """
     if workers < 1:

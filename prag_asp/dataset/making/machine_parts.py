@@ -1,4 +1,4 @@
-"""Read, in the order of the draws, what several machines have validated, each for its part of a dataset."""
+"""Read the results of several machines, each of which has validated its draws of a dataset, in the order of draws."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class MachineParts:
-    """All machine parts of a dataset, in the order of their numbers."""
+    """A reader of all machine parts of a dataset, given in order."""
 
     def __init__(self, parts: Sequence[Dataset]) -> None:
         self._parts = parts

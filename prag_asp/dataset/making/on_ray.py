@@ -26,29 +26,28 @@ from prag_asp.processes.progress_events import stage
 from prag_asp.processes.workers import WorkerEnded, WorkerGroup, uninterrupted
 
 AHEAD = 2
-"""The number of Ray tasks submitted per processor: the running one and one more, so that no processor has to wait."""
+"""The number of Ray tasks submitted per processor: one running and one waiting, so that no processor is idle."""
 
 SECONDS = 0.5
-"""The intended duration of a Ray task: much longer than its submission, yet cheap to repeat.
+"""The intended duration of a Ray task in seconds: much longer than its submission, yet cheap to repeat.
 
 While the last tasks run, some processors are idle, but for no longer than this.
 """
 
 LARGEST, GROWTH = 512, 2
-"""The maximum number of draws in a Ray task, and the largest factor by which their number grows from one task to the
-next."""
+"""The maximum number of draws in a Ray task, and the maximum factor by which this number grows from task to task."""
 
 LOST = 20
 """The number of retries of a Ray task whose node was lost."""
 
 PARTING = 10.0
-"""Seconds within which Ray has to end its processes."""
+"""The time in seconds within which Ray has to end its processes."""
 
 POLL = 0.5
-"""Seconds between two queries for the processors of a cluster."""
+"""The time in seconds between two queries for the processors of a cluster."""
 
 PATIENCE = 60.0
-"""Seconds to wait for a connection to a cluster, and for its first processor."""
+"""The time limit in seconds for a connection to a cluster, and for its first processor."""
 
 QUIET = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "0"}
 """Environment variables that disable Ray's usage statistics."""
@@ -56,7 +55,7 @@ QUIET = {"RAY_USAGE_STATS_ENABLED": "0", "RAY_ACCEL_ENV_VAR_OVERRIDE_ON_ZERO": "
 
 @dataclass(frozen=True)
 class RayExecutor:
-    """Validates draws on the cluster that ``RAY_ADDRESS`` names, or on this machine as a cluster."""
+    """An executor on the cluster that ``RAY_ADDRESS`` names, or on this machine as a cluster."""
 
     captions: bool = True
 
@@ -94,10 +93,10 @@ class RayExecutor:
 
 
 def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
-    """Yield the number of jobs that the cluster can accept, and the pickled results of jobs; None comes last.
+    """Yield numbers of jobs that the cluster can accept, and pickled results of jobs; None comes last.
 
-    The first message received is the `ValidationSetup`; the reply to each number is that many jobs, or fewer at the
-    end. Results are a list of `JobResult` and their rows, as pickled on the node.
+    The first message is the `ValidationSetup`; each number is answered with that many jobs, or fewer at the end. A
+    result is a list of `JobResult` and their rows, as pickled on the node.
 
     Raises:
         SceneError: as for `RayExecutor.run`.
@@ -140,7 +139,7 @@ def _begin(ray: Any) -> None:
     options = {"include_dashboard": False} if address == "local" else {}
     try:
         place = re.fullmatch(r"\[?([^/\[\]]+)\]?:([0-9]{1,5})", address)
-        if place is not None:  # Ray itself retries for minutes if nothing listens there
+        if place is not None:  # Ray itself would retry for minutes if nothing listens there
             socket.create_connection((place[1], int(place[2])), timeout=PATIENCE).close()
         ray.init(address=address, log_to_driver=False, **options)
     except Exception as error:  # Ray has no common error class for this
@@ -176,7 +175,7 @@ _NODE = _NodeState()
 
 
 def validated(run: str, setup: ValidationSetup, jobs: list[ValidationJob]) -> tuple[bytes, Exception | None, float]:
-    """Return the pickled results of jobs, the error if one was raised, and the seconds taken; this runs on a node."""
+    """Return the pickled results of jobs, the error that was raised, if any, and the duration in s; runs on a node."""
     begun = monotonic()
     try:
         if _NODE.run != run:

@@ -1,4 +1,4 @@
-"""The tasks that a dataset requests, part by part, in the order of sampling without replacement."""
+"""The tasks of each part of a requested dataset, in the order of sampling without replacement."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def requested_parts(space: TaskSpace, spec: DatasetSpec) -> dict[str, TaskOrder]:
-    """Return the tasks of each part of a request.
+    """Return the tasks of each part of a request, in the order of sampling.
 
     Raises:
         QueryError: a part is empty, there is nothing to sample, or the request is wrong.

@@ -1,4 +1,4 @@
-"""A run that generates a dataset, or resumes it: an executor validates draws, and this process writes them."""
+"""A run that generates or resumes a dataset: an executor validates draws, and this process writes them."""
 
 from __future__ import annotations
 
@@ -61,14 +61,14 @@ JOURNAL = "journal.part"
 end."""
 
 Progress = Callable[[str, int, int], None]
-"""Reports progress: a message, the number of tasks so far, and the number requested."""
+"""A callback that reports progress: a message, the number of tasks so far, and the number requested."""
 
 
 @dataclass(frozen=True)
 class DrawRecord:
     """A draw to write: its result, with a `job_result` unless it comes from the journal.
 
-    `task` holds the task and its texts, or is None if the job result already contains their row.
+    `task` holds the task and its texts; it is None if the job result already contains their row.
     """
 
     placed: RankedDraw
@@ -78,7 +78,7 @@ class DrawRecord:
 
 
 class DatasetRun:
-    """Generates the dataset of a space in a folder; machine `parts`, if any, have validated most of its draws."""
+    """A run that generates a dataset in a folder; in a merge, machine `parts` have validated most of the draws."""
 
     def __init__(
         self,
@@ -141,11 +141,11 @@ class DatasetRun:
         return Dataset.open(self._folder)
 
     def _limit(self, name: str) -> int:
-        """Return the number of draws after which sampling for a part stops."""
+        """Return the limit on draws for a part."""
         return self._spec.draws_of(self._shares[name], self._max_draws)
 
     def _resumed(self, request: Manifest) -> Manifest:
-        """Return the manifest with which the run continues; it is complete if there is nothing to do."""
+        """Return the manifest from which the run continues; it is complete if there is nothing to do."""
         spec, shares = self._spec, self._shares
         manifest = DATASET.read(self._folder) or request
         if manifest.identity != request.identity:
@@ -177,7 +177,7 @@ class DatasetRun:
         from prag_asp.dataset.store.shard_writer import PartWriter
 
         spec = self._spec
-        results = []  # results of draws that an interrupted run has written to the journal since the last shard
+        results = []  # results of draws that an interrupted run wrote to the journal after the last shard
         for line in self._journal.lines:
             with suppress(msgspec.MsgspecError):
                 results.append(msgspec.json.decode(line, type=DrawResult))
@@ -231,7 +231,7 @@ class DatasetRun:
     def _add(
         self, writer: PartWriter, part: TaskOrder, journaled: list[DrawResult], requested: int, limit: int
     ) -> set[int]:
-        """Add draws of an order to a part until it has the requested tasks or `limit` draws; return feasible ones."""
+        """Add draws to a part until it has the requested tasks or `limit` draws; return the feasible draws."""
         note, parts, passed = writer.note, self._parts, set[int]()
         plan = DrawPlan(self._spec.deal) if parts is None else parts.plan(note.name)
         with closing(self._records(writer, part, plan, journaled, limit)) as records:
@@ -269,7 +269,7 @@ class DatasetRun:
     def _records(
         self, writer: PartWriter, part: TaskOrder, plan: DrawPlan, journaled: list[DrawResult], limit: int
     ) -> Generator[DrawRecord, None, None]:
-        """Yield the draws of a part that this run validates; the results of the first few may be `journaled`."""
+        """Yield the draws of a part that this run validates; the results of the first ones may be `journaled`."""
         numbers, again = tee(plan.missing(writer.next, limit))
         drawn = zip(numbers, part.pick(again), strict=False)
         first = list(islice(drawn, len(journaled)))
@@ -333,9 +333,9 @@ class DatasetRun:
 
 
 def too_few(part: PartManifest, available: TaskOrder, limit: int, candidates: int = 0) -> str:
-    """Return the message for a part that has fewer tasks than requested, with the reason.
+    """Return the message about a part with fewer tasks than requested, with the reason.
 
-    `candidates` is the number of sampled tasks among which those of the part are chosen if all of them have been drawn.
+    `candidates` is the number of candidates from which the tasks were chosen, if all candidates have been drawn.
     """
     draws = plural(part.draws, "draw")
     summary = f"only {part.tasks} of {plural(part.requested, 'task')} for {part.name} found in {draws}"

@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 NAME = "README.md"
 ABOUT = {
     "tasks": "tasks: plan, initial state, subgoals, goal, instructions, verdict",
-    "witnesses": "how a robot does each of them, from each initial state, as JSON: `task` and `start` number them",
-    "rejected": "sampled tasks that were not found feasible, or are proved infeasible, with the causes",
-    "recordings": "the files of recordings of the robot performing them, each an `.npz`",
+    "witnesses": "a witness from each initial state of each task, as JSON; `task` and `start` are their numbers",
+    "rejected": "sampled tasks that were not found feasible or were proved infeasible, with the causes",
+    "recordings": "recordings of the robot executing the tasks, each in an `.npz` file",
 }
 SIZES = (
     (1_000, "n<1K"), (10_000, "1K<n<10K"), (100_000, "10K<n<100K"), (1_000_000, "100K<n<1M"), (10_000_000, "1M<n<10M"),
@@ -46,10 +46,10 @@ dataset.task(0), dataset.domain.name
 
 PICTURES = "pictures"
 STRIPS, STATES = 2, 4
-"""The number of film strips, and of states in each; rendering a state takes as long as a few dozen verdicts."""
+"""The numbers of film strips and of states in each; rendering a state takes as long as a few dozen verdicts."""
 
 STRIP_SIZE = (240, 210)
-"""The width and height in pixels of the picture of a state."""
+"""The width and height of the picture of a state, in pixels."""
 
 
 def write_card(folder: Path, manifest: Manifest, domain: Domain) -> None:
@@ -131,7 +131,7 @@ def front_matter(title: str, *tags: str) -> Iterator[str]:
 
 
 def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[str]:
-    """Yield the lines of the card that are meant for people."""
+    """Yield the lines of the card after the front matter."""
     spec = manifest.spec
     yield f"# {_title(manifest, domain)}"
     yield ""
@@ -141,7 +141,7 @@ def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[s
     lengths = ", ".join(map(str, manifest.lengths))
     drawn = "by weight" if spec.weights else "uniformly"
     where = "".join(f", where {clause}" for clause in manifest.where)
-    yield f"Tasks of {lengths} actions{where}, drawn {drawn} and without replacement by seed {spec.seed}."
+    yield f"Tasks of {lengths} actions{where}, sampled {drawn} without replacement with seed {spec.seed}."
     if spec.strata:
         yield f"Each part is a stratum, the tasks of one {spec.strata}; `dataset.json` has the weight of its tasks."
     if manifest.cover:
@@ -149,16 +149,16 @@ def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[s
         yield f"The tasks cover {cover.covered} of {cover.reachable} reachable combinations of {factors}."
     for name, figures in (manifest.diverse or {}).items():
         yield (
-            f"Those of {name} are chosen among {figures.candidates} candidates: they are at least "
+            f"The tasks of {name} were chosen from {figures.candidates} candidates, and are at least "
             f"{figures.separation:.4g} apart ({figures.metric})."
         )
     if spec.part is not None:
-        yield f"This is part {spec.part} of a dataset: `prag-asp merge` makes it from all of them."
+        yield f"This is part {spec.part} of a dataset; `prag-asp merge` combines all parts."
     if spec.budget:
         effort = f"{spec.budget.restarts} x {spec.budget.samples}, {spec.budget.tier}"
-        yield f"Each was found feasible by physics (budget {effort})."
+        yield f"Each task was found feasible by physics (budget {effort})."
     assert manifest.covered is not None
-    yield f"The space has {grouped(manifest.size)} tasks; these are {_percent(manifest.covered.value)} of them."
+    yield f"The space has {grouped(manifest.size)} tasks; this dataset has {_percent(manifest.covered.value)} of them."
     yield ""
     for path in pictures:
         yield f"![The states of a task]({path})"
@@ -178,8 +178,8 @@ def _text(manifest: Manifest, domain: Domain, pictures: list[str]) -> Iterator[s
             yield f"| `{below}/` | {manifest.rows(table):,} | {ABOUT[table]} |"
     yield ""
     yield EXAMPLE.format(part=manifest.parts[0].name)
-    yield f"Made by {manifest.versions}. `dataset.json` has all figures, exactly, and the hashes of all files;"
-    yield "`domain/` and `encodings/` are the logic program that the tasks are of."
+    yield f"Written by {manifest.versions}. `dataset.json` has the exact figures and the hashes of all files;"
+    yield "`domain/` and `encodings/` contain the logic program of the domain."
 
 
 def _by_length(manifest: Manifest) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""What the chosen tasks of a dataset achieve, as stored in dataset.json."""
+"""The coverage and the distances of the chosen tasks of a dataset, as stored in dataset.json."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class CoverFigures(msgspec.Struct, frozen=True):
 
 
 class DiverseFigures(msgspec.Struct, frozen=True):
-    """How far apart the tasks are: the smallest distance between two of them, according to a metric.
+    """The `separation` of the tasks: the smallest distance between two of them, in a metric.
 
     Each of the `candidates` is within `radius` of a task.
     """

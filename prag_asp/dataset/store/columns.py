@@ -19,26 +19,26 @@ from prag_asp.dataset.store.schema import FACTS, SCHEMAS
 from prag_asp.task import FrozenDict
 
 TOGETHER = 256
-"""The number of rows buffered as Python lists before they are packed as Arrow, which takes much less memory."""
+"""The number of rows buffered as Python lists before they are packed as Arrow arrays, which take much less memory."""
 
 NUMBERS: Mapping[pa.DataType, str] = {pa.int32(): "i4", pa.int64(): "i8", pa.float64(): "f8"}
 """The NumPy type for each numeric Arrow type in the tables."""
 
 LARGEST = 2**31 - 1
-"""The maximum number of bytes of text, or of items in lists, in a column, because Arrow's offsets have 32 bits."""
+"""The maximum number of bytes of text or of list items in a column, because Arrow's offsets have 32 bits."""
 
 State = Mapping[Atom, bool]
 
 
 class Fluents(dict[Atom, int]):
-    """Numbers for the fluents in rows, assigned on first use, because rows share most fluents."""
+    """The numbers of the fluents in rows, assigned on first use; rows share most fluents."""
 
     def __missing__(self, fluent: Atom) -> int:
         self[fluent] = number = len(self)
         return number
 
     def texts(self) -> pa.Array:
-        """Return the text of each fluent, by its number."""
+        """Return the text of each fluent, in the order of their numbers."""
         return texts_of([str(fluent) for fluent in self])
 
 
@@ -115,18 +115,18 @@ class StatesColumn:
 
 
 class RowReference(NamedTuple):
-    """A row in a larger table, and its position there."""
+    """A reference to a row: a table, and the index of the row."""
 
     table: pa.Table
     place: int
 
 
 class TableBuilder:
-    """Collects the rows of a table until it is written; the rows of an earlier run, if any, come first."""
+    """A builder that collects the rows of a table; the rows of an earlier run, if any, come first."""
 
     def __init__(self, table: str, before: pa.Table | None = None) -> None:
         self._schema = SCHEMAS[table]
-        # Tables that were read name the items of lists differently, which would change the bytes.
+        # In a table that was read, the items of lists have a different name, which would change the bytes.
         self._whole = [] if before is None else [before.cast(self._schema)]
         self._columns, self._waiting = self._new(), 0
         self._taken, self._numbers = list[tuple[pa.Table, int, int]](), dict[str, list[int]]()
@@ -144,7 +144,7 @@ class TableBuilder:
             self._gather()
 
     def take(self, row: RowReference, rows: int = 1, **numbers: int) -> None:
-        """Add consecutive rows of another table; `numbers` replace the columns with these names, which it may lack."""
+        """Add consecutive rows of another table; `numbers` holds values for columns to replace or add."""
         if self._waiting and not self._taken:
             self._gather()
         table, first, last = self._taken[-1] if self._taken else (None, 0, 0)
@@ -191,7 +191,7 @@ class TableBuilder:
 
 
 def array_of(values: Sequence[Any], kind: pa.DataType) -> pa.Array:
-    """Return an Arrow array of texts, truth values, `NUMBERS`, lists or mappings of these, or None."""
+    """Return an Arrow array of texts, truth values, `NUMBERS`, or lists or mappings of these; None becomes null."""
     is_valid = [value is not None for value in values]
     validity = None if all(is_valid) else bits(is_valid)
     if pa.types.is_list(kind):
@@ -224,7 +224,7 @@ def lists_of(sizes: Iterable[int], items: pa.Array, kind: pa.DataType, validity:
 
 
 def offsets(sizes: Iterable[int]) -> pa.Buffer:
-    """Return the offset of each item and the end of the last item, given the sizes of the items.
+    """Return the offsets of items with the given sizes, followed by the end of the last item.
 
     Raises:
         OverflowError: the sum of the sizes exceeds 32 bits.

@@ -31,14 +31,14 @@ if TYPE_CHECKING:
 
 
 SHOWN_TASKS, LARGEST_SHOWN = 5, 30_000_000
-"""The number of tasks of a dataset that a notebook shows, and the maximum size in bytes of an episode that it shows."""
+"""The number of tasks of a dataset in a notebook, and the maximum size in bytes of an episode with images there."""
 
 
 @dataclass(frozen=True)
 class Dataset:
     """The tasks in a folder written by `generate`; tables are read lazily.
 
-    The tasks of all `parts` are numbered in order, from 0. `manifest` holds the contents of dataset.json; only tasks
+    The tasks of all `parts` are numbered in order, from 0. `manifest` holds the contents of dataset.json. Only tasks
     that satisfy the `conditions` are returned.
     """
 
@@ -50,10 +50,10 @@ class Dataset:
 
     @classmethod
     def open(cls, folder: str | Path, *, trust: bool = False) -> Dataset:
-        """Open a dataset; with `trust`, physics may run the Python files of its domain.
+        """Open the dataset in a folder; with `trust`, physics may run the Python files of the domain.
 
         Raises:
-            QueryError: the folder has no dataset, the dataset is damaged, or its run has not ended.
+            QueryError: the folder has no dataset, or the dataset is damaged or incomplete.
             DatasetsMissingError: pyarrow is not installed.
         """
         require_pyarrow()
@@ -102,7 +102,7 @@ class Dataset:
         )
 
     def _strip_url(self) -> str | None:
-        """Return camera images of the first episode as a data URL, or None if its file is missing, damaged or large."""
+        """Return camera images of the first episode as a data URL, or None if the file is missing, damaged or large."""
         from prag_asp.physics.demonstration.footage_strip import strip_url
 
         with suppress(PragError, OSError):
@@ -129,7 +129,7 @@ class Dataset:
             QueryError: a condition cannot be parsed, or names something that the domain does not have.
         """
         chosen = replace(self, conditions=(*self.conditions, *conditions))
-        assert chosen._space  # reports a wrong condition at once
+        assert chosen._space  # reports an invalid condition immediately
         return chosen
 
     def count(self) -> int:
@@ -169,7 +169,7 @@ class Dataset:
         return (self._entry(note, row) for note, row in self._rows("rejected"))
 
     def by_rank(self, length: int, rank: int) -> DatasetEntry:
-        """Return the entry of the task with this rank among all tasks of this length.
+        """Return the entry of the task with a given rank among all tasks of a length.
 
         Raises:
             QueryError: the dataset does not contain such a task.
@@ -205,7 +205,7 @@ class Dataset:
         return self._scenarios.ranked(self.manifest.where, row["length"], number_of(row["rank"]))
 
     def scenario(self, number: int, start: int = 0) -> Scenario:
-        """Return the scenario of a task and an initial state; without physics, it has no initial state.
+        """Return the scenario of a task and an initial state; without physics, there is no initial state.
 
         Raises:
             IndexError: there is no such task.
@@ -221,7 +221,7 @@ class Dataset:
         return self._scenarios.ranked(self.manifest.where, row["length"], number_of(row["rank"]), search)
 
     def demonstration(self, number: int, start: int = 0) -> Demonstration:
-        """Return the recording of a task that starts from one of its initial states.
+        """Return the recording of a task from one of its initial states.
 
         Raises:
             IndexError: there is no such task.
@@ -235,7 +235,7 @@ class Dataset:
             yield entry, row["start"], self._recording(row["file"])
 
     def recorded_seconds(self) -> Iterator[tuple[DatasetEntry, int, float]]:
-        """Yield each recorded task, the number of an initial state, and its episode's length in seconds, in order."""
+        """Yield each recorded task, the number of an initial state, and the episode's duration in seconds, in order."""
         for entry, row in self._starts("recordings"):
             yield entry, row["start"], row["seconds"]
 
@@ -286,7 +286,7 @@ class Dataset:
 
     @cached_property
     def _chosen(self) -> list[int]:
-        """The numbers of the tasks that satisfy the conditions, among all tasks of the parts."""
+        """The indices of the tasks that satisfy the conditions, among all tasks of the parts."""
         plans = chain.from_iterable(self._tables.rows(note, "tasks", ["plan"]) for note in self._notes)
         return [number for number, row in enumerate(plans) if self._fits(row["plan"])]
 
@@ -320,7 +320,7 @@ class Dataset:
         return {space.length: number_of(space.tasks) for space in self.manifest.spaces}
 
     def _start(self, table: str, number: int, start: int) -> Mapping[str, Any]:
-        """Return the row of one of a task's initial states."""
+        """Return the row of an initial state of a task."""
         note, task = self._row(number)
         for row in self._tables.starts(note, table, task):
             if row["start"] == start:
@@ -328,7 +328,7 @@ class Dataset:
         raise QueryError(f"{self.folder}: task {number} has no row for the initial state {start} in {table}")
 
     def _starts(self, table: str) -> Iterator[tuple[DatasetEntry, Mapping[str, Any]]]:
-        """Yield tasks together with each of their rows in a table of initial states."""
+        """Yield each task with each of its rows in a table of initial states."""
         for note in self._notes:
             rows = self._tables.rows(note, table)
             start = next(rows, None)

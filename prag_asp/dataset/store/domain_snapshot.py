@@ -1,4 +1,4 @@
-"""The snapshot of a domain in a dataset: all files on which its tasks and verdicts depend."""
+"""The snapshot of a domain in a dataset: all files on which the tasks and verdicts depend."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from prag_asp.program.sources import Source
 
 DOMAIN, ENCODINGS = "domain", "encodings"
-"""The folders in a dataset that hold its domain and the encodings with which the domain was loaded."""
+"""The folders in a dataset that hold the domain and the encodings with which it was loaded."""
 
 MEND = "make the dataset anew, or copy it once more"
 """The remedy for a damaged file."""
@@ -49,7 +49,7 @@ class DomainSnapshot(msgspec.Struct):
 
 
 def snapshot_of(domain: Domain) -> tuple[DomainSnapshot, dict[str, bytes]]:
-    """Return the snapshot of a domain, and the contents of its files by the paths that they have in a dataset.
+    """Return the snapshot of a domain, and the contents of its files by their paths in a dataset.
 
     Raises:
         OSError: a file of the domain can no longer be read.
@@ -80,10 +80,10 @@ def write_snapshot(folder: Path, files: dict[str, bytes]) -> None:
 
 
 def load_snapshot(folder: Path, snapshot: DomainSnapshot, *, trust: bool = False, note: str = "dataset.json") -> Domain:
-    """Load the domain of a dataset from its folder only; `note` is the file in the folder that holds the record.
+    """Load the domain of a dataset from the folder of the dataset only; `note` is the file that holds the record.
 
     Raises:
-        DomainError: a file is missing, differs from its record in dataset.json, or is read without a record there.
+        DomainError: a file is missing, differs from its record, or is read although it has no record.
     """
     from prag_asp.domain.load import load_domain, scene_files
 
@@ -130,7 +130,7 @@ def _records(files: dict[str, bytes]) -> Iterator[FileRecord]:
 
 
 def _own_sources(domain: Domain) -> list[Source]:
-    """Return the sources that belong only to this domain, including requested rules."""
+    """Return the sources of a domain apart from the core encodings, including requested rules."""
     from prag_asp.program.sources import HIERARCHY, core_sources
 
     core = {source.path.resolve() for source in core_sources(domain.encodings)}
@@ -139,7 +139,7 @@ def _own_sources(domain: Domain) -> list[Source]:
 
 
 def _own_files(domain: Domain) -> Iterator[tuple[str, bytes]]:
-    """Yield the files of a folder that defines the same domain; if the domain is a folder, these are its files."""
+    """Yield files that define the same domain in a folder; if the domain is a folder, these are its own files."""
     from prag_asp.domain.load import LEARNED, scene_files
 
     sources = _own_sources(domain)

@@ -15,7 +15,7 @@ TRIVIAL = "the final state is the initial state"
 
 
 class RecordingInfo(msgspec.Struct):
-    """The recording from an initial state, as stored in its row, with the colours of entities if randomized."""
+    """The recording from an initial state, as stored in a row, with the colours of entities if these are randomized."""
 
     file: str
     sha256: str
@@ -26,7 +26,7 @@ class RecordingInfo(msgspec.Struct):
 
 
 class StartResult(msgspec.Struct):
-    """The result for an initial state of a task: the index of the search, a witness as JSON, and a recording."""
+    """The result for an initial state of a task: the index of the search, the witness as JSON, and the recording."""
 
     index: int
     witness: msgspec.Raw = NOTHING
@@ -40,9 +40,9 @@ class StartResult(msgspec.Struct):
 
 
 class DrawResult(msgspec.Struct):
-    """The result of a draw: the verdict, stripped of its witness, and the result for each initial state.
+    """The result of a draw: the verdict without its witness, and the result for each initial state.
 
-    A `trivial` task that is left out has no verdict.
+    There is no verdict on a `trivial` task that is left out.
     """
 
     part: str
@@ -63,7 +63,7 @@ class DrawResult(msgspec.Struct):
 
     @property
     def colours(self) -> Mapping[str, str]:
-        """The colours in the first recording, which the texts describe; empty if the colours are those of the scene."""
+        """The colours in the first recording, to which the texts refer; empty if they are those of the scene."""
         recording = self.starts[0].recording if self.starts else None
         return {} if recording is None else recording.colours
 

@@ -22,12 +22,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DatasetEntry:
-    """A task in a dataset: its part, its number in the part (from 0, or None if it was rejected), and its draw.
+    """A task in a dataset: its part, its index in the part (None if it was rejected), and the number of its draw.
 
-    `rank` is its position among all tasks of its length. `instruction` holds an instruction for each level of detail,
-    and `subgoals` a sentence for each action; `named` are the entities to which the texts refer by name because nothing
-    visible distinguishes them from others. `verdict` is None if physics was not run, as is the case for trivial tasks.
-    Witnesses are in a separate table, with `starts` rows for the task.
+    `rank` is the rank of the task among all tasks of its length. `instruction` holds an instruction for each level of
+    detail, and `subgoals` holds a sentence for each action; `named` holds the entities to which the texts refer by
+    name, because nothing visible distinguishes them from others. `verdict` is None if physics was not run, as is the
+    case for trivial tasks. Witnesses are in a separate table, with `starts` rows for the task.
     """
 
     part: str
@@ -107,7 +107,7 @@ def task_of(row: Mapping[str, Any], constants: Mapping[str, str]) -> Task:
 
 @contextmanager
 def _row_errors(row: Mapping[str, Any]) -> Iterator[None]:
-    """Report errors in a row, with a reference to its draw."""
+    """Turn errors about a row into a `QueryError` that names its draw."""
     try:
         yield
     except (TypeError, ValueError, KeyError) as error:

@@ -26,11 +26,11 @@ class TaskTexts(NamedTuple):
 
 
 Captioner = Callable[["Task", Mapping[str, str]], TaskTexts]
-"""Returns the texts of a task, given the colours of entities that differ from the scene's."""
+"""A function from a task, and the colours that differ from the scene, to the texts of the task."""
 
 
 def captioner_of(domain: Domain, language: str, seed: int, phrasings: str = "") -> Captioner:
-    """Return a captioner for the tasks of a domain in a language; the seed chooses among its `phrasings`.
+    """Return a captioner for the tasks of a domain in a language; the seed chooses among the `phrasings`.
 
     A task that has no unambiguous text is described by the names of its entities, at the single level ``plain``.
 
@@ -41,7 +41,7 @@ def captioner_of(domain: Domain, language: str, seed: int, phrasings: str = "") 
 
 
 def captioner_like(domain: Domain, spec: DatasetSpec) -> Captioner:
-    """Return the captioner for the dataset that a request specifies, with its language, seed and phrasings.
+    """Return the captioner for a requested dataset, with the language, seed and phrasings of the request.
 
     Raises:
         QueryError: the domain has no sentences in the language.
@@ -50,7 +50,7 @@ def captioner_like(domain: Domain, spec: DatasetSpec) -> Captioner:
 
 
 def captioner_with(writer: InstructionWriter, domain: Domain, seed: int) -> Captioner:
-    """Return a captioner, as `captioner_of` does, that uses an existing instruction writer."""
+    """Return a captioner like that of `captioner_of`, with an existing instruction writer."""
 
     def texts(task: Task, colours: Mapping[str, str]) -> TaskTexts:
         try:

@@ -31,8 +31,7 @@ FOLDERS = {"tasks": "data", "witnesses": "witnesses", "rejected": "rejected", "r
 """The folder for each table inside a dataset, in the order in which a hub offers the tables."""
 
 MOST_DIGITS = 1_000_000
-"""The maximum number of digits in a count of tasks; the time for parsing a number grows with the square of its length.
-"""
+"""The maximum number of digits in a count of tasks; the time for parsing a number is quadratic in its length."""
 
 Decimal = Annotated[str, msgspec.Meta(pattern="^[0-9]+$", max_length=MOST_DIGITS)]
 """A whole number that may exceed 64 bits."""
@@ -54,9 +53,9 @@ class RejectionCount(msgspec.Struct):
 
 
 class LengthTally(msgspec.Struct):
-    """The outcomes of the draws of one length; without physics, all count as feasible.
+    """The outcomes of the draws of one length; without physics, all draws count as feasible.
 
-    `trivial` draws are left out before physics, and the pass rate refers to the others.
+    `trivial` draws are left out before physics, and the pass rate is that of the others.
     """
 
     length: Whole
@@ -105,7 +104,7 @@ class Share(msgspec.Struct):
 
 
 class PartManifest(msgspec.Struct):
-    """A part of the split: how many tasks it has in the space, in the request and in the dataset, and its shards.
+    """A part of the split: its numbers of tasks in the space, in the request and in the dataset, and its shards.
 
     `tail` is the last shard while rows are still being added to it. In a complete stratified sample, `weight` is the
     weight of each task in the part.
@@ -123,7 +122,7 @@ class PartManifest(msgspec.Struct):
     weight: Share | msgspec.UnsetType = msgspec.UNSET
 
     def rows(self, table: str) -> int:
-        """Return how many rows it has in a table."""
+        """Return the number of rows of the part in a table."""
         return sum(shard.rows(table) for shard in self.shards)
 
 
@@ -137,8 +136,8 @@ class SpaceSize(msgspec.Struct):
 class Manifest(msgspec.Struct):
     """The contents of dataset.json.
 
-    `lengths` and `where` define the space of its tasks; `spaces` holds the exact size of that space by length. `cover`
-    and `diverse` hold, for each part, what its chosen tasks achieve.
+    `lengths` and `where` define the space of the tasks; `spaces` holds the exact size of this space by length. `cover`
+    holds the coverage of chosen tasks, and `diverse` holds the distances between chosen tasks for each part.
     """
 
     complete: bool
@@ -171,11 +170,11 @@ class Manifest(msgspec.Struct):
 
     @property
     def request(self) -> dict[str, Any]:
-        """The values that, together with the domain, identify the dataset, as `request_of` returns them."""
+        """The values that identify the dataset together with its domain, as `request_of` returns them."""
         return {"lengths": self.lengths, "where": self.where, **self.spec.fixed()}
 
     def difference(self, other: Manifest, ignored: str = "") -> str:
-        """Return how this dataset differs from another, apart from their tasks, or "" if it does not.
+        """Return a description of how this dataset differs from another, apart from tasks, or "" if it does not.
 
         The text reads as a continuation of "a dataset". One entry in the requests can be `ignored`.
         """
@@ -188,7 +187,7 @@ class Manifest(msgspec.Struct):
         return "" if self.domain == other.domain else "of a different version of the domain or of the encodings"
 
     def rows(self, table: str) -> int:
-        """Return how many rows all parts have in a table."""
+        """Return the number of rows of all parts in a table."""
         return sum(part.rows(table) for part in self.parts)
 
     @property
@@ -198,13 +197,13 @@ class Manifest(msgspec.Struct):
 
 
 def request_of(space: TaskSpace, spec: DatasetSpec) -> dict[str, Any]:
-    """Return what, together with the domain, identifies a dataset: the space and the fixed part of the request."""
+    """Return the values that identify a dataset of a domain: the space and the fixed part of the request."""
     where = [str(clause) for clause in space.condition.clauses]
     return {"lengths": [*space.lengths], "where": where, **spec.fixed()}
 
 
 def identity_of(domain: DomainSnapshot, request: Mapping[str, Any]) -> str:
-    """Return the digest of all inputs of a dataset, except the number of its tasks."""
+    """Return the digest of all inputs of a dataset, except the number of tasks."""
     return digest([msgspec.to_builtins(domain), request])
 
 
@@ -223,7 +222,7 @@ def rate_of(some: int, whole: int) -> float:
 
 
 def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
-    """Return the sum of the tallies for all lengths, with its pass rate."""
+    """Return the sum of the tallies of each length, with its pass rate."""
     sums: dict[int, LengthTally] = {}
     for each in tallies:
         into = sums.setdefault(each.length, LengthTally(each.length))
@@ -242,7 +241,7 @@ def summed(tallies: Iterable[LengthTally]) -> list[LengthTally]:
 
 
 def tally_of_draw(length: int, verdict: Mapping[str, Any] | None, witnesses: int = 0, *, passed: bool) -> LengthTally:
-    """Return the tally of a single draw, given its verdict as stored in a row, and whether it `passed`."""
+    """Return the tally of a single draw, given the verdict as stored in a row, and whether the task `passed`."""
     status = "feasible" if passed else "trivial"
     verdict = verdict or {"status": status, "causes": [], "reason": "" if passed else TRIVIAL}
     status = verdict["status"]
@@ -275,7 +274,7 @@ def derive(manifest: Manifest) -> None:
 
 
 DATASET = ManifestFile(NAME, Manifest, "prag_asp dataset", 1, "dataset")
-"""The file dataset.json; both it and the tables have version 1."""
+"""The file dataset.json; the file and the tables have version 1."""
 
 
 def write_manifest(folder: Path, manifest: Manifest) -> None:

@@ -19,7 +19,7 @@ Contents = TypeVar("Contents", bound=msgspec.Struct)
 
 @dataclass(frozen=True)
 class ManifestFile(Generic[Contents]):
-    """A kind of file that describes a folder: its `name`, format and version; `what` is the folder's name in errors."""
+    """A kind of file that describes a folder: its `name`, format and version; errors call the folder a `what`."""
 
     name: str
     contents: type[Contents]
@@ -66,7 +66,7 @@ class ManifestFile(Generic[Contents]):
             raise QueryError(f"{path}: {error}") from None
 
     def require_folder(self, folder: Path, *others: str) -> None:
-        """Before anything is written, check that a folder is new, is empty or has this file; it may contain `others`.
+        """Check that a folder is new or empty, apart from `others`, or has this file, before anything is written.
 
         Raises:
             OutputError: the folder contains something else.

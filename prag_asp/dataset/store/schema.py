@@ -1,7 +1,7 @@
 """The tables of a dataset, whose columns and types are the same for every domain.
 
-No mapping is keyed by the name of an entity or a fluent, because the type of the column would then depend on the
-domain: the facts of a state are a list of {fluent, value}.
+No mapping has entities or fluents as keys, because the type of the column would then depend on the domain; instead, the
+facts of a state are a list of {fluent, value}.
 """
 
 from __future__ import annotations

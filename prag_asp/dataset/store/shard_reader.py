@@ -30,7 +30,7 @@ class DrawRows(NamedTuple):
 
 
 class PartReader:
-    """Reads the draws of a part in order, with one row group of each table in memory."""
+    """A reader of the draws of a part in order, with one row group of each table in memory."""
 
     def __init__(self, folder: Path, note: PartManifest) -> None:
         self._folder, self._note = folder, note
@@ -43,7 +43,7 @@ class PartReader:
         return self._note.draws
 
     def draw(self, number: int) -> DrawRows:
-        """Return a draw; callers request draws in ascending order.
+        """Return the draw with a number; the numbers must ascend from call to call.
 
         Raises:
             QueryError: a file is missing, differs from its record in dataset.json, or has no row for the draw.
@@ -76,7 +76,7 @@ class PartReader:
 
 
 class _Cursor:
-    """Moves along the rows of a table in a shard, which are sorted by a numeric column."""
+    """A cursor over the rows of a table in a shard; the rows are sorted by a numeric column."""
 
     def __init__(self, folder: Path, table: str, shard: Shard) -> None:
         self._groups = row_groups(folder, table, shard, digest=True)
@@ -85,7 +85,7 @@ class _Cursor:
         self._place = 0
 
     def rows(self, column: str, number: int) -> pa.Table | None:
-        """Return the rows with a number, or None if there are none; callers ask for numbers in ascending order."""
+        """Return the rows whose `column` equals `number`, or None; `number` must not decrease between calls."""
         pieces = []
         while self._forward(column):
             if self._keys[self._place] > number:

@@ -35,11 +35,11 @@ TOGETHER = "; "
 """The text that separates the versions of the programs that produced a shard."""
 
 SUMMED_TOGETHER = 256
-"""The number of tallies of single draws that are collected before they are summed."""
+"""The number of tallies of single draws to collect before summing them."""
 
 
 class PartWriter:
-    """Collects the draws of a part in order, and writes them shard by shard."""
+    """A writer that collects the draws of a part in order, and writes them shard by shard."""
 
     def __init__(self, folder: Path, note: PartManifest, shard: int) -> None:
         """Continue after the existing shards of a part; a full shard has at most `shard` tasks."""
@@ -78,7 +78,7 @@ class PartWriter:
         self._add_result(result, len(task))
 
     def add_row(self, placed: RankedDraw, row: RowReference, result: DrawResult) -> None:
-        """Add a draw with its result and the row that another process built."""
+        """Add a draw with its result, and with the row that another process built."""
         if result.passed:
             self._rows["tasks"].take(row, task=self.tasks, starts=result.witnesses)
         else:
@@ -86,7 +86,7 @@ class PartWriter:
         self._add_result(result, len(placed.word))
 
     def _add_result(self, result: DrawResult, length: int) -> None:
-        """Add the initial states of the draw whose row was added last, and count the draw."""
+        """Add the initial states of the draw whose row was added last, and update the tally."""
         for start, each in enumerate(result.starts) if result.passed else ():
             key, text = {"task": self.tasks - 1, "start": start}, each.text
             if text is not None:
@@ -184,7 +184,7 @@ def row_of(placed: RankedDraw, task: Task, result: DrawResult, words: TaskTexts)
 
 
 def _verdict_row(verdict: Verdict | None) -> dict[str, Any] | None:
-    """Return a verdict as a value for its column."""
+    """Return a verdict as the value of its column."""
     if verdict is None:
         return None
     causes = [{"cause": cause, "count": count} for cause, count in verdict.causes.items()]

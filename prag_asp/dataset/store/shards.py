@@ -1,4 +1,4 @@
-"""The Parquet files of a dataset: each is written atomically, and named by its part and number."""
+"""The Parquet files of a dataset; each file is written atomically, and named after its part and number."""
 
 from __future__ import annotations
 
@@ -18,8 +18,7 @@ from prag_asp.output import file_in, make_folder, replace_file
 from prag_asp.safe_reading import is_inside, open_binary
 
 LARGEST_GROUP = 1_000_000_000
-"""The maximum number of bytes that a row group may claim to have once it is unpacked, so that a damaged file cannot
-exhaust the memory."""
+"""The maximum unpacked size in bytes that a row group may declare, so that a damaged file cannot exhaust the memory."""
 
 
 def shard_name(table: str, part: str, number: int) -> str:
@@ -52,7 +51,8 @@ def open_shard(folder: Path, table: str, shard: ShardFile) -> Iterator[pq.Parque
     if not is_inside(file, folder):
         raise QueryError(f"{file}: leads out of the dataset; {MEND}")
     try:
-        # This only checks that the file is regular: Arrow's threads must not need the interpreter lock at exit.
+        # This only checks that the file is regular; Arrow opens it itself, because its threads must not need the
+        # interpreter lock at exit.
         open_binary(file).close()
         with pa.OSFile(str(file)) as stream, pq.ParquetFile(stream) as opened:
             if not opened.schema_arrow.equals(SCHEMAS[table]):
@@ -79,7 +79,7 @@ def row_groups(
     """Yield the row groups of a table in a shard; no file stays open between them.
 
     Raises:
-        QueryError: the file is missing or damaged, or, with `digest`, its bytes differ from its record in dataset.json.
+        QueryError: the file is missing or damaged or, with `digest`, differs from its record in dataset.json.
     """
     for group in range(-(-shard.rows(table) // ROW_GROUP[table])):
         file = shard.files[table]

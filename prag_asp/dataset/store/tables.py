@@ -20,14 +20,14 @@ Row = Mapping[str, Any]
 
 
 class TableReader:
-    """Reads the tables of a dataset in a folder."""
+    """A reader of the tables of a dataset in a folder."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._rank_cache: dict[str, list[tuple[int, str]]] = {}
 
     def place(self, note: PartManifest, table: str, number: int) -> tuple[Shard, int]:
-        """Return the shard that contains a row of a part, and the position of the row there; the row must exist."""
+        """Return the shard that contains a row of a part, and the index of the row in the shard; the row must exist."""
         ends = list(accumulate(shard.rows(table) for shard in note.shards))
         at = bisect_right(ends, number)
         return note.shards[at], number - (ends[at - 1] if at else 0)
@@ -50,7 +50,7 @@ class TableReader:
             yield from rows.to_pylist()
 
     def by_rank(self, note: PartManifest, length: int, rank: int, draw: int | None) -> Iterator[Row]:
-        """Yield the row of the task with a given rank; if its draw is known, only one shard is read.
+        """Yield the row of the task with a given rank, if it exists; if the draw is known, only one shard is read.
 
         Otherwise, the ranks in the part are read once and cached, which takes about a hundred bytes per task.
         """
@@ -68,7 +68,7 @@ class TableReader:
     def _ranks(self, shards: Sequence[Shard]) -> list[tuple[int, str]]:
         """Return the length and the rank of each task in the given shards, as Python values.
 
-        To compare them, Arrow would import pandas.
+        Comparisons in Arrow would import pandas.
         """
         ranks: list[tuple[int, str]] = []
         for shard in shards:
@@ -90,5 +90,5 @@ class TableReader:
 
 
 def _places(values: Sequence[object], selection: object) -> Iterator[int]:
-    """Yield the positions of a value."""
+    """Yield the indices of a value."""
     return (place for place, value in enumerate(values) if value == selection)

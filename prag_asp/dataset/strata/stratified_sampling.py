@@ -59,9 +59,9 @@ def stratified_sample(
     """Return distinct tasks, sampled uniformly without replacement from each stratum of a space.
 
     With physics, which is the default if the domain has a scene, the tasks are feasible: each stratum is sampled until
-    it has its number of feasible tasks, or until all its tasks have been drawn. The weights of all tasks sum to 1.
-    Without physics, the weighted mean of a property is an unbiased estimate of its mean over the whole space; with
-    physics, it is a nearly unbiased ratio estimate of its mean over the feasible tasks.
+    the required number of feasible tasks is found, or until all tasks of the stratum have been drawn. The weights of
+    all tasks sum to 1. Without physics, the weighted mean of a property is an unbiased estimate of the mean over the
+    whole space; with physics, it is a nearly unbiased ratio estimate of the mean over the feasible tasks.
 
     Raises:
         QueryError: the space is empty, or too small or too finely divided for that many tasks.

@@ -1,4 +1,4 @@
-"""Stratified samples: what was drawn from each stratum, and the exact weights of its tasks."""
+"""Stratified samples: the draws from each stratum, and the exact weights of its tasks."""
 
 from __future__ import annotations
 
@@ -17,15 +17,15 @@ from prag_asp.tables.json_fields import Whole
 Item = TypeVar("Item")
 
 DRAWS_FOR_EACH = 1000
-"""The number of draws per requested task after which sampling from a stratum stops."""
+"""The limit on draws from a stratum, per requested task."""
 
 
 class StratumFigures(msgspec.Struct, frozen=True):
     """The figures of a stratum in a sample without replacement.
 
-    `size` is the number of its tasks in the space, as digits; `draws` of them were drawn, until `tasks` of these
-    counted (because they are feasible, for example), which are as many as `requested` unless no tasks were left to
-    draw.
+    `size` is the number of tasks of the stratum in the space, as digits. `draws` tasks were drawn, of which `tasks`
+    count (because they are feasible, for example). Sampling ended when `requested` tasks counted or no tasks were left
+    to draw.
     """
 
     name: str
@@ -36,11 +36,11 @@ class StratumFigures(msgspec.Struct, frozen=True):
 
     @property
     def share(self) -> Fraction:
-        """An unbiased estimate of the share of its tasks that count.
+        """An unbiased estimate of the share of the stratum's tasks that count.
 
-        For n such tasks in d draws, the last of which counts, it is (n - 1) / (d - 1): see Haldane (1945) for draws
-        with replacement, and Mikulski and Smith (1976) for draws without. If the draws ended because no task was left,
-        the share is known exactly.
+        For n such tasks in d draws, of which the last one counts, it is (n - 1) / (d - 1): see Haldane (1945) for draws
+        with replacement, and Mikulski and Smith (1976) for draws without replacement. If the draws ended because no
+        task was left, the share is known exactly.
         """
         if self.tasks < self.requested:
             return Fraction(self.tasks, number_of(self.size))
@@ -56,15 +56,15 @@ class StratumFigures(msgspec.Struct, frozen=True):
 
     @property
     def population(self) -> Fraction:
-        """The number of its tasks that count, or an estimate of it."""
+        """The number of the stratum's tasks that count, or an estimate of this number."""
         return number_of(self.size) * self.share
 
 
 def stratum_weights(strata: Sequence[StratumFigures]) -> dict[str, Fraction]:
     """Return the weight of each stratum: its share of all tasks in the space that count; the weights sum to 1.
 
-    They are exact if all draws count. The weight of a task in a sample is that of its stratum, divided by the number of
-    its tasks in the sample.
+    The weights are exact if all draws count. The weight of a task in a sample is the weight of its stratum, divided by
+    the number of sampled tasks of this stratum.
 
     Raises:
         QueryError: no task of any stratum counts.
@@ -76,15 +76,15 @@ def stratum_weights(strata: Sequence[StratumFigures]) -> dict[str, Fraction]:
 
 
 class StratumFeed(Generic[Item]):
-    """Numbered draws of strata, one stratum after the other, until each has as many tasks as its quota.
+    """Numbered draws from strata, one stratum after the other, until each quota is filled.
 
     Draws may be taken from the iterator before the results of earlier ones are known. The results are later given to
-    `take`, in the same order; results for a stratum that is full are ignored, so that the sample does not depend on how
-    many draws were taken ahead.
+    `take`, in the same order; results for a stratum that is full are ignored, so that the sample does not depend on the
+    number of draws taken ahead.
     """
 
     def __init__(self, strata: Sequence[tuple[str, int, int]], draws: Sequence[Iterable[tuple[int, Item]]]) -> None:
-        """`strata` holds each stratum's name, size and quota, and `draws` holds its numbered draws in order."""
+        """Take the name, size and quota of each stratum, and its numbered draws in order."""
         self._strata, self._draws = strata, draws
         self._pending: deque[tuple[int, int]] = deque()
         self._found, self._drawn = [0] * len(strata), [0] * len(strata)

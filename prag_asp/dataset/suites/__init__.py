@@ -1,1 +1,1 @@
-"""Suites: the parts of a benchmark over one task space, proved disjoint by exact counts."""
+"""Suites: benchmarks whose parts are sets of tasks of one domain, proved disjoint by exact counts."""

@@ -1,4 +1,4 @@
-"""Count exactly the tasks in each part of a suite, and the tasks that two parts share."""
+"""Exact counts of the tasks in each part of a suite, and of the tasks that two parts share."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
     from prag_asp.space.limits import Limits
 
 Counted = Callable[[str, int, int], None]
-"""Reports progress: a message, the number of completed counts, and their total."""
+"""A callback that reports progress: a message, the number of completed counts, and the total number."""
 
 
 class Overlap(msgspec.Struct, frozen=True):
-    """The number of tasks that two parts share, and whether one of the parts declares this."""
+    """The number of tasks that two parts share, and whether one of the parts declares that it may share tasks."""
 
     one: str
     other: str
@@ -55,7 +55,7 @@ class HeldOutCount(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True)
 class Figures:
-    """The exact figures of a suite: the sizes of its parts by length, and its counts of shared and held-out tasks."""
+    """The exact figures of a suite: the sizes of parts by length, and the counts of shared and held-out tasks."""
 
     sizes: Mapping[str, Mapping[int, int]]
     shared: tuple[Overlap, ...]
@@ -97,7 +97,7 @@ def count_suite(suite: Suite, *, limits: Limits = UNLIMITED, progress: Counted =
     for one, other in combinations(suite.parts.values(), 2):
         both = [length for length in one.lengths if length in other.lengths]
         if other.name in one.distance or one.name in other.distance:
-            both = []  # the same task would be at the distance 0
+            both = []  # a shared task would be at distance 0
         tasks = count.by_length(f"{one.name} and {other.name}", (*one.where, *other.where), both, [one, other])
         shared.append(Overlap(one.name, other.name, digits_of(sum(tasks.values())), one.declares(other)))
     unseen = []
@@ -111,7 +111,7 @@ def count_suite(suite: Suite, *, limits: Limits = UNLIMITED, progress: Counted =
 
 
 class _SuiteCounter:
-    """Counts tasks under conditions; each number is computed only once."""
+    """A counter of tasks under conditions; each number is computed only once."""
 
     def __init__(self, suite: Suite, limits: Limits, progress: Counted) -> None:
         self._suite, self._progress = suite, progress
@@ -126,12 +126,12 @@ class _SuiteCounter:
     def by_length(
         self, what: str, clauses: Sequence[str], lengths: Sequence[int], parts: Sequence[SuitePart]
     ) -> dict[int, int]:
-        """Return the number of tasks of each length that satisfy all given conditions and the distances from parts."""
+        """Return the number of tasks of each length that satisfy the conditions and the distances of `parts`."""
         self._progress(f"counting {what}", self._done, self._total)
         self._done += 1
         conditions = frozenset(clauses)
         if any({held.having, held.without} <= conditions for held in self._suite.held):
-            return dict.fromkeys(lengths, 0)  # each is the negation of the other
+            return dict.fromkeys(lengths, 0)  # the conditions are negations of each other
         if apart := [each for part in parts for each in self._suite.apart_from(part)]:
             spaces = (self._domain.at(length).where(*dict.fromkeys(clauses)) for length in lengths)
             return {space.length: count_apart(space, apart) for space in spaces}
@@ -146,7 +146,7 @@ class _SuiteCounter:
 
 
 def count_apart(space: TaskSpace, apart: Sequence[ApartSpec]) -> int:
-    """Return how many tasks of a space of one length are far from all tasks in the given sets.
+    """Return the number of tasks of a space of one length that are far from all tasks in the given sets.
 
     Raises:
         QueryError: the space and a set have different interchangeable entities.

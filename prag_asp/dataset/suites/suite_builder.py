@@ -1,4 +1,4 @@
-"""Generate a suite: count it, refuse leaks, and write one dataset per part, with a card for the suite."""
+"""Generate a suite: count the tasks of its parts, refuse leaks, and write one dataset per part, and a card."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def generate_suite(
     limits: Limits = UNLIMITED,
     progress: Progress = report_progress,
 ) -> SuiteManifest:
-    """Write a dataset for each part of a suite, in a folder named after the part, and return the suite's manifest.
+    """Write a dataset for each part of a suite, in a folder with the name of the part, and return the manifest.
 
     The same call resumes an interrupted run, and more tasks for a part extend its dataset. The bytes depend only on the
     suite, not on the number of `workers`.
@@ -104,5 +104,5 @@ def identity_of(suite: Suite) -> str:
 
 
 def progress_of_part(name: str, progress: Progress) -> Progress:
-    """Return a progress function that puts the name of a part before each message."""
+    """Return a progress callback that puts the name of a part before each message."""
     return lambda words, done, total: progress(f"{name}: {words}", done, total)

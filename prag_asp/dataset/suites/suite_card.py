@@ -14,7 +14,7 @@ NAME = "README.md"
 
 
 def card_text(note: SuiteManifest) -> bytes:
-    """Return the content of the card of a suite, which depends only on suite.json."""
+    """Return the card of a suite, which depends only on suite.json."""
     return "".join(f"{line}\n" for line in (*_front(note), *_text(note))).encode()
 
 
@@ -30,7 +30,7 @@ def _front(note: SuiteManifest) -> Iterator[str]:
 
 
 def _text(note: SuiteManifest) -> Iterator[str]:
-    """Yield the lines of the card that are meant for people."""
+    """Yield the lines of the card after the front matter."""
     yield f"# {note.title or note.name}"
     yield ""
     if note.description:
@@ -51,31 +51,33 @@ def _text(note: SuiteManifest) -> Iterator[str]:
     yield ""
     for part in note.parts:
         if part.of is not None:
-            yield f"- **{part.name}** has the first tasks of {part.of}, in other words."
+            yield f"- **{part.name}** has the first tasks of {part.of}, with other phrasings."
         else:
             yield f"- **{part.name}**: {', '.join(f'`{clause}`' for clause in part.where) or 'no condition'}."
     yield ""
-    yield "## Apart"
+    yield "## Separation"
     yield ""
     yield from _apart(note)
-    yield f"Made by {note.versions}. `suite.json` has all figures, exactly; `suite.toml` is what was asked for;"
-    yield "`prag-asp verify` counts all of it again."
+    yield f"Written by {note.versions}. `suite.json` has the exact figures, and `suite.toml` defines the suite;"
+    yield "`prag-asp verify` counts all tasks again."
 
 
 def _apart(note: SuiteManifest) -> Iterator[str]:
     """Yield the numbers of shared tasks, and the table of held-out tasks."""
     none = sum(not each.tasks for each in note.shared)
-    yield f"Counted exactly: {plural(none, 'pair')} of {len(note.shared)} of parts have no task in common."
+    yield f"Exact counts: {none} of {plural(len(note.shared), 'pair')} of parts have no task in common."
     for each in note.shared:
         tasks = each.tasks
         if tasks:
-            yield f"{each.one} and {each.other} have {grouped(tasks)}, as {'' if each.declared else 'nobody '}said."
+            number = "1 task" if tasks == 1 else f"{grouped(tasks)} tasks"
+            declared = "as declared" if each.declared else "which is not declared"
+            yield f"{each.one} and {each.other} have {number} in common, {declared}."
     for part in note.parts:
         for other, distance in (part.distance or {}).items():
             yield f"Each task of {part.name} is at least {plural(distance, 'edit')} from all tasks of {other}."
     yield ""
     if note.unseen:
-        yield "| held out | part | tasks of the part that have it |"
+        yield "| held out | part | tasks of the part that contain it |"
         yield "|---|---|---|"
         for every in note.unseen:
             yield f"| `{every.what}` | {every.part} | {grouped(every.tasks)} |"

@@ -24,9 +24,9 @@ NAME, SPELLED = "suite.json", "suite.toml"
 
 
 class SuitePartManifest(msgspec.Struct):
-    """A part: its conditions, its exact size, the number of its tasks, and the record of its dataset.json.
+    """A part of a suite: its conditions, its exact size, its number of tasks, and the record of its dataset.json.
 
-    `distance` is its required distance from other parts in edits, if there is one.
+    `distance` holds the required distances from other parts in edits, if there are any.
     """
 
     name: str

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 Kind = TypeVar("Kind")
 
 NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-"""The names that parts may have, because folders and splits for loaders are named after them."""
+"""The pattern of names of parts, which are also names of folders and of splits for loaders."""
 
 STARTS = "starts "
 """The prefix of a condition on the initial state."""
@@ -51,12 +51,12 @@ LONGEST_SIZE = 20
 def load_suite(name_or_path: str | Path, *, domain: Domain | None = None, trust: bool = False) -> Suite:
     """Return a shipped suite, or the suite that a TOML file defines.
 
-    Its domain is a shipped domain or one next to the file, unless another is given as `domain`. With `trust`, physics
-    may run the Python files of the domain.
+    The domain of the suite is a shipped domain or one next to the file, unless another `domain` is given. With `trust`,
+    physics may run the Python files of the domain.
 
     Raises:
         QueryError: there is no such suite, or the file has problems; the message contains a line for each, with its
-            place.
+            location.
         DomainError: the file cannot be read or is not TOML, or something is wrong with the domain.
     """
     path = suite_file(name_or_path)
@@ -74,7 +74,7 @@ def read_suite(source: Source, *, domain: Domain | None = None, trust: bool = Fa
 
 
 class _SuiteReader:
-    """Reads a suite from a TOML text, and collects its problems."""
+    """A reader of a suite from a TOML text; it collects the problems of the text."""
 
     def __init__(self, source: Source, trust: bool) -> None:
         self._source, self._trust, self._report = source, trust, TableReport()
@@ -141,7 +141,7 @@ class _SuiteReader:
         )  # fmt: skip
 
     def _check_distances(self, name: str, table: PartTable) -> None:
-        """Report distances from parts that do not exist, or that have no tasks of their own."""
+        """Report distances from parts that do not exist or have no tasks of their own."""
         others = [each for each, other in self._parts.items() if each != name and other.of is None]
         for other in table.distance:
             if other not in others:
@@ -151,7 +151,7 @@ class _SuiteReader:
             self._report.add(("parts", name, "skeletons"), "a part with a distance is split by tasks; leave it out")
 
     def _physics(self) -> tuple[Budget | None, Staging | None, bool]:
-        """Return the budget of physics, its staging, and whether tasks are performed; without a budget, physics is off.
+        """Return the budget of physics, the staging, and whether tasks are demonstrated; no budget means no physics.
 
         By default, physics is on if the domain has a scene.
         """
@@ -186,7 +186,7 @@ class _SuiteReader:
         return budget, staging, True
 
     def _held_outs(self) -> dict[str, HeldOutCondition]:
-        """Map the text of each `unseen` entry of the parts to its conditions."""
+        """Return the conditions for each `unseen` entry of the parts, by its text."""
         held: dict[str, HeldOutCondition] = {}
         for name, table in self._parts.items():
             lengths = self._lengths(name, table) if table.unseen else None
@@ -196,7 +196,7 @@ class _SuiteReader:
         return held
 
     def _held_out(self, what: str, space: TaskSpace) -> HeldOutCondition:
-        """Return the conditions for something to hold out: an initial value, or an argument of `TaskSpace.hold_out`."""
+        """Return the conditions for holding something out: an initial value, or an argument of `TaskSpace.hold_out`."""
         if what.startswith(STARTS):
             fluent = what.removeprefix(STARTS).strip()
             if len(split_terms(fluent)) > 1:
@@ -258,7 +258,7 @@ class _SuiteReader:
         return self._with_phrasings(part, table, self._table.language, self._table.phrasings)
 
     def _copy(self, name: str, table: PartTable, of: str, parts: Mapping[str, SuitePart]) -> Iterator[SuitePart]:
-        """Yield a part that words the tasks of another part differently, or nothing if the other part has problems."""
+        """Yield a part with the tasks of another part in different phrasings, or nothing if that part has problems."""
         if of not in self._parts or self._parts[of].of is not None:
             raise QueryError(f"{unknown(of, self._parts, 'part')}, with tasks of its own")
         if of not in parts:

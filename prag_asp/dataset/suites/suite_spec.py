@@ -1,4 +1,4 @@
-"""A suite as a value: its parts, with the conditions that distinguish each from the others."""
+"""A suite as a value: its parts, with the conditions that distinguish them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class HeldOutCondition:
-    """Something that only some parts contain: the condition that a task has it, and the negation of that condition."""
+    """Something that only some parts contain: the condition that a task has it, and the negation of this condition."""
 
     what: str
     having: str
@@ -30,8 +30,8 @@ class HeldOutCondition:
 class SuitePart:
     """A part: the tasks from which it samples, the number of samples, and the language of their texts.
 
-    `where` holds all its conditions, including those of the whole suite and those that exclude what is held out.
-    `unseen` is held out from the other parts, `of` is the part whose tasks this part repeats, and `shares` are the
+    `where` holds all conditions, including those of the whole suite and those that exclude what is held out. `unseen`
+    holds what is held out from the other parts, `of` is the part whose tasks this part repeats, and `shares` holds the
     parts with which it may share tasks. Each task is at least `distance` edits away from all tasks that satisfy the
     conditions of other parts.
     """
@@ -54,7 +54,7 @@ class SuitePart:
     distance: Mapping[str, int] = field(default_factory=dict)
 
     def apart(self, other: SuitePart) -> bool:
-        """Return whether the two parts cannot have the same sentence for an action."""
+        """Return whether two parts never have the same sentence for an action."""
         mine, others = Phrasings.parse(self.phrasings), Phrasings.parse(other.phrasings)
         return self.language != other.language or mine.disjoint(others)
 
@@ -65,7 +65,7 @@ class SuitePart:
 
 @dataclass(frozen=True)
 class Suite:
-    """Parts over the tasks of one domain; `path` and `text` are those of the file that defines the suite."""
+    """A suite of parts over the tasks of one domain, defined by a file with this `path` and `text`."""
 
     name: str
     domain: Domain
@@ -81,7 +81,7 @@ class Suite:
     text: str = field(default="", repr=False)
 
     def place(self, *keys: str) -> str:
-        """Return the file and the line of a key, to begin a message."""
+        """Return the file and the line of a key, as the beginning of a message."""
         return f"{self.path}:{key_line(self.text, keys)}"
 
     def at_most(self, tasks: int) -> Suite:

@@ -14,7 +14,7 @@ Words = str | list[str]
 """One text, or several texts."""
 
 LONGEST = 1000
-"""The largest length in a suite, because a range such as 1..3 is expanded to all of its lengths."""
+"""The maximum length in a suite; a range such as 1..3 is expanded to a list of lengths."""
 
 
 class PhysicsTable(msgspec.Struct):
@@ -30,7 +30,7 @@ class PhysicsTable(msgspec.Struct):
 
 
 class PartTable(msgspec.Struct):
-    """``[parts.NAME]``: the tasks of a part and their number; missing keys default to those of the suite."""
+    """``[parts.NAME]``: the tasks of a part and their number; missing keys default to the keys of the suite."""
 
     tasks: Annotated[int, msgspec.Meta(ge=1, le=10**12)]
     about: str = ""
@@ -66,9 +66,9 @@ class SuiteTable(msgspec.Struct):
 
 
 OWN_OF_COPIES = ("tasks", "about", "of", "language", "phrasings")
-"""The keys that a part with the tasks of another part may set; all other keys come from the other part."""
+"""The keys that a part with the tasks of another part may set; all other values come from that part."""
 
 
 def texts(value: Words) -> tuple[str, ...]:
-    """Return one text, or several, as a tuple."""
+    """Return one text or several texts as a tuple."""
     return (value,) if isinstance(value, str) else tuple(value)

@@ -1,4 +1,4 @@
-"""Verify a dataset or a suite: each dataset, the exact figures, and that parts share no tasks or texts."""
+"""Verify a dataset or a suite: each dataset, the exact figures, and the absence of shared tasks and texts."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from prag_asp.dataset.suites.suite_spec import Suite, SuitePart
 
 KNOWN = (NAME, SPELLED, CARD)
-"""The files that a suite has besides its datasets."""
+"""The files of a suite apart from its datasets."""
 
 
 def verify(
@@ -44,7 +44,7 @@ def verify(
 
     Each file must match its record in dataset.json, and there must be no other files. Each exact size is counted again.
     Each draw is sampled again with its seed, and must be in exactly one row, with a task that no other row has; its
-    plan must be accepted by clingo, which is independent of the sampler; and its instructions must parse to the plan.
+    plan must be accepted by clingo, which is independent of the sampler; and its instructions must parse to this plan.
     With `physics`, each witness is simulated again, and recordings are compared with their tasks; findings and their
     order do not depend on the number of `workers`. With `trust`, physics may run the Python files of the domain.
 
@@ -53,7 +53,7 @@ def verify(
     either.
 
     Raises:
-        QueryError: there is no dataset, its files cannot be read, or its run has not ended.
+        QueryError: there is no dataset, its files cannot be read, or it is incomplete.
         DatasetsMissingError: pyarrow is not installed.
     """
     findings = _wrong_suite if is_suite(folder) else wrong_dataset
@@ -115,7 +115,7 @@ def _wrong_files(folder: Path, note: SuiteManifest) -> Iterator[Finding]:
 
 
 def _wrong_note(suite: Suite, note: SuiteManifest, progress: Progress) -> Iterator[Finding]:
-    """Yield figures that differ from those of a new count."""
+    """Yield findings about figures that differ from those of a new count."""
     figures = count_suite(suite, progress=progress)
     right = manifest_of(suite, figures, identity_of(suite), note.versions)
     right.name = note.name  # the original name of the file, which is a copy named suite.toml here
@@ -136,7 +136,7 @@ def _wrong_note(suite: Suite, note: SuiteManifest, progress: Progress) -> Iterat
 
 
 def _too_near(suite: Suite, part: SuitePart, data: Dataset) -> Iterator[Finding]:
-    """Yield the tasks that are too close to another part; each distance is that of a shortest path.
+    """Yield findings about tasks that are too close to another part; each distance is the length of a shortest path.
 
     The automaton from which the tasks were sampled is not used.
     """
@@ -152,7 +152,7 @@ def _too_near(suite: Suite, part: SuitePart, data: Dataset) -> Iterator[Finding]
 
 @dataclass
 class _OverlapChecks:
-    """Searches for tasks and texts that occur in several parts.
+    """The checks for tasks and texts that occur in several parts.
 
     `tasks` holds the part and the row of each task; `texts` holds, for each part, the row of each text.
     """
@@ -162,7 +162,7 @@ class _OverlapChecks:
     texts: dict[str, dict[str, int]] = field(default_factory=dict)
 
     def wrong(self, name: str, data: Dataset) -> Iterator[Finding]:
-        """Yield the tasks and texts of a dataset that occur in an earlier one."""
+        """Yield findings about tasks and texts of a dataset that occur in an earlier one."""
         part, parts = self.suite.parts[name], self.suite.parts
         for row, entry in enumerate(data.entries()):
             key = (entry.task.actions, entry.task.initial)

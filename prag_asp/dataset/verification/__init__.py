@@ -1,1 +1,1 @@
-"""Verify a dataset: check all of its contents, where possible by means other than those that generated it."""
+"""Verify a dataset: check all contents, if possible by other means than those that generated them."""

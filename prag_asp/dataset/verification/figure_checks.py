@@ -19,22 +19,22 @@ DERIVED = ("draws", "tasks", "covered", "lengths")
 
 
 def wrong_figures(manifest: Manifest) -> Iterator[Finding]:
-    """Yield the figures that do not follow from the shards that dataset.json lists."""
+    """Yield findings about figures that do not follow from the shards in dataset.json."""
     expected = deepcopy(manifest)
     derive(expected)
     for part, expected_part in zip(manifest.parts, expected.parts, strict=True):
         for name in DERIVED:
             if getattr(part, name) != getattr(expected_part, name):
-                yield Finding(NAME, None, f"parts, {part.name}: {name} is not what its shards add up to")
+                yield Finding(NAME, None, f"parts, {part.name}: {name} is not what the shards add up to")
         if part.tail is not None:
-            yield Finding(NAME, None, f"parts, {part.name}: a shard of it is not written to its end")
+            yield Finding(NAME, None, f"parts, {part.name}: its last shard is incomplete")
         if part.tasks > part.requested:
             yield Finding(NAME, None, f"parts, {part.name}: has more tasks than the {part.requested} requested")
         yield from _wrong_shards(part)
     if manifest.covered != expected.covered:
-        yield Finding(NAME, None, "covered is not the share of the space that the parts have")
+        yield Finding(NAME, None, "covered is not the share of the space that the parts cover")
     if manifest.identity != identity_of(manifest.domain, manifest.request):
-        yield Finding(NAME, None, "identity is not that of the domain and of the request")
+        yield Finding(NAME, None, "identity is not that of the domain and the request")
 
 
 def _wrong_shards(part: PartManifest) -> Iterator[Finding]:
@@ -63,7 +63,7 @@ def _wrong_shards(part: PartManifest) -> Iterator[Finding]:
 def wrong_sizes(
     manifest: Manifest, spaces: Mapping[int, TaskSpace], parts: Mapping[str, TaskOrder]
 ) -> Iterator[Finding]:
-    """Yield the exact numbers of tasks that differ from those of a new count."""
+    """Yield findings about exact numbers of tasks that differ from a new count."""
     for space in manifest.spaces:
         count = spaces[space.length].count()
         if number_of(space.tasks) != count:

@@ -1,4 +1,4 @@
-"""Check the files of a dataset: all files listed in dataset.json exist and are unchanged, and there are no others."""
+"""Check the files of a dataset: those listed in dataset.json exist and are unchanged, and there are no others."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from prag_asp.domain.load import Domain
 
 LARGEST_RECORDING = 1_000_000_000
-"""The maximum number of bytes of a recording that are read, because its table does not contain its size."""
+"""The maximum number of bytes of a recording that are read; the table of recordings does not contain their sizes."""
 
 UNSEEN = (".git", ".cache", ".gitattributes")
 """Files and folders that hubs add to a dataset."""
@@ -28,7 +28,7 @@ UNSEEN = (".git", ".cache", ".gitattributes")
 def wrong_files(folder: Path, manifest: Manifest, recordings: Set[str]) -> Iterator[Finding]:
     """Yield findings about the files that dataset.json lists, and about files that do not belong to the dataset.
 
-    `recordings` are the files listed in the recording tables, which also hold the digests of these files.
+    `recordings` holds the files listed in the tables of recordings, which also contain the digests of these files.
     """
     expected = {NAME, CARD, *recordings}
     listed: list[FileRecord | ShardFile] = [*manifest.domain.files, *manifest.domain.encodings, *manifest.pictures]
@@ -60,11 +60,11 @@ def wrong_file(
         yield Finding(name, None, f"cannot be read: {error.strerror or error}")
         return
     if actual != sha256:
-        yield Finding(name, None, "is not the file that was written: its SHA-256 is another")
+        yield Finding(name, None, "differs from the file that was written: its SHA-256 is different")
 
 
 def wrong_card(folder: Path, manifest: Manifest, domain: Domain) -> Iterator[Finding]:
-    """Yield findings about the card, which follows from dataset.json with the figures derived from its shards."""
+    """Yield findings about the card, which must follow from dataset.json."""
     try:
         card = read_bytes(folder / CARD, within=folder)
     except (OSError, PragError) as error:

@@ -8,11 +8,11 @@ from typing import NamedTuple
 from prag_asp.errors import one_line
 
 Progress = Callable[[str, int, int], None]
-"""Reports progress: a message, the number of items checked, and their total."""
+"""A callback that reports progress: a message, the number of items checked, and the total number."""
 
 
 class Finding(NamedTuple):
-    """A defect: the file, the number of the row (from 0, or None for the whole file), and a description."""
+    """A defect: the file, the index of the row (None for the whole file), and a description."""
 
     file: str
     row: int | None

@@ -1,4 +1,4 @@
-"""Check the initial states of tasks: their witnesses, each in a fresh simulator, and their recordings."""
+"""Check the witnesses of tasks, each in a fresh simulator, and the recordings."""
 
 from __future__ import annotations
 
@@ -31,11 +31,11 @@ if TYPE_CHECKING:
 
 
 TRANSIT = TIERS[-2]
-"""The highest tier at which witnesses are checked; demonstrations are checked in their recordings instead."""
+"""The most expensive tier at which witnesses are checked; demonstrations are checked through their recordings."""
 
 
 class InitialStateChecks:
-    """Checks the witnesses and recordings of a dataset, shard by shard."""
+    """The checks of the witnesses and recordings of a dataset, shard by shard."""
 
     def __init__(
         self,
@@ -56,7 +56,7 @@ class InitialStateChecks:
         self._budget = Budget(requested.restarts, requested.samples, tier)
 
     def wrong(self, note: PartManifest) -> Iterator[Finding]:
-        """Yield findings about the initial states of the tasks of a part."""
+        """Yield findings about the initial states of a part's tasks."""
         for shard in note.shards:
             try:
                 rows, witnesses, recordings = (
@@ -65,7 +65,7 @@ class InitialStateChecks:
                 )
                 tasks = {row["task"]: entry_of(row, "", self._manifest.domain.constants).task for _, row in rows}
             except (PragError, ValueError, TypeError, KeyError):
-                continue  # the checks of rows report this
+                continue  # the checks of rows report it
             yield from self._wrong_numbers(shard, rows, witnesses)
             yield from self._wrong_witnesses(shard, tasks, witnesses)
             yield from self._wrong_recordings(shard, tasks, recordings)
@@ -73,7 +73,7 @@ class InitialStateChecks:
             self._progress("witnesses", self._done, self._manifest.rows("tasks"))
 
     def _wrong_numbers(self, shard: Shard, rows: list[Row], witnesses: list[Row]) -> Iterator[Finding]:
-        """Yield the tasks whose rows give a wrong number of witnesses, and the witnesses from wrong searches."""
+        """Yield findings about tasks with a wrong number of witnesses, and about witnesses from wrong searches."""
         count = Counter(row["task"] for _, row in witnesses)
         for place, row in rows:
             if row["starts"] != count.pop(row["task"], 0):
@@ -86,18 +86,20 @@ class InitialStateChecks:
         for place, row in witnesses:
             file = shard.files["witnesses"].path
             if row["task"] in count:
-                yield Finding(file, place, f"is of a task {row['task']}, which the shard does not have")
+                yield Finding(file, place, f"belongs to task {row['task']}, which the shard does not have")
                 continue
             due, last = before.get(row["task"], (0, -1))
             search, remainder = divmod(row["index"] - draws[row["task"]], START)
             if row["start"] != due:
-                yield Finding(file, place, f"is of the initial state {row['start']}; the next one is {due}")
+                yield Finding(file, place, f"belongs to initial state {row['start']}, but the next one is {due}")
             if remainder or not last < search < TRIES * self._manifest.spec.starts or (search > 0) != (due > 0):
-                yield Finding(file, place, f"is of the index {row['index']}, not of its draw and initial state")
+                yield Finding(
+                    file, place, f"has the index {row['index']}, which is not that of its draw and initial state"
+                )
             before[row["task"]] = due + 1, search
 
     def _wrong_witnesses(self, shard: Shard, tasks: Mapping[int, Task], witnesses: list[Row]) -> Iterator[Finding]:
-        """Yield the witnesses that a fresh simulator rejects."""
+        """Yield findings about witnesses that a fresh simulator rejects."""
         file, records, places = shard.files["witnesses"].path if witnesses else "", [], []
         seen = set[tuple[int, str]]()
         for place, row in witnesses:
@@ -110,7 +112,7 @@ class InitialStateChecks:
                 yield Finding(file, place, f"is not a witness: {error}")
                 continue
             if initial_state in seen:
-                yield Finding(file, place, "begins in an initial state that another witness of its task has")
+                yield Finding(file, place, "has the same initial state as another witness of its task")
             seen.add(initial_state)
             records.append(record)
             places.append(place)
@@ -123,12 +125,12 @@ class InitialStateChecks:
                     yield Finding(file, place, f"the witness fails: {outcome.reason}")
 
     def _wrong_recordings(self, shard: Shard, tasks: Mapping[int, Task], rows: list[Row]) -> Iterator[Finding]:
-        """Yield the recordings that have changed or that do not show their tasks."""
+        """Yield findings about recordings that have changed or do not show their tasks."""
         for place, row in rows:
             table, task = shard.files["recordings"].path, tasks.get(row["task"])
             path = self._folder / row["file"]
             if task is None:
-                yield Finding(table, place, f"is of a task {row['task']}, which the shard does not have")
+                yield Finding(table, place, f"belongs to task {row['task']}, which the shard does not have")
                 continue
             if not is_inside(path, self._folder):
                 yield Finding(table, place, f"{row['file']} leads out of the dataset")
@@ -142,5 +144,5 @@ class InitialStateChecks:
                 continue
             durations = (row["frames"], row["seconds"], row["ends"])
             if durations != (len(recording.times), float(recording.times[-1]), recording.ends.tolist()):
-                yield Finding(table, place, f"says otherwise how long {row['file']} is")
+                yield Finding(table, place, f"gives a different length of {row['file']}")
             yield from (Finding(row["file"], None, fault) for fault in faults)

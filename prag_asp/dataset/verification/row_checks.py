@@ -35,11 +35,12 @@ if TYPE_CHECKING:
     from prag_asp.task import Task
 
 READ_BACK = ("default", "exact")
-"""The levels whose instructions determine the plan."""
+"""The levels of detail at which an instruction determines the plan."""
 
 MISSING, UNREAD = 1_000, 100_000
-"""The maximum numbers of draws in a shard whose rows are missing or cannot be read; if a damaged file claims more, they
-are not sampled again."""
+"""The maximum numbers of missing and of unreadable rows in a shard; if a damaged file claims more, its draws are not
+sampled again.
+"""
 
 VALUES = {
     "actions": "plan", "entities": "entities", "initial": "initial", "states": "states", "subgoals": "subgoals",
@@ -50,9 +51,9 @@ VALUES = {
 
 @dataclass
 class RowChecks:
-    """Checks the rows in a dataset's tables of tasks, part by part.
+    """The checks of the rows in a dataset's tables of tasks, part by part.
 
-    `seen` holds the place of each checked task, by its length and rank; `progress` reports the number of checked tasks.
+    `seen` holds the location of each checked task, by length and rank; `progress` reports the number of checked tasks.
     """
 
     manifest: Manifest
@@ -70,7 +71,7 @@ class RowChecks:
         self._colours: Mapping[int, Mapping[str, str]] = {}
 
     def wrong(self, note: PartManifest, drawn: Iterator[tuple[RankedDraw, Task]]) -> Iterator[Finding]:
-        """Yield findings about the rows of a part, given its draws sampled again."""
+        """Yield findings about the rows of a part, given its draws, which were sampled again."""
         tasks = 0
         for shard in note.shards:
             tables = dict[str, tuple[list[Row], list[Finding]]]()
@@ -108,7 +109,7 @@ class RowChecks:
     def _wrong_draws(
         self, shard: Shard, passed: list[Row], rejected: list[Row], draws: list[tuple[RankedDraw, Task] | None]
     ) -> Iterator[Finding]:
-        """Yield findings about the rows of a shard: each of its draws has exactly one row in one of two tables."""
+        """Yield findings about the rows of a shard; each draw must have exactly one row in one of the two tables."""
         missing = set(range(shard.first, shard.end))
         for table, rows in (("tasks", passed), ("rejected", rejected)):
             before = shard.first - 1
@@ -117,12 +118,14 @@ class RowChecks:
                 if draw not in missing:
                     repeated = shard.first <= draw < shard.end
                     problem = (
-                        "is there twice" if repeated else f"is not of this shard, {shard.first} to {shard.end - 1}"
+                        "occurs twice"
+                        if repeated
+                        else f"does not belong to this shard ({shard.first} to {shard.end - 1})"
                     )
                     yield Finding(file, place, f"draw {draw} {problem}")
                     continue
                 if draw < before:
-                    yield Finding(file, place, f"draw {draw} stands after draw {before}")
+                    yield Finding(file, place, f"draw {draw} comes after draw {before}")
                 missing.remove(draw)
                 before = draw
                 expected = draws[draw - shard.first]
@@ -137,7 +140,7 @@ class RowChecks:
     def _wrong_row(
         self, table: str, row: Mapping[str, Any], expected: tuple[RankedDraw, Task], where: str
     ) -> Iterator[str]:
-        """Yield the faults of a row, given its draw and its task, sampled again."""
+        """Yield the faults of a row, given its draw and its task, which were sampled again."""
         placed, task = expected
         key = (row["length"], row["rank"])
         if key in self.seen:
@@ -166,30 +169,30 @@ class RowChecks:
         yield from self._wrong_verdict(table, entry)
 
     def _wrong_texts(self, entry: DatasetEntry, task: Task, colours: Mapping[str, str]) -> Iterator[str]:
-        """Yield the faults of the texts, which must be those that the seed yields; instructions must parse to the plan.
+        """Yield the faults of the texts, which must be those for the seed; instructions must parse to the plan.
 
-        The parser gets only the text and the colours; instructions too long for it are not parsed.
+        The parser gets only the text and the colours; instructions that are too long for the parser are not parsed.
         """
         texts, writer = self._captioner(task, colours), self._writer.recoloured(colours)
         if (dict(texts.whole), texts.subgoals, texts.named) != (entry.instruction, entry.subgoals, entry.named):
-            yield "its words are not those that the seed draws"
+            yield "its texts are not those for the seed"
         for level in READ_BACK:
             if level not in entry.instruction:
                 if PLAIN not in entry.instruction:
-                    yield f"has no words at the level {level}"
+                    yield f"has no text at the level {level}"
                 continue
             if len(entry.instruction[level]) > LONGEST:
                 continue
             try:
                 actions = writer.read(task, entry.instruction[level]).actions
             except PragError as error:
-                yield f"its words at the level {level} cannot be read back: {error}"
+                yield f"its text at the level {level} cannot be parsed: {error}"
                 continue
             if tuple(actions) != task.actions:
-                yield f"its words at the level {level} say another plan: {' '.join(map(str, actions))}"
+                yield f"its text at the level {level} means a different plan: {' '.join(map(str, actions))}"
 
     def _wrong_verdict(self, table: str, entry: DatasetEntry) -> Iterator[str]:
-        """Yield the faults of the verdict on a draw: its search, its budget, and its table."""
+        """Yield the faults of the verdict on a draw: a wrong search, budget or table."""
         verdict, spec = entry.verdict, self.manifest.spec
         left_out = entry.task.trivial and not spec.trivial
         if left_out != (table == "rejected" and verdict is None):
@@ -201,11 +204,11 @@ class RowChecks:
                 yield "has no verdict" if verdict is None else "has a verdict, though there is no budget"
             return
         if verdict.feasible != (table == "tasks"):
-            yield f"is {verdict.status}, which belongs into another table"
+            yield f"is {verdict.status}, which belongs in another table"
         if (verdict.seed, verdict.index) != (spec.seed, spec.deal.whole(entry.draw)):
-            yield f"its verdict is of the seed {verdict.seed} and the index {verdict.index}, not of its draw"
+            yield f"its verdict has the seed {verdict.seed} and the index {verdict.index}, not those of its draw"
         if verdict.budget != spec.budget:
-            yield "its verdict is of another budget than requested"
+            yield "its verdict has a different budget than requested"
 
 
 def _file(shard: Shard) -> str:

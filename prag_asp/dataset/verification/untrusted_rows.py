@@ -11,11 +11,11 @@ OPTIONAL = ("verdict", "details")
 """Columns and fields whose values may be missing."""
 
 Row = tuple[int, Mapping[str, Any]]
-"""The number of a row in its file, and its values."""
+"""The index of a row in its file, and the values of the row."""
 
 
 def whole_rows(file: str, rows: Iterable[Mapping[str, Any]]) -> tuple[list[Row], list[Finding]]:
-    """Return the complete rows in a file, and a finding for each other row."""
+    """Return the complete rows of a file, and a finding for each incomplete row."""
     complete, wrong = list[Row](), list[Finding]()
     for place, row in enumerate(rows):
         missing = sorted({name for name, value in row.items() for _ in _missing(name, value)})

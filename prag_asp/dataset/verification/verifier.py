@@ -57,9 +57,9 @@ def wrong_dataset(folder: Path, trust: bool, physics: bool, workers: int, progre
 
 
 def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progress: Progress) -> Iterator[Finding]:
-    """Yield findings about sizes, which are counted again, and about rows, which are sampled again."""
+    """Yield findings about sizes and rows; sizes are counted again, and rows are sampled again."""
     spec, lengths = manifest.spec, manifest.lengths
-    if [space.length for space in manifest.spaces] != lengths:  # counting other lengths might take forever
+    if [space.length for space in manifest.spaces] != lengths:  # counting other lengths might never end
         yield Finding(NAME, None, "spaces are not of the lengths requested, so no task was checked")
         return
     try:

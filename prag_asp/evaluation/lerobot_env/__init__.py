@@ -1,4 +1,4 @@
-"""Tasks as an environment type of LeRobot, for ``lerobot-eval --env.type=prag_asp``.
+"""An environment type for LeRobot, ``lerobot-eval --env.type=prag_asp``.
 
 LeRobot imports this package with ``--env.discover_packages_path=prag_asp.evaluation.lerobot_env``. Only this package
 imports LeRobot's environment configurations.

@@ -1,4 +1,4 @@
-"""Policies to evaluate, with one module for each kind, and `load_policy`, which recognises the kind from a text."""
+"""Policies to evaluate, with one module for each kind, and `load_policy`, which finds the kind of a policy."""
 
 from __future__ import annotations
 
@@ -33,9 +33,7 @@ def load_policy(text: str) -> PolicyMaker:
     """Return the maker of a policy.
 
     The text is the name of a baseline, ``module:callable``, the path of a Stable-Baselines3 zip or of a LeRobot
-    checkpoint, or ``ws://host:port``.
-
-    Makers can be pickled: each worker process makes its own policy.
+    checkpoint, or ``ws://host:port``. Makers can be pickled, so that each worker process makes its own policy.
 
     Raises:
         QueryError: the text matches no kind of policy, or there is no such policy.
@@ -60,7 +58,7 @@ def environment_of(text: str) -> dict[str, Any]:
 def content_of(text: str) -> str:
     """Return a digest of the files that define a policy, or "" if there are none.
 
-    Of a ``module:callable``, this is the file that defines the callable, but not the files that it reads.
+    For ``module:callable``, this is the file that defines the callable, without the files that the callable reads.
 
     Raises:
         QueryError: the text matches no kind of policy, or there is no such policy.

@@ -14,7 +14,7 @@ from prag_asp.rl.scripted_agent import OraclePolicy
 
 
 class Oracle:
-    """Follows the waypoints of the witness."""
+    """A policy that follows the waypoints of the witness."""
 
     def __init__(self, env: Environment) -> None:
         """Create the oracle for an environment.
@@ -40,7 +40,7 @@ class Oracle:
 
 
 class Random:
-    """Samples actions uniformly from the action space."""
+    """A policy that samples actions uniformly from the action space."""
 
     def __init__(self, env: Environment) -> None:
         self._space: Any = env.action_space
@@ -56,7 +56,7 @@ class Random:
 
 
 class Zeros:
-    """Returns zero actions, and therefore succeeds only at tasks that are solved by waiting."""
+    """A policy that returns zero actions, and therefore succeeds only at tasks that are solved by waiting."""
 
     def __init__(self, env: Environment) -> None:
         self._action: NDArray[Any] = np.zeros(env.action_space.shape or (), env.action_space.dtype)

@@ -24,7 +24,7 @@ IMAGES = "observation.images."
 """The prefix of camera images among the inputs of a policy."""
 
 EMPTY = f"{IMAGES}empty_camera"
-"""The prefix of images that a policy itself replaces with constants."""
+"""The prefix of inputs that a policy fills with constant images."""
 
 CHECK = "give the folder pretrained_model of a checkpoint"
 
@@ -69,7 +69,7 @@ class TrainingConfig(msgspec.Struct):
 
 
 class ExportedFeature(msgspec.Struct):
-    """A feature of an exported dataset: its shape, the names of its numbers, and what prag_asp adds to it."""
+    """A feature of an exported dataset: its shape, the names of its components, and metadata from prag_asp."""
 
     shape: list[int]
     names: Any = None
@@ -124,7 +124,7 @@ class LeRobotCheckpoint:
 
     @property
     def inputs(self) -> dict[str, ExportedFeature]:
-        """Map the name of each input in the dataset to its shape there, which is (H, W, 3) for images."""
+        """The inputs of the policy by their names in the dataset, with shapes there; images have shape (H, W, 3)."""
         renamed = {
             old: new
             for step in self.steps

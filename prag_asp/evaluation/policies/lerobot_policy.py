@@ -1,4 +1,4 @@
-"""A policy from a LeRobot checkpoint; its inputs are found in the environment by name and shape."""
+"""A policy from a LeRobot checkpoint; its inputs are matched to the environment by name and shape."""
 
 from __future__ import annotations
 
@@ -27,9 +27,9 @@ STATE, BODIES = "observation.state", "observation.environment_state"
 
 
 class LeRobotPolicy:
-    """Selects actions with a LeRobot policy, on the policy's device and with its processors.
+    """A policy that selects actions with a LeRobot policy, on the device and with the processors of that policy.
 
-    The environment may have any kind of observation: states and poses are taken from its situation, and images from its
+    The environment may have any kind of observation: states and poses come from its situation, and images from its
     observation, which then has to be a dictionary.
     """
 
@@ -155,7 +155,7 @@ def _loaded(checkpoint: LeRobotCheckpoint) -> tuple[Any, Any, Any, Any]:
         with redirect_stdout(sys.stderr):
             config = configs.PreTrainedConfig.from_pretrained(path)
             if hasattr(config, "pretrained_backbone_weights"):
-                config.pretrained_backbone_weights = None  # they would be downloaded, but the checkpoint contains them
+                config.pretrained_backbone_weights = None  # not downloaded, because the checkpoint contains them
             policy = factory.get_policy_class(checkpoint.config.type).from_pretrained(path, config=config)
             device = {"device_processor": {"device": str(policy.config.device)}}
             moved = any(step.registry_name == "device_processor" for step in checkpoint.steps)

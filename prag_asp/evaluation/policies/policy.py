@@ -15,7 +15,7 @@ Environment = gymnasium.Env[Any, Any]
 
 
 class Policy(Protocol):
-    """Chooses the actions in episodes; each depends only on the observations since `begin` and on the seed.
+    """A policy; each action depends only on the observations since `begin` and on the seed.
 
     Its method `close`, if it has one, releases its resources at the end.
     """
@@ -28,7 +28,7 @@ class Policy(Protocol):
 
 
 PolicyMaker = Callable[[Environment], Policy]
-"""Makes a policy for an environment, which is a `TaskEnv` in any wrappers."""
+"""A function that makes a policy for an environment, which is a `TaskEnv`, possibly in wrappers."""
 
 
 def seed_everything(seed: int) -> None:

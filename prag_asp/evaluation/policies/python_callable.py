@@ -16,10 +16,10 @@ from prag_asp.evaluation.policies.policy import Environment, PolicyMaker, seed_e
 
 
 class CallablePolicy:
-    """Calls a function of the observation, and of `info` if it has a parameter with that name.
+    """A policy that calls a function of the observation, and of `info` if the function has such a parameter.
 
-    Its method `begin`, if it has one, is called before each episode. A class is instantiated once, with the environment
-    if its constructor has a parameter `env`.
+    If the callable has a method `begin`, it is called before each episode. A class is instantiated once, with the
+    environment if its constructor has a parameter `env`.
     """
 
     def __init__(self, function: Callable[..., Any], env: Environment) -> None:

@@ -1,7 +1,7 @@
 """A policy behind a websocket that follows the protocol of openpi's policy servers.
 
 Messages are encoded as msgpack; an array is a map with the binary keys ``__ndarray__`` (true), ``data`` (its bytes),
-``dtype`` (NumPy's text) and ``shape``. The server first sends a map of metadata. Each request is a map with an
+``dtype`` (NumPy's type string) and ``shape``. The server first sends a map of metadata. Each request is a map with an
 observation, and each response is a map with ``actions``: an array of one action, or of a chunk of actions to be
 performed in sequence. A text message reports an error on the server.
 """
@@ -20,7 +20,7 @@ from prag_asp.errors import QueryError
 from prag_asp.evaluation.policies.policy import Environment, PolicyMaker
 
 WAIT = 600.0
-"""Seconds to wait for an answer, because a server may load or compile its model at the first request."""
+"""The time limit for an answer, in seconds; a server may load or compile its model at the first request."""
 
 CAMERA = "camera_"
 """The prefix of images in an observation of the environment."""
@@ -29,7 +29,7 @@ ARRAY = b"__ndarray__"
 
 
 class ServerPolicy:
-    """Requests actions from a server, a chunk at a time.
+    """A policy that requests actions from a server, a chunk at a time.
 
     A request has ``observation/state`` (the numbers of the observation), ``observation/NAME`` for each camera (8-bit
     colours, height x width x 3), and ``prompt``, the instruction.

@@ -21,11 +21,11 @@ ALGORITHMS = {
 """The algorithm to which each package of policy classes in a zip file belongs; DDPG uses the policies of TD3."""
 
 SIGNS = (("cg_max_steps", "sb3_contrib", "TRPO"), ("clip_range", "stable_baselines3", "PPO"))
-"""Parameters stored only by some of the algorithms that share the actor-critic policies; A2C stores none of them."""
+"""Parameters that identify algorithms with the shared actor-critic policies; A2C stores none of them."""
 
 
 class StableBaselinesPolicy:
-    """Predicts actions deterministically with a model."""
+    """A policy that predicts actions deterministically with a model."""
 
     def __init__(self, path: Path, env: Environment) -> None:
         """Load the model in one thread, so that results do not depend on the machine's number of processors.

@@ -16,14 +16,15 @@ from prag_asp.space.limits import UNLIMITED, LimitClock, Limits
 from prag_asp.stop_reason import StopKind
 
 SECONDS = 60.0
-"""The number of seconds after which counting for a view ends."""
+"""The time limit of counting for a view, in seconds."""
 
 RESULTS = 256
 """The number of results that are cached."""
 
 MOST_COMPARED = 2000
-"""The maximum number of atoms for which significance is computed, because the cost grows with their number and the
-diagram."""
+"""The maximum number of atoms for which significance is computed, because the cost grows with their number and the size
+of the diagram.
+"""
 
 
 class Watch:
@@ -54,7 +55,7 @@ class Watch:
 
 @dataclass(frozen=True)
 class AtomNumbers:
-    """The number of answer sets with an atom and, if computed, how much choosing or excluding it narrows them."""
+    """The number of answer sets with an atom and, if computed, by how much choosing or excluding it narrows them."""
 
     count: int
     chosen: Narrowing | None
@@ -105,7 +106,7 @@ class ExploredProgram:
         return self.answers.where(*literals)
 
     def result(self, literals: tuple[str, ...]) -> ModelsResult:
-        """Return the numbers under the given literals.
+        """Return the counts under the given literals.
 
         All choices share the diagram of the whole program. If it takes too long, the program under the choices is
         compiled, which may be easier.

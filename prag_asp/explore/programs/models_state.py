@@ -20,7 +20,7 @@ FIELDS = ("where", "find", "sort", "seed")
 
 @dataclass(frozen=True)
 class ModelsState:
-    """What a page shows of a program: the answer sets that agree with the literals `where`, as ordered by choosing.
+    """What a page shows of a program: the answer sets that agree with the literals `where`, in the order of choice.
 
     The facets whose text contains `find` are listed. With a `seed`, a sample is shown.
     """

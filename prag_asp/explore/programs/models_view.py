@@ -1,6 +1,6 @@
 """The view of a program's answer sets: their number, their facets with exact numbers, the choices and a sample.
 
-Numbers are texts of digits, because JavaScript's numbers are exact only up to 2^53. Shares are decimal texts.
+Numbers are strings of digits, because JavaScript's numbers are exact only up to 2^53. Shares are decimal strings.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ SHOWN_ATOMS = 1000
 
 @dataclass(frozen=True)
 class Significance:
-    """By how much a choice reduces the number of facets, as a share of that number: a fraction and a decimal text."""
+    """The share of facets that a choice removes, as a fraction and as a decimal string."""
 
     exact: str
     share: str
@@ -40,7 +40,7 @@ class Significance:
 class AtomFacet:
     """A shown atom that some answer sets contain and others do not, with links that choose and exclude it.
 
-    `count` answer sets contain it, and `excluded` do not; both are empty texts if they are not counted. The
+    `count` answer sets contain it, and `excluded` do not; both are empty strings if they are not counted. The
     significances are None if they are not computed.
     """
 
@@ -56,7 +56,7 @@ class AtomFacet:
 
 @dataclass(frozen=True)
 class Decision:
-    """A choice, and the number of answer sets that remain after it; the links go back to it, and drop only it."""
+    """A choice, and the number of answer sets that remain after it; one link returns to it, and one drops only it."""
 
     literal: str
     count: str
@@ -77,9 +77,9 @@ class ModelsView:
     """What a page shows of a program.
 
     `total` is the number of answer sets without choices, and `count` is the number with them; a number that could not
-    be computed is an empty text, and `problem` says why. `notes` say what counts as an answer set. `open` is the number
-    of facets, of which `matching` contain the text to find; the first of them are listed. The atoms in `certain` are in
-    all answer sets that remain, and those in `impossible` are in none. `sample` is None without a seed.
+    be computed is an empty string, and `problem` says why. `notes` state what counts as an answer set. `open` is the
+    number of facets, of which `matching` contain the text to find; the first of them are listed. The atoms in `certain`
+    are in all answer sets that remain, and those in `impossible` are in none. `sample` is None without a seed.
     """
 
     query: str
@@ -102,7 +102,7 @@ class ModelsView:
 
 @dataclass(frozen=True)
 class ModelsConflictView:
-    """Lines of the program, and choices, that together exclude every answer set, as ``file:line: text``.
+    """Lines of the program (``file:line: text``) and choices that together exclude every answer set.
 
     If `optimal` is true, some answer sets agree with the choices, but none of them is optimal. The set of lines is
     `minimal` unless the solver gave up on a smaller one.

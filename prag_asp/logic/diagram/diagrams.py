@@ -7,11 +7,11 @@ value leads to 0. The values of a digit therefore need not be known beforehand, 
 functions are the same node. Nodes are numbered from 1; the empty diagram is 0. A set is a diagram with values 0 and 1.
 
 No library is used, because none with a Python interface has exact integer terminals: CUDD (`dd` 0.6) has floats, OxiDD
-0.13 has only binary diagrams. With one diagram for each binary digit of a count, both are also exact. On
+0.13 has only binary diagrams. Both are exact with one diagram for each binary digit of a count. On
 `benchmarks/diagrams.py` (1.8 * 10^8 states, 3,024,000,000 plans), they take 7.1 s of CPU and 104 MB (CUDD), or 4.6 s
 and 298 MB (OxiDD), for hand-encoded actions; this module takes 11.3 s and 254 MB, including reading and grounding the
-domain. A factor of 1.6 to 2.4 does not justify a native dependency without wheels for every platform, whose operations
-cannot be interrupted (here, they call `look`), and the encoding into bits.
+domain. A factor of 1.6 to 2.4 does not justify encoding states into bits, nor a native dependency that lacks wheels for
+some platforms and whose operations cannot be interrupted (operations of this module call `look`).
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ REMEMBERED = 2_000_000
 """The maximum number of cached results at the beginning of an operation."""
 
 Changes = Mapping[int, tuple[int, int]]
-"""For some levels: a mask of the bits of a digit that are kept, and a mask of the bits that are then set."""
+"""The changes to digits, by level: a mask of the bits that are kept, and a mask of the bits that are set afterwards."""
 
 
 class Diagrams:
@@ -97,7 +97,7 @@ class Diagrams:
         return self._either("add", 0, first, second, lambda a, b: a + b)
 
     def sum(self, several: Iterable[Node]) -> Node:
-        """Return the sum of diagrams, adding neighbours first, because most of them share few nodes."""
+        """Return the sum of diagrams, added in pairs as in a balanced tree, because most diagrams share few nodes."""
         return _paired(list(several), self.add)
 
     def union(self, several: Iterable[Node]) -> Node:
@@ -115,7 +115,7 @@ class Diagrams:
         return self._minus(0, first, second)
 
     def having(self, node: Node, level: int, mask: int) -> Node:
-        """Return a diagram restricted to the words whose digit at a level has a certain bit, given as a mask."""
+        """Return a diagram restricted to the words whose digit at a level has the bit `mask`."""
         self._work(1)
         return self._having(0, node, level, mask)
 
@@ -134,7 +134,7 @@ class Diagrams:
         return mapped(0, node)
 
     def everywhere(self, states: Node, number: int) -> Node:
-        """Return the diagram that maps all words of a set to one value."""
+        """Return the diagram that maps all words of a set to one value, and all other words to 0."""
         return states if number == 1 else self.mapped(states, lambda _: number)
 
     def image(self, states: Node, changes: Changes) -> Node:

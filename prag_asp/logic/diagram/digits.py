@@ -1,8 +1,8 @@
-"""Group the variables of a state into digits, and order the digits; both steps determine the size of diagrams.
+"""The variables of a state grouped into digits, and the order of the digits; both determine the size of diagrams.
 
-Mutually exclusive variables (such as the places of one object) form one digit with few values. Which variables exclude
-each other is estimated by random walks. A wrong estimate costs time but is not an error, because a digit may take any
-value.
+Mutually exclusive variables (such as the locations of one object) form one digit with few values. Which variables
+exclude each other is estimated by random walks. A wrong estimate costs time but is not an error, because a digit may
+take any value.
 """
 
 from __future__ import annotations
@@ -22,11 +22,12 @@ WALKERS, STEPS = 256, 24
 """The number of random walks, and their length in steps."""
 
 EXPECTED = 5.0
-"""The expected number of states in which two independent variables are both true, above which it is assumed, if there
-is no such state, that they exclude each other."""
+"""Two variables that are both true in no state are assumed to exclude each other if more than this number of such
+states would be expected of independent variables."""
 
 MOST_DIGITS = 200
-"""The maximum number of digits of a state, which is the recursion depth; if there are more, neighbours are joined."""
+"""The maximum number of digits of a state, which is the recursion depth; if there are more, neighbouring digits are
+merged."""
 
 ROUNDS = 30
 """The number of rounds of the FORCE heuristic."""
@@ -34,7 +35,7 @@ ROUNDS = 30
 
 @dataclass(frozen=True)
 class Digits:
-    """The variables of each digit, starting from its lowest bit, in order of the levels."""
+    """The indices of the variables of each digit, from the lowest bit up; the digits are in order of their levels."""
 
     places: tuple[tuple[int, ...], ...]
 
@@ -46,7 +47,7 @@ class Digits:
         }
 
     def word(self, row: Rows, variables: int) -> tuple[int, ...]:
-        """Return the digits of a packed state, shape (1, words)."""
+        """Return the digits of a packed state of shape (1, words)."""
         true = unpack(row, variables)[:, 0].tolist()
         return tuple(sum(1 << bit for bit, place in enumerate(places) if true[place]) for places in self.places)
 
@@ -104,7 +105,7 @@ def _walked(transition: Transition, look: Callable[[], None]) -> Rows:
 
 
 def _in_order(groups: list[tuple[int, ...]], transition: Transition, look: Callable[[], None]) -> list[tuple[int, ...]]:
-    """Return the groups in an order in which those that an action changes are close to each other.
+    """Return the groups of variables, ordered so that groups that the same action changes are close to each other.
 
     This is the FORCE heuristic of Aloul, Markov and Sakallah (2003).
     """

@@ -1,8 +1,8 @@
 """Boolean functions as binary decision diagrams (Bryant 1986): equal functions are the same node, an integer.
 
-They serve the export to PDDL, whose functions read at most a few dozen fluents. A library such as `dd` or OxiDD would
-save the 60 lines of node construction. The export also needs covers by a bounded number of cubes, and common cases of
-several functions, which neither library has. See `diagrams.py` for the measurements.
+They are used in the export to PDDL, whose functions depend on at most a few dozen fluents. A library such as `dd` or
+OxiDD would save the 60 lines of node construction. The export also needs covers by a bounded number of cubes, and case
+distinctions shared by several functions, which neither library has. See `diagrams.py` for the measurements.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ class Functions:
         self._depths = [0, 0]
 
     def variable(self, number: int, *, value: bool = True) -> Node:
-        """Return the function that is true if a variable has a value."""
+        """Return the function that is true if a variable has the given value."""
         return self._node(number, *((FALSE, TRUE) if value else (TRUE, FALSE)))
 
     def choice(self, condition: Node, then: Node, otherwise: Node) -> Node:
@@ -119,7 +119,7 @@ class Functions:
         return left(function)
 
     def composed(self, function: Node, inner: Mapping[int, Node]) -> Node:
-        """Return the composition of a function with `inner`, which holds a function for each variable."""
+        """Return a function with each of its variables replaced by the function that `inner` holds for the variable."""
         results: dict[Node, Node] = {FALSE: FALSE, TRUE: TRUE}
 
         def outer(node: Node) -> Node:
@@ -155,9 +155,9 @@ class Functions:
     def cases(
         self, functions: tuple[Node, ...], possible: Callable[[Cube], bool], cube: Cube = ()
     ) -> Iterator[tuple[Cube, tuple[Node, ...]]]:
-        """Yield disjoint conjunctions that cover all assignments, each with the constant values of the functions.
+        """Yield disjoint cubes that cover all assignments, each with the constant values of the functions on it.
 
-        Impossible conjunctions and their extensions are omitted.
+        Impossible cubes are omitted, together with all longer cubes that contain them.
         """
         level = self.top(functions)
         if level == BOTTOM:

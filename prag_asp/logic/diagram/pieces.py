@@ -1,4 +1,4 @@
-"""The step function of a domain on sets of states: where each action is valid, and what it changes.
+"""The step function of a domain on sets of states: the states in which each action is valid, and the changes it makes.
 
 The rules are evaluated as in `Transition`, but with sets of states instead of columns: a conjunction is an
 intersection, and a negation is the complement in the given set of states.
@@ -24,7 +24,10 @@ Read = Callable[[int], Node]
 
 @dataclass(frozen=True)
 class Piece:
-    """States in which an action, given by its number, is valid and has the same effects; `labels` are those true."""
+    """States in which one action is valid and has the same effects.
+
+    `letter` is the number of the action; `labels` are the indices of the labels that are true.
+    """
 
     letter: int
     states: Node
@@ -46,7 +49,7 @@ class SetStep:
         return self.diagrams.word(self.digits.word(rows, len(self.transition.variables))) if len(rows) else EMPTY
 
     def accepted(self, states: Node) -> Node:
-        """Return the states in which a plan may end."""
+        """Return the states of a set in which a plan may end."""
         step = self.transition.step
         if not step.final:
             return states
@@ -143,7 +146,7 @@ class SetStep:
         yield from parts
 
     def _columns(self, states: Node, atoms: Mapping[clingo.Symbol, int]) -> dict[int, Node]:
-        """Return the states in which each variable among `atoms` is true."""
+        """Return the states of a set in which each variable among `atoms` is true, keyed by atom."""
         return {
             atoms[symbol]: self.diagrams.having(states, *self.digits.at[place])
             for place, symbol in enumerate(self.transition.variables)
@@ -152,7 +155,7 @@ class SetStep:
 
 
 class _Values:
-    """For each atom, the subset of given states in which it is true; an atom that nothing derives is false."""
+    """The subset of a set of states in which each atom is true; an atom that nothing derives is false."""
 
     def __init__(self, diagrams: Diagrams, states: Node, columns: dict[int, Node], under: Read | None = None) -> None:
         self._diagrams = diagrams
@@ -202,7 +205,7 @@ class _Values:
         return self._diagrams.minus(states, self.body(body))
 
     def evaluate(self, strata: Iterable[AtomStratum], bodies: Callable[[int], tuple[RuleBody, ...]]) -> None:
-        """Evaluate atoms in order of their dependencies; recursive ones are iterated to a fixpoint."""
+        """Evaluate atoms in order of their dependencies; recursive strata are iterated to a fixpoint."""
         for stratum in strata:
             if stratum.recursive:
                 self._columns.update(dict.fromkeys(stratum.atoms, EMPTY))

@@ -1,4 +1,4 @@
-"""The child process for ApproxMC, whose native code may end its process."""
+"""ApproxMC in a child process, which its native code may abort."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from prag_asp.errors import EngineError
 def answers(messages: Iterator[Any]) -> Iterator[int]:
     """Yield the approximate number of models of each formula.
 
-    A message has the number of variables, the shown variables, the clauses, epsilon, delta and the seed.
+    A message consists of the number of variables, the shown variables, the clauses, epsilon, delta and the seed.
 
     Raises:
         EngineError: ApproxMC fails.
@@ -22,8 +22,9 @@ def answers(messages: Iterator[Any]) -> Iterator[int]:
             import pyapproxmc  # noqa: PLC0415
 
             counter = pyapproxmc.Counter(seed=seed, epsilon=epsilon, delta=delta)
-            # The package drops a variable that occurs in no clause, even after unit propagation, and with it a factor
-            # of 2. A new variable outside the projection, implied by it, keeps it and adds no model.
+            # The package drops a variable that occurs in no clause, even after unit propagation, and thus loses a
+            # factor of 2. A clause by which each shown variable implies a fresh variable outside the projection
+            # prevents this, and does not change the count.
             mentioning = ([-variable, fresh] for variable, fresh in zip(shown, count(variables + 1), strict=False))
             counter.add_clauses([*map(list, clauses), *mentioning])
             cells, parities = counter.count(list(shown))

@@ -12,11 +12,11 @@ atoms outside of C have their value in M, atoms of C have their value in the pre
 rule for its atoms in M (Simons, Niemelä and Soininen 2002). The stages only grow, and each stage before the limit adds
 an atom, so S_m is the limit. A clause for each atom of C states that it is in S_m if it is in M.
 
-This is stability. The stages of an answer set reach all of its atoms. Conversely, let M satisfy the completion, and let
-U be the set of its atoms that are not in the least model of its reduct. Take a component C that intersects U and
-depends on no other component that does. Any body that is true in M, of a rule for an atom in both U and C, needs an
-atom of U, and this atom is in C. Therefore no stage of C reaches an atom of U, which contradicts the clauses. (Lee and
-Lifschitz 2003 split by loops in the same way.)
+Together, these clauses express stability. The stages of an answer set reach all of its atoms. Conversely, let M satisfy
+the completion, and let U be the set of its atoms that are not in the least model of its reduct. Take a component C that
+intersects U and depends on no other component that does. Any body that is true in M, of a rule for an atom in both U
+and C, needs an atom of U, and this atom is in C. Therefore no stage of C reaches an atom of U, which contradicts the
+clauses. (Lee and Lifschitz 2003 split by loops in the same way.)
 
 The stages are functions of M, so again each answer set is one model. The stage at which an atom appears is its level in
 the strong level ranking of M, which Janhunen (2004, 2006) shows to be unique; he encodes levels in binary, which is
@@ -110,7 +110,7 @@ def body_literal(clauses: ClauseBuilder, rule: Rule, value: Callable[[int], Lite
 
 
 def _support(clauses: ClauseBuilder, atom: Literal, rules: list[Rule], value: Callable[[int], Literal]) -> None:
-    """State that an atom is true if a rule derives it, and only if a rule derives or allows it."""
+    """Add clauses by which an atom is true if a rule derives it, and only if a rule derives or allows it."""
     if all(not rule.choice for rule in rules):
         if len(rules) == 1 and not rules[0].weights:
             clauses.all_of(map(value, rules[0].body), into=atom)
@@ -147,7 +147,7 @@ def _by_copies(
 def _by_stages(
     clauses: ClauseBuilder, loop: Mapping[int, tuple[Rule, ...]], value: Callable[[int], Literal]
 ) -> dict[int, Literal]:
-    """State that each true atom of a component is derived at some stage, without copies."""
+    """Add clauses by which each true atom of a component is derived at some stage; return no copies."""
     stage = dict.fromkeys(loop, -TRUE)
 
     def at_stage(literal: int) -> Literal:

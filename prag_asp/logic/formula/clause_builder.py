@@ -13,7 +13,7 @@ TRUE: Literal = 1
 
 
 MANY = 16
-"""The number of literals from which a sum is recorded; the nodes of shorter sums are ordinary gates."""
+"""The minimum number of literals of a recorded sum; the nodes of shorter sums are ordinary gates."""
 
 
 class Sum(NamedTuple):
@@ -28,14 +28,14 @@ class Sum(NamedTuple):
 class ClauseBuilder:
     """A growing set of clauses.
 
-    `sums` are the sums that clauses define with several nodes of a diagram; `nodes` are the variables of nodes that are
-    not the output of a sum, so that no other clause contains them.
+    `sums` holds, by output, the sums whose clauses define several nodes of a diagram. `nodes` holds the variables of
+    those nodes that are not outputs of sums, so that only clauses of sums contain them.
 
     Every method that returns a literal adds clauses that fix its value for each assignment of the given literals, so no
     method changes the number of models.
 
-    With `sums_apart`, no clause defines the output of a sum, unless it is a conjunction or a disjunction: all sums are
-    in `sums` only.
+    With `sums_apart`, no clause defines the output of a sum: a sum is only recorded in `sums`, unless it is a
+    conjunction or a disjunction.
     """
 
     def __init__(self, *, sums_apart: bool = False) -> None:
@@ -93,8 +93,8 @@ class ClauseBuilder:
     def at_least(self, bound: int, literals: Sequence[Literal], weights: Sequence[int]) -> Literal:
         """Return a literal that is true if the positive weights of the true literals reach a bound.
 
-        The sum is a binary decision diagram (Eén and Sörensson 2006): its node (i, b) states that the literals from the
-        i-th on reach b.
+        The sum is encoded as a binary decision diagram (Eén and Sörensson 2006): node (i, b) states that the weights of
+        the true literals from the i-th on reach b.
         """
         terms = sorted(zip(weights, literals, strict=True), reverse=True)
         if self._sums_apart:

@@ -1,4 +1,4 @@
-"""Count models in a child process, exactly with Ganak or d4, or approximately with ApproxMC.
+"""Model counting in a child process: exactly with Ganak or d4, or approximately with ApproxMC.
 
 The native code of all three handles neither Ctrl-C nor a time limit, and ends its process on invalid input.
 """
@@ -72,7 +72,7 @@ def count_models(
     counter: Counter = GANAK,
     request: str = SHARP,
 ) -> int:
-    """Return the number of assignments of the shown variables that extend to a model with the assumed literals.
+    """Return the number of assignments of the shown variables that extend to a model under assumptions.
 
     d4 does not support projection: it counts models over all variables. `request` names the user's request in messages.
 
@@ -86,7 +86,7 @@ def count_models(
 def run_counter(
     counter: Counter, cnf: Cnf, assumptions: Sequence[Literal], seconds: float | None, request: str, *more: object
 ) -> Any:
-    """Return the answer of a counter for a formula with assumed literals; `more` are further arguments.
+    """Return a counter's result for a formula under assumptions; `more` are further arguments of the counter.
 
     Raises:
         EngineError: the counter is not installed, cannot accept the formula, or fails.
@@ -111,8 +111,8 @@ def run_counter(
 class CountBeside:
     """A context manager that counts the models of a formula in a child process while this process does other work.
 
-    `formula` returns the formula and the assumed literals. It is called when the counter starts: at the first call
-    after `patience` seconds. A failure is not an error; the count then remains unknown.
+    `formula` returns the formula and the assumptions; it is called when the counter starts, at the first call after
+    `patience` seconds. A failure is not an error; the count then remains unknown.
     """
 
     def __init__(
@@ -176,7 +176,7 @@ class CountBeside:
 def _checked_formula(
     cnf: Cnf, assumptions: Sequence[Literal], counter: Counter = GANAK, request: str = SHARP
 ) -> tuple[int, Sequence[Literal], list[tuple[Literal, ...]]]:
-    """Return the variables, the shown variables and the clauses of a formula with assumed literals, after a check."""
+    """Check a formula under assumptions, and return its number of variables, its shown variables and its clauses."""
     clauses = [*cnf.clauses, *((literal,) for literal in assumptions)]
     check_formula(cnf.variables, clauses, cnf.shown, counter, request)
     return cnf.variables, cnf.shown, clauses

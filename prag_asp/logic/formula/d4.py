@@ -1,4 +1,4 @@
-"""The child process for d4, whose native code may end its process."""
+"""d4 in a child process, which its native code may abort."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from prag_asp.errors import EngineError
 def answers(messages: Iterator[Any]) -> Iterator[int]:
     """Yield the number of models of each formula, given as the number of variables, shown variables and clauses.
 
-    It counts models over all variables, because the package does not support projection.
+    Models are counted over all variables, because the package does not support projection.
 
     Raises:
         EngineError: d4 fails.

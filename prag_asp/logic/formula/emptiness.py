@@ -23,7 +23,9 @@ Occurring = Sequence[tuple[clingo.Symbol, int]]
 
 
 def has_plan(program: Program, length: int, occurring: Occurring | None = None) -> bool:
-    """Return whether a program has a plan of a given length, with one of the actions `occurring`, if any, at its step.
+    """Return whether a program has a plan of a given length.
+
+    With `occurring`, a plan counts only if one of these actions occurs in it at its step.
 
     Raises:
         DomainError: clingo cannot ground the program.

@@ -137,7 +137,7 @@ class _ReasonSearch:
         """Yield the reasons why a step cannot follow the previous steps."""
         assumed = [*self.actions[:step], *self.lawful(step - 1)]
         if not self._solver.satisfiable(assumed):
-            yield "another action has to occur there"
+            yield "another action has to occur at this step"
             return
         state = _State(self._cnf, self._solver.model(), self._plan)
         words = list(self._needs(step, state)) or list(self._contradictions(step, state))
@@ -173,7 +173,7 @@ class _ReasonSearch:
                 yield f"{fluent} would have to be both true and false"
             ruled_out, barred = (state.true(self._atom(each, fluent, time)) for each in (RULED_OUT, BARRED))
             if (barred and true[KNOWN]) or (ruled_out and (true[HOLDS] or true[FINAL])):
-                yield f"{fluent} would have to be true, which is impossible together with what else is true then"
+                yield f"{fluent} would have to be true, which contradicts the other conditions of that state"
 
     def _atom(self, predicate: EncodingPredicate, term: clingo.Symbol, time: int, value: str = "") -> Literal:
         middle = [clingo.Function(value)] if value else []

@@ -1,4 +1,4 @@
-"""The child process for Ganak, whose native code may end its process."""
+"""Ganak in a child process, which its native code may abort."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from prag_asp.logic.formula.solver import Solver
 def answers(messages: Iterator[Any]) -> Iterator[int]:
     """Yield the number of models of each formula, given as the number of variables, shown variables and clauses.
 
-    A solver first looks for a model, because if there is none, Ganak may take seconds even for a dozen variables.
+    A SAT solver first searches for a model, because without one, Ganak may take seconds even for a dozen variables.
 
     Raises:
         EngineError: Ganak fails.

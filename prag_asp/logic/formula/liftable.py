@@ -1,10 +1,10 @@
 """A program whose restricting lines can be lifted, one by one.
 
 A line is restricting if it only removes plans: a constraint, a precondition, an initial value, an invariant or a goal.
-Each such line holds if its atom is true. A postcondition sets a fluent to a value; if it is lifted, the atom ``LOOSE``
-decides whether the postcondition has no effect or the fluent may have any value. Composites are lifted together, as
-``--flat`` does, because constraints test that a plan is a concatenation of composites. Declarations of entities,
-fluents and actions are not lifted.
+Each such line holds if its atom is true. A postcondition sets a fluent to a value; if it is lifted, the atom
+``__loose`` decides whether the fluent may have any value or the postcondition just has no effect. Composites are lifted
+together, as ``--flat`` does, because constraints test that a plan is a concatenation of composites. Declarations of
+entities, fluents and actions are not lifted.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from prag_asp.program.sources import ADDED, HIERARCHY, Program, Source, owned
 from prag_asp.program.syntax import Statement
 
 KEPT, LOOSE = "__kept", "__loose"
-"""The atoms that keep lines, by number, and the atom that lets fluents of lifted postconditions have any value."""
+"""The names of the atoms ``__kept(i)``, each of which keeps line i, and of the atom ``__loose`` (see above)."""
 
 RESTRICTING = frozenset([
     ("precondition", 3), ("initially", 2), ("exclusive", 2), ("implies", 2), ("impossible", 2), ("goal", 2),
@@ -110,7 +110,7 @@ def _restricts(statement: Statement) -> bool:
 
 
 def _under(statement: Statement, kept: str) -> Iterator[str]:
-    """Yield a statement that holds if an atom is true, and its lifted form if it is false."""
+    """Yield a statement under the atom `kept`, and its lifted form under the negation of this atom."""
     head, body = statement.node.head, "".join(f"{text}; " for _, text in statement.literals)
     yield f"{head} :- {body}{kept}."
     if any(atom.signature == EFFECT for atom in statement.heads):

@@ -38,7 +38,7 @@ class Solver:
         self._solver.add_clause(clause)
 
     def satisfiable(self, assumptions: Sequence[Literal] = ()) -> bool:
-        """Return whether some model satisfies the literals."""
+        """Return whether some model satisfies the assumptions."""
         while True:
             self._solver.conf_budget(CONFLICTS)
             # With this flag, python-sat does not handle signals; Python handles them between two calls.
@@ -61,12 +61,12 @@ class Solver:
         return model
 
     def core(self) -> list[Literal]:
-        """Return assumptions of the latest query that no model satisfies together; the set need not be minimal."""
+        """Return assumptions of the latest query that together contradict the clauses; the set need not be minimal."""
         return list(self._solver.get_core() or ())
 
 
 def smallest_conflict(solver: Solver, assumed: Sequence[Literal], literals: Sequence[Literal]) -> list[Literal]:
-    """Return a smallest subset of `literals` that contradicts the literals `assumed`, as the whole of `literals` must.
+    """Return a smallest subset of `literals` that contradicts `assumed`; all `literals` together must contradict it.
 
     A set is in conflict if it hits the complement of every maximal satisfiable set. The smallest hitting set of the
     complements found so far is tested until it is itself in conflict (Ignatiev, Previti, Liffiton and Marques-Silva

@@ -22,10 +22,12 @@ from prag_asp.program.syntax import Signature, Statement, with_replaced
 def carried_atoms(
     program: Program, time: clingo.Symbol, open_atoms: Iterable[clingo.Symbol], carried: Collection[Signature]
 ) -> set[clingo.Symbol]:
-    """Return atoms of the predicates `carried` that steps may derive, without their time; `open_atoms` may be true.
+    """Return the atoms of the predicates `carried`, without their time, that steps may derive.
+
+    `open_atoms` are the atoms that are assumed to be either true or false.
 
     Raises:
-        BoundReached: a rule derives too many values from one another.
+        BoundReached: the atoms of a rule derive too many further values.
     """
     grounder = Grounder(Program(tuple(map(_onto_itself, program.sources))))
     grounder.ground([("base", [])])
@@ -38,7 +40,7 @@ def carried_atoms(
 def _onto_itself(source: Source) -> Source:
     """Return a source without constraints, in which the rules of a step read this step instead of the previous one.
 
-    The rules of encodings are bounded like those of authors, unless there is a file named like the contract.
+    The contract gets another path, so that no folder counts as encodings, and the rules of all files are bounded.
     """
     replaced: dict[Statement, str] = {}
     for statement in parse_sources([(source, True)])[0]:

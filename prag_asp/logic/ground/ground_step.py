@@ -26,8 +26,8 @@ STEP = 1_000_000_000
 """The number of the ground step, which no domain uses for anything else."""
 
 FEW_STEPS, MOST_ATOMS, MOST_SYMBOLS = 30, 1_000_000, 10_000
-"""The numbers of steps, of atoms, and of symbols in one atom above which a carried predicate counts as endless. A step
-may double the symbols of an atom, so a few steps may exhaust the memory."""
+"""The numbers of steps, of atoms, and of symbols in one atom above which a carried predicate counts as unbounded. A
+step may double the number of symbols of an atom, so a few steps may exhaust the memory."""
 
 MOST_GROWING, FEW_AT_ONCE = 20_000, 2
 """The corresponding limits on atoms, and on steps between two tests, for predicates whose atoms may derive one another.
@@ -49,15 +49,15 @@ Seeds = dict[clingo.Symbol, None]
 """The atoms that step t-1 may have, without their time, in the order in which they are declared to clingo."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GroundStep:
-    """The ground rules of one step in any state, keyed by program part.
+    """The ground rules of one step in any state, keyed by program part; equality is identity.
 
-    `names` holds the symbol of every named atom; `before`, `now` and `ending` hold the atoms of step t-1 and of step t
-    by their symbol without its time. `initial` are the timed symbols that hold initially, without their time;
-    `obstacles` are the reasons why the step is not a function of the state and the action. With `after_steps_alone`,
-    the final check is wrong for a plan without actions: clingo has simplified it using atoms that are true after every
-    step but not initially. `grounding` can ground more rules on top of the step (see `extend_step`).
+    `names` holds the symbol of every named atom; `before` and `now` hold the atoms of step t-1 and of step t, keyed by
+    their symbol without its time. `initial` are the timed symbols that hold initially, without their time; `obstacles`
+    are the reasons why the step is not a function of the state and the action. With `after_steps_alone`, the final
+    check is wrong for a plan without actions: clingo has simplified it using atoms that are true after every step but
+    not initially. `grounding` can ground more rules on top of the step (see `extend_step`).
     """
 
     rules: Mapping[str, tuple[Rule, ...]]
@@ -68,7 +68,7 @@ class GroundStep:
     consistent: bool
     obstacles: tuple[Obstacle, ...]
     after_steps_alone: bool = False
-    grounding: Grounding | None = field(default=None, repr=False, compare=False)
+    grounding: Grounding | None = field(default=None, repr=False)
 
 
 def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
@@ -92,14 +92,16 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
     # Later steps may add known values of this state, so it stays open, and no goal makes it a fact here.
     open_states = [STATE(*each, NOW) for each in values]
     complete_steps = 0
+    # A step with growing atoms, as of conditions, is nearly always grounded again, and clingo reports rules slowly.
+    recorded = not reads.growing & reads.previous
     try:
         while True:
-            started = _start(program, reads)
+            started = _start(program, reads, recorded=recorded)
             seeds |= dict.fromkeys(sorted(started.initial))
             known = len(seeds)
             _declare(started.grounder, seeds, open_states)
             endless = _ground_until_closed(started.grounder, seeds, program, reads)
-            if endless is None and len(seeds) == known:  # the step is grounded for all atoms that it carries
+            if endless is None and len(seeds) == known and recorded:  # the step is grounded for all atoms it carries
                 ground = _ground_end(started, program, open_states, reads)
                 new = _unforeseen(ground, seeds, reads)
                 if not new:
@@ -107,6 +109,7 @@ def ground_step(program: Program, facts: Facts, reads: StepReads) -> GroundStep:
                 seeds |= dict.fromkeys(sorted(new))
                 complete_steps += 1
                 endless = _signature(min(new)) if complete_steps == _bounds(program, reads).steps else None
+            recorded = True
             if endless:
                 what = f"{spelled(endless)} takes new values at every step without end"
                 obstacle = Obstacle(what, locate_head(program, endless), "add a condition that ends it")
@@ -129,7 +132,7 @@ def _unforeseen(ground: GroundStep, seeds: Seeds, reads: StepReads) -> set[cling
 def _unsupported(ground: GroundStep, seeds: Seeds) -> set[int]:
     """Return the atoms that no rule derives from any state.
 
-    clingo records an atom that only ``not p(X,t-1)`` mentions, and would carry it along.
+    clingo also records atoms that occur only in ``not p(X,t-1)``; these must not be carried along.
     """
     waiting = [rule for part in ground.rules.values() for rule in part]
     derived = {head for rule in waiting for head in rule.heads}
@@ -144,7 +147,7 @@ def _unsupported(ground: GroundStep, seeds: Seeds) -> set[int]:
 
 
 class _Bounds(NamedTuple):
-    """The numbers of steps and atoms from which a predicate counts as endless, and the steps between two tests."""
+    """The numbers of steps and atoms above which a predicate counts as unbounded, and of steps between two tests."""
 
     steps: int = MOST_ATOMS
     atoms: int = MOST_ATOMS
@@ -165,9 +168,9 @@ def _bounds(program: Program, reads: StepReads) -> _Bounds:
 
 
 def _ground_until_closed(grounder: Grounder, seeds: Seeds, program: Program, reads: StepReads) -> Signature | None:
-    """Ground a step, and further steps while they carry atoms that `seeds` lacks; these are added to `seeds`.
+    """Ground a step, and further steps as long as they carry new atoms, which are added to `seeds`.
 
-    Return a predicate that exceeds the bounds, if there is one. The atoms are tested after 1, 2, 4, ... steps.
+    Return a predicate that exceeds the bounds, or None. The atoms are tested after 1, 2, 4, ... steps.
     """
     atoms = grounder.control.symbolic_atoms
     carried = sorted(reads.previous - CONTRACT)
@@ -214,9 +217,9 @@ def extend_step(
 ) -> GroundStep | None:
     """Return a ground step with more rules ground on top of it, or None if everything has to be ground again.
 
-    A step can be extended once. `rules` may have the parts ``base`` and ``step(t)``; no rule of the step may read what
-    they derive. `carried` are the atoms, without their time, that they derive at one step and read at the next. `reads`
-    describes the step together with the rules.
+    A step can be extended once. `rules` may have the parts ``base`` and ``step(t)``; no rule of the step may read an
+    atom that `rules` derives. `carried` are the atoms, without their time, that `rules` derives at one step and reads
+    at the next. `reads` describes the step together with the rules.
     """
     grounding = step.grounding
     if grounding is None or grounding.extended or grounding.grounder.control.is_conflicting:
@@ -240,7 +243,7 @@ def extend_step(
 def _ground_end(
     started: Grounding, program: Program, open_states: Sequence[clingo.Symbol], reads: StepReads
 ) -> GroundStep:
-    """On top of a step, ground hindsight and the checks of the final state, which may be the initial state.
+    """Ground hindsight and the checks of the final state, which may be the initial state, on top of a step.
 
     If no state allows a step, the checks are grounded without it, because clingo grounds nothing after a conflict.
     """
@@ -261,7 +264,7 @@ def _ground_end(
 
 
 def _declare(grounder: Grounder, seeds: Iterable[clingo.Symbol], others: Iterable[clingo.Symbol]) -> None:
-    """Declare the `seeds` at step t-1 and the `others` as open."""
+    """Declare the atoms `seeds` at step t-1 and the atoms `others` as open."""
     grounder.leave_open([*(clingo.Function(each.name, [*each.arguments, BEFORE]) for each in seeds), *others])
 
 
@@ -300,10 +303,10 @@ class Grounding:
         self.grounder.ground([(part, [NOW])])
 
 
-def _start(program: Program, reads: StepReads) -> Grounding:
-    """Ground the base part; rules that are ground afterwards are recorded as those of a step."""
-    grounder, recorder = Grounder(program), GroundRecorder(base_facts=False)
-    grounder.control.register_observer(recorder)
+def _start(program: Program, reads: StepReads, *, recorded: bool = True) -> Grounding:
+    """Ground the base part; if `recorded`, rules that are ground afterwards are recorded as those of a step."""
+    recorder = GroundRecorder(base_facts=False)
+    grounder = Grounder(program, observer=recorder if recorded else None)
     grounder.ground([("base", [])])
     # From here on, clingo defines the projection that `not p(_,t)` reads as soon as atoms p(X,t) exist.
     recorder.part = "step"
@@ -333,7 +336,9 @@ def _recorded(grounder: Grounder, recorder: GroundRecorder, reads: StepReads) ->
                 initial.add(untimed)
                 if not is_fact:
                     spelled_atom = clingo.Function(name, arguments)
-                    obstacles.append(Obstacle(f"{spelled_atom} depends on a choice: plans do not begin in one state"))
+                    obstacles.append(
+                        Obstacle(f"{spelled_atom} depends on a choice, so the initial state is not unique")
+                    )
                 continue
             if time == NOW and is_fact and (name, arity) in reads.timed & (reads.last | CONTRACT):
                 always.append(untimed)

@@ -1,4 +1,4 @@
-"""Find rules that may derive new values at every step, without end, such as unbounded counters."""
+"""A search for rules that may derive new values at every step without end, such as unbounded counters."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ MADE = (ASTType.BinaryOperation, ASTType.UnaryOperation, ASTType.Function)
 def growing_heads(
     heads: Iterable[AtomNode], body: Iterable[tuple[AST, str]], timed: Collection[Signature]
 ) -> Iterator[Signature]:
-    """Yield the heads of a rule that build new values from carried values not bounded by any literal of the body.
+    """Yield the heads of a rule that build new values from carried values that no literal of the body bounds.
 
     Each literal of the body is given with its text. A second literal that reads a variable may bound it.
     """

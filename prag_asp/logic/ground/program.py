@@ -41,7 +41,7 @@ DEPENDING = re.compile(
     r"\b_(propagates|impossible_with|ruled_out|barred|goal_fluent|forces|never_without|some_impossible|never_possible"
     r"|impossible_matters)\b"
 )
-"""A pattern for predicates that depend on how invariants are stated, or that only `closed_invariants.lp` has."""
+"""A pattern for predicates that depend on how invariants are stated, or that only `closed_invariants.lp` defines."""
 
 CANONICAL = (SUCCESSOR, JOINT_UNIT, NEXT_UNIT, INTRODUCED, UNIT_INTRODUCED)
 """The predicates that the programs of tasks add."""
@@ -55,7 +55,7 @@ DESCRIBING = (CONTRACT, "skeleton.lp")
 
 
 def whole_program(domain: Domain) -> Program:
-    """Return the program of a domain with its pruned actions, and with `name` and `mentions` if a file reads them."""
+    """Return the program of a domain with facts about its pruned actions, and with `name` and `mentions` if read."""
     return with_facts(domain.program, _added_facts(domain.facts, domain.program))
 
 
@@ -80,7 +80,7 @@ def closed_program(domain: Domain) -> Program | None:
 def canonical_program(domain: Domain, groups: Groups, joint: Joint = ()) -> Program:
     """Return the program of tasks: plans that introduce entities of each group and units of each joint group in order.
 
-    With groups of interchangeable entities, it has one plan for each task.
+    If the entities of each group are interchangeable, it has one plan for each task.
     """
     program = Program((*domain.program.sources, *_canonical_rules(domain, joint)))
     return with_facts(program, [*_added_facts(domain.facts, program), *_order_facts(groups, joint)])
@@ -125,16 +125,17 @@ def _order_facts(groups: Groups, joint: Joint) -> list[str]:
 
 
 def _rules(domain: Domain, name: str) -> tuple[Source, ...]:
-    """Return a file of rules of the encodings with its includes, without files that the domain already has."""
+    """Return a file of ``encodings/rules`` and the files that it includes, except files that the domain already has."""
     paths = {source.path.resolve() for source in domain.program.sources}
     rules = read_sources(domain.encodings / "rules" / f"{name}.lp", domain.encodings)
     return tuple(rule for rule in rules if rule.path.resolve() not in paths)
 
 
 def _added_facts(facts: Facts, program: Program) -> list[str]:
-    """Return the facts that the library adds, except unread facts, because there can be thousands.
+    """Return the facts that the library adds.
 
-    User rules may also read them for actions that never occur.
+    Facts that no file reads are omitted, because there can be thousands. User rules may also read facts about actions
+    that never occur.
     """
     others = added_encodings(program)
     own = [source.text for source, own in owned(program) if own or source.path in others]
@@ -148,7 +149,7 @@ def _added_facts(facts: Facts, program: Program) -> list[str]:
 
 
 def _read(program: Program, predicate: EncodingPredicate) -> bool:
-    """Return whether a file other than the shipped `DESCRIBING` mentions a predicate."""
+    """Return whether a file other than the shipped files `DESCRIBING` mentions a predicate."""
     describing = _describing()
     return any(refers_to(each.text, predicate) for each in program.sources if each.text not in describing)
 

@@ -42,12 +42,12 @@ class Rule(NamedTuple):
 
 
 class GroundRecorder(clingo.Observer):
-    """Records the ground statements of a control; its methods are called by clingo.
+    """An observer that records the ground statements of a control.
 
-    `rules` holds the rules of each program part; the caller sets the `part` before it is grounded. Without
-    `base_facts`, facts of the base part are not recorded. `shown` holds the conditions under which a symbol is shown;
-    `projected` holds the atoms of ``#project``, or is None if there is no such statement. `externals` holds the last
-    value of each external atom, `minimized` the weighted literals of each priority.
+    `rules` holds the rules of each program part; the caller sets `part` before it grounds a part. Without `base_facts`,
+    facts of the base part are not recorded. `shown` holds the conditions under which a symbol is shown; `projected`
+    holds the atoms of ``#project``, or is None if there is no such statement. `externals` holds the last value of each
+    external atom, `minimized` the weighted literals of each priority.
     """
 
     def __init__(self, *, base_facts: bool = True) -> None:

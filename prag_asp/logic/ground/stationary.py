@@ -67,7 +67,7 @@ class StepReads:
 
 @dataclass(frozen=True)
 class _TimedRule:
-    """A rule, the parameter of its part, the text of the step number in it, and the text of the previous step."""
+    """A rule and the text of the step number in it, `now`: the parameter of the rule's program part."""
 
     statement: Statement
     now: str
@@ -152,7 +152,7 @@ def read_step(program: Program) -> StepReads:
 
 
 def _acting(rules: Sequence[_TimedRule], encodings: Path | None) -> Iterator[Obstacle]:
-    """Yield an obstacle for each choice of actions that is not the shipped ``step.lp``'s, or if there is no choice."""
+    """Yield an obstacle for each choice of actions other than that of ``step.lp``, or one if there is no choice."""
     remedy = "choose the engine clingo, or restore that rule"
     choices = [
         each for each in rules if not each.statement.own and each.statement.node.head.ast_type != ASTType.Literal
@@ -166,7 +166,7 @@ def _acting(rules: Sequence[_TimedRule], encodings: Path | None) -> Iterator[Obs
 
 
 def _numbered(rules: Mapping[str, Sequence[_TimedRule]], timed: Collection[Signature]) -> Iterator[Obstacle]:
-    """Yield an obstacle for each rule of the base part or the last check with an atom whose time is a step number."""
+    """Yield an obstacle for each rule of the base part or the final check with an atom whose time is a step number."""
     last = {atom.signature for rule in rules["check"] for atom in rule.heads if _time_of(atom) == rule.now}
     at, before = set(last), set[Signature]()
     for name in ("step", "check"):
@@ -180,7 +180,7 @@ def _numbered(rules: Mapping[str, Sequence[_TimedRule]], timed: Collection[Signa
     for rule in rules["base"]:
         for atom in rule.heads:
             if atom.signature in at or (atom.signature in before and _time_of(atom) != START):
-                yield rule.obstacle(f"{spelled(atom.signature)} is stated by the number of a step")
+                yield rule.obstacle(f"{spelled(atom.signature)} is derived for a fixed step number")
 
 
 def _obstacle(rule: _TimedRule, part: str, timed: Collection[Signature], previous: set[Signature]) -> Obstacle | None:

@@ -17,7 +17,11 @@ CONSTANTS = 2
 
 @dataclass(frozen=True)
 class Layer:
-    """Gates of one kind that read only earlier gates: their operands, and the index of each gate's first operand."""
+    """Gates of one kind that read only earlier gates.
+
+    `first` is the number of the first gate. `operands` holds the operands of all gates, and `starts` the index of the
+    first operand of each gate.
+    """
 
     conjunctions: bool
     first: int
@@ -51,7 +55,7 @@ class Circuit:
 
 
 class Gates:
-    """Builds gates: equal gates are shared, and a gate whose value is fixed by a constant is a constant itself."""
+    """Gates under construction: equal gates are shared, and a gate whose value a constant determines is a constant."""
 
     def __init__(self, inputs: int) -> None:
         self._inputs = inputs

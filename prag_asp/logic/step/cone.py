@@ -18,7 +18,7 @@ from prag_asp.logic.step.normal import NormalStep, RuleBody
 
 @dataclass(frozen=True)
 class Cone:
-    """The state of a domain: its variables (timed atoms without their time), and the constraints that matter."""
+    """The variables of a state (timed atoms without their time), and the constraints that restrict plans."""
 
     variables: tuple[clingo.Symbol, ...]
     constraints: tuple[RuleBody, ...]
@@ -63,16 +63,17 @@ def _atoms(bodies: Iterable[RuleBody]) -> set[int]:
 
 
 SINGLE_SOLVES = 64
-"""Number of answer sets that are found before all constraints of one shape count as broken together; each takes about
-10 ms."""
+"""The number of answer sets after which a broken constraint closes all constraints of its shape; an answer set takes
+about 10 ms."""
 
 
 def find_breakable(step: NormalStep, invariants: list[RuleBody]) -> list[RuleBody]:
     """Return the constraints of `invariants` that some action breaks from a state that satisfies all constraints.
 
-    The states are all states that satisfy the rules and constraints that read only the state, which hold after every
-    step. The assumed constraints hold initially; the rest is an induction over the steps. The answer sets of a program
-    are the steps from any such state that break an open constraint; a constraint that is broken once is closed.
+    The steps start from any state that satisfies the rules and constraints that read only the state; these hold after
+    every step. The assumed constraints hold initially; the claim follows by induction over the steps. The answer sets
+    of a program are the steps from such states that break an open constraint; a constraint is closed once a step breaks
+    it.
 
     If many constraints are broken one by one, each closes all constraints of its shape. Some of these may be
     unbreakable; they enlarge the cone, but exclude nothing.

@@ -47,7 +47,7 @@ class Hindsight:
 
     @cached_property
     def _carried(self) -> Mapping[int, int]:
-        """For each variable, an atom of step t-1: the corresponding atom of step t, or 0."""
+        """The atom of step t, or 0, that corresponds to each variable, which is an atom of step t-1."""
         ground = self.step.ground
         carried = {ground.before[symbol]: atom for symbol, atom in ground.now.items() if symbol in ground.before}
         return {**{ground.before[symbol]: 0 for symbol in ground.initial if symbol in ground.before}, **carried}
@@ -104,7 +104,7 @@ class Hindsight:
         return state, np.array([[atom in now] for atom in self._seen], dtype=np.bool_).reshape(-1, 1)
 
     def follow(self, states: Truth, letters: NDArray[np.int64]) -> tuple[Truth, Truth]:
-        """Return the states after valid actions with the given numbers, and the atoms of the steps for hindsight."""
+        """Return the states after valid actions, given by number, and the *seen* atoms of these steps."""
         size = len(letters)
         values = dict(zip(self._carried, each_bits(states), strict=True))
         values.update((atom, bits_of(letters == number)) for number, atom in enumerate(self.step.occurs.values()))
@@ -112,17 +112,17 @@ class Hindsight:
         return _rows_of(values, self._carried.values(), size), _rows_of(values, self._seen, size)
 
     def evaluate_last(self, seen: Truth) -> Truth:
-        """Return the known atoms of the final state, from the seen atoms of the last step."""
+        """Return the *known* atoms of the final state, given the *seen* atoms of the last step."""
         return self._evaluated(dict(zip(self._seen, each_bits(seen), strict=True)), "ending", seen.shape[1])
 
     def evaluate_before(self, seen: Truth, known: Truth) -> Truth:
-        """Return the known atoms before steps, from the seen atoms of the steps and the known atoms after them."""
+        """Return the *known* atoms before steps, given the *seen* atoms of the steps and the *known* atoms after."""
         values = dict(zip(self._seen, each_bits(seen), strict=True))
         values.update(zip((atom for atom, *_ in self._rows), each_bits(known), strict=True))
         return self._evaluated(values, "hindsight", seen.shape[1])
 
     def end_values(self, read: Truth) -> FluentValues:
-        """Return the values in final states, from the truth of the atoms `last_read`; shape (fluents, plans)."""
+        """Return the values in final states, shape (fluents, plans), given the truth of the atoms `last_read`."""
         values = dict(zip(self._read("ending"), each_bits(read), strict=True))
         return self.values(self._evaluated(values, "ending", read.shape[1]))
 
@@ -133,7 +133,7 @@ class Hindsight:
         return _rows_of(values, (row[place] for row in self._rows), size)
 
     def values(self, known: Truth) -> FluentValues:
-        """Return known atoms as values of fluents."""
+        """Return the values of fluents, shape (fluents, plans), given the *known* atoms."""
         values = np.full((len(self.fluents), known.shape[1]), UNKNOWN, dtype=np.int8)
         for (_, _, row, value), column in zip(self._rows, known, strict=True):
             values[row, column] = value

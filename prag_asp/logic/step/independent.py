@@ -28,7 +28,9 @@ FREE: Node = ("actions that set and read no variable", 0)
 
 
 def independent_parts(transition: Transition, *, by_name: bool = False) -> tuple[Transition, ...]:
-    """Return parts of a step function; its plans are the shuffles of their plans, if each part rests in all its states.
+    """Return the independent parts of a step function.
+
+    If each part rests in all of its states, the plans of the step function are the shuffles of the plans of its parts.
 
     With `by_name`, actions of one name belong to one part. The result is empty if there is only one part, or if there
     are fewer than `FEWEST_VARIABLES`.
@@ -39,7 +41,7 @@ def independent_parts(transition: Transition, *, by_name: bool = False) -> tuple
 
 
 class _Parts:
-    """Joins connected nodes into parts (disjoint sets, Tarjan 1975)."""
+    """Parts of connected nodes, as disjoint sets (Tarjan 1975)."""
 
     def __init__(self, transition: Transition, by_name: bool) -> None:
         self._transition = transition
@@ -59,7 +61,7 @@ class _Parts:
         ]
         for letter, move in self._moves.items():
             self._join_effects(letter, move)
-        if len(set(map(self._root, nodes))) == 1:
+        if self._are_joined(nodes):
             return  # the other rules could only join more
         rules = transition.rules
         for place, atom in enumerate(rules.written):
@@ -70,6 +72,8 @@ class _Parts:
         for number, body in rules.idle_constraints:
             self._idle_nodes[number] = self._read([body])
             self._join(self._idle_nodes[number])
+        if self._are_joined(nodes):
+            return
         for letter, move in self._moves.items():
             self._join_action(letter, move)
         if by_name:
@@ -79,7 +83,7 @@ class _Parts:
                 self._join([("action", named), ("action", letter)])
 
     def step_functions(self) -> tuple[Transition, ...]:
-        """Return the step functions of the parts, or nothing if there is only one part."""
+        """Return the step functions of the parts, or an empty tuple if there is only one part."""
         whole = self._transition
         final = [self._leaves(body) for body in whole.step.final]
         for leaves in final:
@@ -168,6 +172,10 @@ class _Parts:
                 seen.add(atom)
                 waiting += [abs(each) for derivation in step.final_bodies.get(atom, ()) for each in derivation.literals]
         return [("variable", places[atom]) for atom in sorted(seen) if atom in places and atom not in step.final_bodies]
+
+    def _are_joined(self, nodes: Iterable[Node]) -> bool:
+        """Return whether all nodes belong to one part."""
+        return len(set(map(self._root, nodes))) == 1
 
     def _root(self, node: Node) -> Node:
         path = []

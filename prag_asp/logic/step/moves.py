@@ -20,9 +20,10 @@ from prag_asp.logic.step.strata import AtomStratum
 class Move:
     """The compiled rules of one action: guards over the state, rules, constraints, and the effect on the state.
 
-    `touched` are the constraints that read the action. In the packed state after a step without an action, the bits
-    `keep` are kept, the bits `put` are set, and `changed` maps other places to the atoms that determine them; `labels`
-    and `fixed_labels` do the same for labels. `constants` are the atoms whose truth depends only on the action.
+    `touched` are the constraints that read the action. The effect changes the packed state after a step without an
+    action: the bits `keep` are kept, the bits `put` are set, and `changed` pairs the indices of other variables with
+    the atoms that determine their values; `labels` and `fixed_labels` do the same for labels. `constants` are the atoms
+    whose truth depends only on the action.
     """
 
     guards: tuple[RuleBody, ...]
@@ -82,16 +83,17 @@ def _left_of_rules(
 ) -> tuple[dict[int, tuple[RuleBody, ...]], list[AtomStratum]]:
     """Return the partially evaluated bodies of the affected atoms, and their strata; extend the constants."""
     bodies: dict[int, tuple[RuleBody, ...]] = {}
+    decided: Constants = {}
     strata = []
     for place in sorted({rules.order[atom] for atom in affected}):
         stratum = rules.strata[place]
         inside = set(stratum.atoms) if stratum.recursive else set()
         for atom in stratum.atoms:
-            simplified = rules.simplified_with(action, atom, affected, constants)
+            simplified = rules.simplified_with(action, atom, constants, decided)
             if any(body is True for body in simplified):
-                constants[atom] = True
+                constants[atom] = decided[atom] = True
             elif atom not in inside and all(body is False for body in simplified):
-                constants[atom] = False
+                constants[atom] = decided[atom] = False
             bodies[atom] = tuple([body for body in simplified if isinstance(body, RuleBody)])
         open_atoms = tuple(atom for atom in stratum.atoms if atom not in constants)
         if open_atoms:

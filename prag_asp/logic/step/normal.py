@@ -31,8 +31,9 @@ class RuleBody:
 class NormalStep:
     """A step whose only choice is the action.
 
-    `occurs` maps each action to its atom; `bodies` holds the bodies that derive an atom, `constraints` the bodies that
-    must be false in a step. `final_bodies` and `final` are the corresponding bodies for the check after the last step.
+    `occurs` maps each action to its atom; `bodies` holds the bodies that derive each atom, `constraints` the bodies
+    that must be false in a step. `final_bodies` and `final` are the corresponding bodies for the check after the last
+    step.
     """
 
     ground: GroundStep

@@ -33,7 +33,7 @@ def unpack(rows: Rows, bits: int) -> NDArray[np.bool_]:
 
 
 def mask_of(places: list[int], words: int) -> Rows:
-    """Return the words in which exactly these bits are set, shape (number of words,)."""
+    """Return the words in which exactly the given bits are set, shape (number of words,)."""
     mask = [0] * words
     for place in places:
         mask[place // WORD] |= 1 << place % WORD

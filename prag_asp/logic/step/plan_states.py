@@ -80,7 +80,7 @@ class PlanStates:
         return tuple(self._hindsight.step.occurs)
 
     def numbers(self, plans: Numbers) -> Numbers:
-        """Return the number of the known values of each state 0..n of valid plans; shape (plans, n + 1).
+        """Return numbers that identify the known values of the states 0..n of valid plans, shape (plans, n + 1).
 
         Plans have shape (plans, n) and hold the numbers of actions.
         """
@@ -127,7 +127,7 @@ def _look_up(table: dict[int, Any], keys: Numbers, evaluate: Callable[[list[int]
 
 
 class SolvedPlanStates:
-    """Like `PlanStates`, but for steps that cannot be evaluated: it solves the unrolled program of each plan."""
+    """The counterpart of `PlanStates` for steps that cannot be evaluated: it solves the program of each plan."""
 
     def __init__(self, program: Program, facts: Facts) -> None:
         self._program = program
@@ -141,7 +141,7 @@ class SolvedPlanStates:
         return len(self._numbers) > ENTRIES
 
     def numbers(self, plans: Numbers) -> Numbers:
-        """Return the number of the known values of each state 0..n of valid plans; shape (plans, n + 1)."""
+        """Return numbers that identify the known values of the states 0..n of valid plans, shape (plans, n + 1)."""
         numbers = np.empty((plans.shape[0], plans.shape[1] + 1), dtype=np.int64)
         for row, letters in zip(numbers, plans.tolist(), strict=True):
             values = solved_states(self._program, tuple(self.letters[each] for each in letters), self._fluents)

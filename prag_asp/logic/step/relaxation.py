@@ -29,7 +29,7 @@ MOST_ROUNDS = 16
 """The maximum size of a recursive stratum that is evaluated; atoms of larger strata may have any value."""
 
 ROOM = 2**23
-"""The largest memory in bytes of the operands of one gate."""
+"""The maximum memory in bytes for the operands of one gate."""
 
 May = tuple[int, int]
 """The gates for "may be true" and "may be false" of an atom."""
@@ -52,7 +52,10 @@ class Relaxation:
     ends: int
 
     def within(self, states: Rows, left: int) -> tuple[NDArray[np.bool_], bool]:
-        """Return which states may be at most `left` steps from the end, and whether no other state can reach it."""
+        """Return which states may be within `left` steps of the end, and whether no other state can reach the end.
+
+        The first result has shape (states,).
+        """
         near = np.empty(len(states), dtype=np.bool_)
         together = 64 * max(ROOM // (8 * self.circuit.widest), 4)
         forever = True
@@ -92,7 +95,7 @@ def relax(transition: Transition) -> Relaxation:
 
 
 class _Relaxed:
-    """Builds the gates of a step."""
+    """The gates of a step under construction."""
 
     def __init__(self, transition: Transition, gates: Gates, inputs: Sequence[May]) -> None:
         self._transition, self._gates, self._inputs = transition, gates, inputs
@@ -171,7 +174,7 @@ class _Relaxed:
         return self._gates.any(true), self._gates.all(self._false(body, value) for body in bodies)
 
     def _false(self, body: RuleBody, value: Callable[[int], May]) -> int:
-        """Return the gate for "may be false" of a body; a sum may always be false."""
+        """Return the gate for "may be false" of a body; a sum is always assumed to be possibly false."""
         if body.weights:
             return TRUE
         return self._gates.any(value(abs(literal))[literal > 0] for literal in body.literals)

@@ -1,4 +1,4 @@
-"""Ground bodies, simplified for a known action."""
+"""The simplification of ground bodies for a known action."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""The rules of a step in order of their dependencies, and an index of what reads each atom."""
+"""The rules of a step in order of their dependencies, and an index of the rules that read each atom."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -31,7 +31,7 @@ class StepRules:
 
     @cached_property
     def order(self) -> Mapping[int, int]:
-        """The place of each atom in `strata`."""
+        """The index in `strata` of the stratum of each atom."""
         return {atom: place for place, stratum in enumerate(self.strata) for atom in stratum.atoms}
 
     @cached_property
@@ -79,34 +79,34 @@ class StepRules:
         return table
 
     def simplified_with(
-        self, action: int, atom: int, affected: Set[int], constants: Constants
+        self, action: int, atom: int, constants: Constants, decided: Constants
     ) -> list[RuleBody | bool]:
-        """Return the simplified bodies of an atom that may be true if one action occurs and no other.
+        """Return those bodies of an atom, simplified, that may be true if one action occurs and no other.
 
-        `affected` are the atoms that the action can change; the constants contain no atoms other than actions.
+        The constants consist of the actions and of the atoms that are `decided` if this action occurs.
         """
         by_action, sums, others = self._by_action[atom]
         own = [*by_action.get(action, ()), *(body for each in sums for body in each.with_action(action))]
-        return [*(simplify(body, constants) for body in own), *others.simplified(action, affected, constants)]
+        return [*(simplify(body, constants) for body in own), *others.simplified(action, constants, decided)]
 
     @cached_property
     def readers(self) -> Mapping[int, list[int]]:
-        """For each atom, the atoms whose values it can change."""
+        """The atoms whose rules read each atom."""
         return _index((atom, self.step.bodies[atom]) for stratum in self.strata for atom in stratum.atoms)
 
     @cached_property
     def constraint_readers(self) -> Mapping[int, list[int]]:
-        """For each atom, the numbers of the constraints that read it."""
+        """The numbers of the constraints that read each atom."""
         return _index((number, (body,)) for number, body in enumerate(self.constraints))
 
     @cached_property
     def places(self) -> Mapping[int, list[int]]:
-        """For each atom, the variables that it sets."""
+        """The indices of the variables whose values each atom determines."""
         return _places(self.written)
 
     @cached_property
     def label_places(self) -> Mapping[int, list[int]]:
-        """For each atom, the labels that it sets."""
+        """The indices of the labels whose values each atom determines."""
         return _places(self.labels)
 
 
@@ -137,10 +137,11 @@ class _Others:
             for literal in body.literals:
                 self._readers.setdefault(abs(literal), []).append(number)
 
-    def simplified(self, action: int, affected: Set[int], constants: Constants) -> list[RuleBody | bool]:
-        """Return the bodies, simplified for an action that can change the `affected` atoms."""
+    def simplified(self, action: int, constants: Constants, decided: Constants) -> list[RuleBody | bool]:
+        """Return the bodies, simplified for an action: without the `decided` atoms, only those that read it differ."""
         found = self._idle.copy()
-        for atom in (action, *(affected & self._readers.keys())):
-            for number in self._readers.get(atom, ()):
-                found[number] = simplify(self._bodies[number], constants)
+        changed = set(self._readers.get(action, ()))
+        changed.update(*(self._readers[atom] for atom in decided.keys() & self._readers.keys()))
+        for number in changed:
+            found[number] = simplify(self._bodies[number], constants)
         return found

@@ -28,11 +28,10 @@ ROOM = 2**25
 """The maximum memory in bytes for the columns of `Needs` that are tested together."""
 
 WIDE, SPARSE = 2**12, 8
-"""From this number of states on, an action that may occur in fewer than one in `SPARSE` states is evaluated only there.
-"""
+"""In at least `WIDE` states, an action that may occur in fewer than one in `SPARSE` of them is evaluated only there."""
 
 MANY = 64
-"""The number of actions from which on `Needs` rules out actions together; fewer actions are tried one by one."""
+"""The minimum number of actions that `Needs` tests together; fewer actions are tried one by one."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,7 @@ class Needs:
         return cls(len(actions), tuple(numbers), letters, np.append(starts, len(table)), table[:, 1])
 
     def met(self, read: Callable[[int], Column], states: int) -> NDArray[np.bool_]:
-        """Return which actions are not forbidden in at least one state of a frontier, shape (actions,)."""
+        """Return for each action whether some state of a frontier does not forbid it, shape (actions,)."""
         met = np.ones(self.size, dtype=np.bool_)
         if not len(self.letters):
             return met
@@ -167,7 +166,7 @@ class Transition:
         return column_of(every ^ broken, len(states))
 
     def places_set(self, move: Move) -> list[int]:
-        """Return the variables that an action determines, in order."""
+        """Return the indices of the variables that an action determines, in order."""
         unchanged = unpack(move.keep[None], len(self.variables))[:, 0]
         return [place for place, stays in enumerate(unchanged.tolist()) if not stays]
 

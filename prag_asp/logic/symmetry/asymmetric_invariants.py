@@ -1,7 +1,8 @@
 """A test of whether a domain states the same invariants for all entities of a class.
 
-If it does not, the invariants of single entities may follow from the rest, so that entities differ only in syntax.
-`rules/closed_invariants.lp` states all entailed invariants, which do not depend on how the invariants are stated.
+If it does not, the invariants that some entities lack may still be entailed for them, so that the entities differ only
+in syntax. `rules/closed_invariants.lp` states all entailed invariants, which do not depend on how the invariants are
+stated.
 """
 
 from __future__ import annotations
@@ -20,11 +21,11 @@ _Stated = tuple[str, Shaped, Shaped]
 
 
 def states_unevenly(facts: Facts, groups: Collection[Sequence[clingo.Symbol]]) -> bool:
-    """Return whether some entities have invariants that others of their class lack but that may follow from the rest.
+    """Return whether some entities lack invariants that others of their class have but that may be entailed for them.
 
-    The answer is no if the `groups` of interchangeable entities already are whole classes.
+    The result is False if the `groups` of interchangeable entities already are whole classes.
     """
-    # Goals that fluents that are false in every state have the value false follow from the invariants as well.
+    # A goal with the value false also follows from the invariants if its fluent is false in every state.
     negative = [fluent for fluent, value in facts.goal if value == "false"]
     graph = invariant_graph(facts) if negative else {}
     idle = [fluent for fluent in negative if conflict(entailed([(fluent, True)], graph))]

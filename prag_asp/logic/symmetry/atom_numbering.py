@@ -104,11 +104,11 @@ class Atoms:
         return by_entity(key for atom in sorted(inside) if isinstance(key := self._keys[atom], tuple))
 
     def has(self, shaped: Shaped) -> bool:
-        """Return whether there is an atom with a name."""
+        """Return whether there is a named atom with the given shape and entities."""
         return shaped in self._numbers
 
     def named_atoms(self, atoms: Mapping[int, int]) -> Iterator[tuple[Shaped, int]]:
-        """Yield those of the given atoms that are named, each with its value."""
+        """Yield the shapes and entities of the named atoms among the given ones, each with the value of its atom."""
         for number, mark in atoms.items():
             key = self._keys[number]
             if isinstance(key, tuple):
@@ -138,7 +138,7 @@ class Atoms:
         return SpelledRule(frozenset(moved[atom] for atom in heads), (choice, bound, body), last)
 
     def under(self, names: Mapping[int, int]) -> NDArray[np.int64]:
-        """Return the number of each renamed atom, or `MISSING` if there is no such atom."""
+        """Return the number of each renamed atom, or `MISSING` if there is no such atom, shape (atoms,)."""
         renamed = np.arange(len(self._keys))
         for number in sorted({number for entity in names for number in self._with[entity]}):
             # rules mention only atoms with smaller numbers
@@ -159,7 +159,7 @@ class Atoms:
         return self._numbers.get(key, MISSING)
 
     def _definitions(self, rules: Iterable[Rule]) -> dict[int, list[Rule]]:
-        """Return the rules of the unnamed atoms that are identified by rules; others are identified by themselves."""
+        """Return the rules of unnamed atoms that are identified by rules; number the other unnamed atoms."""
         definitions: dict[int, list[Rule]] = {}
         for rule in rules:
             for head in rule.heads:
@@ -233,7 +233,7 @@ class Atoms:
 def propagate_facts(rules: Sequence[Rule], facts: Iterable[int] = ()) -> tuple[list[Rule], set[int]]:
     """Return equivalent rules without facts in their bodies, and all facts, including the given `facts`.
 
-    clingo leaves facts as literals in the rules of recursive predicates; which ones it leaves depends on its order of
+    clingo leaves facts as literals in the rules of recursive predicates; which facts it leaves depends on its order of
     atoms.
     """
     derived = {*facts, *(rule.heads[0] for rule in rules if _states(rule))}

@@ -39,7 +39,7 @@ from prag_asp.logic.symmetry.twins import Twins
 from prag_asp.program.entity_names import mentioned_entities
 
 Orders = NDArray[np.int64]
-"""Entities in a new order: row i has entity ``orders[i, j]`` at place j; shape (rows, entities)."""
+"""Entities in a new order: row i has entity ``orders[i, j]`` at position j; shape (rows, entities)."""
 
 UNTOUCHED, FIXED, LOW = np.uint64(1 << 62), np.uint64(2 << 62), np.uint64(2)
 """Sort keys within a group: entities that no bit names come after the others, and fixed entities come last."""
@@ -56,10 +56,10 @@ class Merging:
     """The renamings of the states and the actions of a transition.
 
     `groups` are the units that may be permuted, called entities here. They are numbered consecutively across all
-    groups; `starts` is where each group begins. `variables` are the patterns of the variables that renamings move, with
-    the numbers `moved`; `actions` are the patterns of all actions. `guards` holds, for each entity, the variable that
-    is true once the entity may be renamed, or `ALWAYS` or `NEVER`; `before` holds, for each entity, the entity that
-    must be named before it, or the entity itself.
+    groups; `starts` holds the number of the first entity of each group. `variables` are the patterns of the variables
+    that renamings move, with the numbers `moved`; `actions` are the patterns of all actions. `guards` holds, for each
+    entity, the variable that is true once the entity may be renamed, or `ALWAYS` or `NEVER`; `before` holds, for each
+    entity, the entity that must be named before it, or the entity itself.
     """
 
     groups: tuple[tuple[Unit, ...], ...]
@@ -89,14 +89,14 @@ class Merging:
 
     @cached_property
     def _begins(self) -> NDArray[np.bool_]:
-        """Whether an entity is the first of its group."""
+        """Whether each entity is the first of its group, shape (entities,)."""
         begins = np.zeros(self.size, dtype=np.bool_)
         begins[list(self.starts)] = True
         return begins
 
     @cached_property
     def _group(self) -> NDArray[np.int64]:
-        """The number of the group of each entity."""
+        """The number of the group of each entity, shape (entities,)."""
         return np.cumsum(self._begins)
 
     def canonical(self, states: Rows) -> tuple[Rows, Orders]:
@@ -183,7 +183,7 @@ class Merging:
         return orders
 
     def _keys(self, states: Rows, initial_colours: Colours | None = None) -> tuple[StateBits, Colours]:
-        """Return the sort keys of the entities of each group."""
+        """Return the bits in which states differ from the initial state, and sort keys, shape (states, entities)."""
         bits = find_bits((states ^ self.initial) & self._mask, self.variables, self._term_of)
         marks = np.zeros((len(states), self.size), dtype=np.uint64) if initial_colours is None else initial_colours
         keys = refine_colours(bits, marks) >> LOW
@@ -197,7 +197,10 @@ class Merging:
         return bits, keys
 
     def _alike(self, bits: StateBits, keys: Colours, orders: Orders) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-        """Return which entities in an order are twins of the previous ones, and which have the same keys as those."""
+        """Return which entities, in the given orders, are twins of their predecessors, and which have the same keys.
+
+        Both results have shape (states, entities).
+        """
         ties = np.zeros(keys.shape, dtype=np.bool_)
         ties[:, 1:] = (keys[:, 1:] == keys[:, :-1]) & ~self._begins[1:]
         twins: NDArray[np.bool_] = ties & (keys == UNTOUCHED)

@@ -39,7 +39,7 @@ class StateBits:
     related: NDArray[np.intp]
 
     def entities(self, bits: NDArray[np.intp]) -> NDArray[np.int64]:
-        """Return the entities that the given bits name, one row for each bit."""
+        """Return the entities that the given bits name, shape (bits, most entities of a term)."""
         return self.terms.entities[self.term[bits]]
 
 
@@ -115,9 +115,10 @@ def _distinct(colours: Colours) -> NDArray[np.intp]:
 def are_twins(
     bits: StateBits, variable_of: NDArray[np.int64], state: NDArray[np.intp], pairs: NDArray[np.int64]
 ) -> NDArray[np.bool_]:
-    """Return, for each pair of entities of one group, whether swapping them leaves its state unchanged.
+    """Return, for each pair of entities of one group, whether swapping them leaves the state of the pair unchanged.
 
-    `state` has shape (m,), `pairs` (m, 2); `variable_of` maps a term to its variable.
+    `state` holds the state of each pair, shape (m,); `pairs` has shape (m, 2). `variable_of` maps a term to its
+    variable.
     """
     first, second = pairs.T
     result: NDArray[np.bool_] = (bits.alone[state, first] == bits.alone[state, second]).all(axis=1)
@@ -139,7 +140,7 @@ def _relations_agree(
     pairs: NDArray[np.int64],
     starts: NDArray[np.intp],
 ) -> NDArray[np.bool_]:
-    """Return whether each bit that relates several entities is also set after swapping the entities of a pair."""
+    """Return, for each pair, whether swapping its entities keeps the bits that relate several entities; shape (m,)."""
     sizes = starts[state + 1] - starts[state]
     pair = np.repeat(np.arange(len(state)), sizes)
     within = np.arange(len(pair)) - np.repeat(np.cumsum(sizes) - sizes, sizes)

@@ -1,4 +1,4 @@
-"""The consequences of literals under the rules of a ground step, to find rules that others entail."""
+"""The consequences of literals under the rules of a ground step, used to find rules that other rules entail."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ class Consequences:
     """An incomplete test of whether rules entail another rule.
 
     The body of the rule is assumed, with negated literals as separate atoms, and the rules are applied. If its head or
-    a contradiction follows, the rule is a consequence of the others in the logic of here-and-there: adding it changes
-    the answer sets of no larger program (strong equivalence; Lifschitz, Pearce and Valverde 2001). The test finds
-    consequences of chains of rules, such as those of redundant invariants.
+    a contradiction follows, the rule is a consequence of the others in the logic of here-and-there: adding it to any
+    program that contains the others leaves the answer sets unchanged (strong equivalence; Lifschitz, Pearce and
+    Valverde 2001). The test finds consequences of chains of rules, such as those of redundant invariants.
     """
 
     def __init__(self, rules: Iterable[SpelledRule]) -> None:

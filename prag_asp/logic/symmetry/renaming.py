@@ -1,4 +1,4 @@
-"""Represent terms as shapes with places for entities, and rename terms."""
+"""Terms as shapes with slots for entities, and the renaming of terms."""
 
 from __future__ import annotations
 
@@ -7,16 +7,16 @@ from collections.abc import Iterable, Mapping
 import clingo
 
 Shaped = tuple[int, tuple[int, ...]]
-"""The number of a shape, and the numbers of the entities at its places, from left to right."""
+"""The number of a shape, and the numbers of the entities in its slots, from left to right."""
 
 PLACE = 0
 """The shape of a single entity."""
 
 
 class Shapes:
-    """Shapes of terms: two terms have the same shape if they differ only in the entities at its places.
+    """Shapes of terms: two terms have the same shape if they differ at most in their entities.
 
-    `entities` maps each entity to its number. Each subterm is processed once, because clingo's terms are slow.
+    `entities` maps each entity to its number. Each subterm is processed once, because access to clingo's terms is slow.
     """
 
     def __init__(self, entities: Mapping[clingo.Symbol, int]) -> None:

@@ -86,11 +86,11 @@ class Symmetries:
         return (unit for units in self.joint for unit in units if entity in unit)
 
     def names(self, mentioned: Iterable[clingo.Symbol]) -> dict[clingo.Symbol, clingo.Symbol]:
-        """Return names for the entities with which a plan introduces each group and each joint group in order.
+        """Return the renaming under which a plan introduces the members of each group and each joint group in order.
 
-        `mentioned` are the entities of a plan in the order in which it names them. Exactly one renaming of a plan
+        `mentioned` are the entities of a plan in the order in which the plan names them. Exactly one renaming of a plan
         introduces, at each point, the least entity that the previous ones allow (a chain of stabilizers, Sims 1970):
-        the units of a joint group in their order, and the groups within a unit in theirs.
+        the units of a joint group in order, and the groups within each unit in order.
         """
         names = {entity: entity for entity in mentioned if entity in self.entities}
         for alike in (*self.joint, *(tuple((entity,) for entity in group) for group in self.groups)):

@@ -15,6 +15,7 @@ from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, 
 from dataclasses import dataclass, field
 from functools import cached_property, partial
 from itertools import combinations
+from weakref import WeakKeyDictionary
 
 import clingo
 import numpy as np
@@ -47,7 +48,7 @@ def find_symmetries(facts: Facts, ground: GroundStep, bare: Callable[[], GroundS
     if not classes:
         return Symmetries()
     numbers = {entities[number]: number for members in classes for number in members}
-    rules = _Rules(Atoms(ground, numbers), None if bare is None else lambda: _Rules(Atoms(bare(), numbers)))
+    rules = _Rules(Atoms(ground, numbers), None if bare is None else lambda: _shared_rules(bare(), numbers))
     blocks: list[list[int]] = []
     for members in classes:
         alike: list[list[int]] = []
@@ -111,7 +112,7 @@ def _stated(facts: Facts) -> dict[clingo.Symbol, Hashable]:
 
 @dataclass(frozen=True)
 class _Terms:
-    """Terms that renamings must map onto themselves, and the test for them; `naming` holds the terms by entity."""
+    """Terms that renamings must map onto themselves; `has` tests for a term, `naming` holds the terms by entity."""
 
     exact: Collection[Shaped]
     naming: Mapping[int, Sequence[Shaped]]
@@ -133,7 +134,7 @@ class _Terms:
         return iter(())
 
     def size(self, entities: Iterable[int]) -> int:
-        """Return the total number of terms that name each of the given entities, as a measure of the work."""
+        """Return the number of terms that name each entity, summed over the entities, as a measure of the work."""
         return sum(len(self.naming.get(entity, ())) for entity in entities)
 
 
@@ -143,9 +144,10 @@ class _Rules:
 
     atoms: Atoms
     others: Callable[[], _Rules] | None = None
+    _kept: dict[tuple[int, int], bool] = field(default_factory=dict)
     _consequences: dict[bool, Consequences] = field(default_factory=dict)
     _witnesses: list[tuple[SpelledRule, int, int]] = field(default_factory=list)
-    """Rules that swaps of two entities do not preserve, each with the two entities; the rule that was last useful comes
+    """Rules that swaps of two entities do not preserve, each with the two entities; the most recently useful rule comes
     first."""
 
     @cached_property
@@ -153,10 +155,16 @@ class _Rules:
         return self.others() if self.others else None
 
     def kept_by(self, first: int, second: int) -> bool:
-        """Return whether the swap of two entities maps the rules onto themselves, up to entailed rules.
+        """Return whether the swap of two entities maps the rules onto themselves, up to entailed rules."""
+        if (first, second) not in self._kept:
+            self._kept[first, second] = self._test_swap(first, second)
+        return self._kept[first, second]
 
-        The test is cheap because most pairs differ in one of the first atoms, or in a rule like one in which an earlier
-        pair differs.
+    def _test_swap(self, first: int, second: int) -> bool:
+        """Test a swap.
+
+        The test is cheap because most pairs differ in one of the first atoms, or in a rule similar to one in which an
+        earlier pair differs.
         """
         names = {first: second, second: first}
         if self._differ_as_before(first, second) or next(self._terms.lacking(names, names), None) is not None:
@@ -204,14 +212,14 @@ class _Rules:
         return image is not None and (image in self._deriving or self._entails(image))
 
     def _entails(self, rule: SpelledRule) -> bool:
-        """Return whether a rule is entailed by the rules of every step or, if it is of the last step, by all rules."""
+        """Return whether other rules entail a rule: the rules of every step or, for the final check, all rules."""
         if rule.last not in self._consequences:
             rules = (each for each in self.atoms.rules if rule.last or not each.last)
             self._consequences[rule.last] = Consequences([*rules, *self.atoms.definitions])
         return self._consequences[rule.last].has(rule)
 
     def size(self, entities: Iterable[int]) -> int:
-        """Return the total number of atoms that name each of the given entities."""
+        """Return the number of atoms that name each entity, summed over the given entities."""
         return self._terms.size(entities)
 
     @cached_property
@@ -260,6 +268,18 @@ class _Rules:
             table = np.array(rows, dtype=np.int64)
             tables.append(_RuleRows(table, heads_end, heads_end + size, choice, bound, last, having))
         return tables
+
+
+_of_steps: WeakKeyDictionary[GroundStep, dict[tuple[clingo.Symbol, ...], _Rules]] = WeakKeyDictionary()
+"""The rules of each step that was passed as `bare`, by the numbered entities: spaces under conditions share them."""
+
+
+def _shared_rules(ground: GroundStep, numbers: Mapping[clingo.Symbol, int]) -> _Rules:
+    """Return the rules of a step; for the same step and entities, return the same object."""
+    by_entities, entities = _of_steps.setdefault(ground, {}), tuple(numbers)
+    if entities not in by_entities:
+        by_entities[entities] = _Rules(Atoms(ground, numbers))
+    return by_entities[entities]
 
 
 @dataclass(frozen=True)

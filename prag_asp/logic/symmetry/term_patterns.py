@@ -1,4 +1,4 @@
-"""Terms as patterns with places for entities, so that renaming entities is arithmetic on arrays."""
+"""Terms as patterns with slots for entities, so that renaming entities is arithmetic on arrays."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ class Twins:
 
     @classmethod
     def between(cls, actions: Patterns, twins: NDArray[np.bool_]) -> Twins:
-        """Return the classes, given which entities are twins of the previous ones."""
+        """Return the classes, given which entities are twins of the previous entity, shape (states, entities)."""
         places = np.arange(twins.shape[1])
         first = np.maximum.accumulate(np.where(twins, 0, places), axis=1)
         count = np.zeros(first.shape, dtype=np.int64)
@@ -46,7 +46,7 @@ class Twins:
         return result
 
     def multiplicity(self, letter: int, states: NDArray[np.intp]) -> NDArray[np.int64]:
-        """Return the number of renamings by twins of an action in each of the given states."""
+        """Return the number of renamings by twins of an action in each of the given states, shape (states,)."""
         entities = self.actions.entities[letter : letter + 1]
         result = np.ones(len(states), dtype=np.int64)
         for place in range(int(self.actions.arity[letter])):
@@ -62,7 +62,7 @@ class Twins:
     def _twins_before(
         self, entities: NDArray[np.int64], place: int, states: NDArray[np.intp] | slice
     ) -> NDArray[np.int64]:
-        """Return how many twins of the entity at a given place are named by actions before this place.
+        """Return how many twins of an action's entity at index `place` the action names before this index.
 
         `entities` has a row for each action; the result has shape (states, actions).
         """

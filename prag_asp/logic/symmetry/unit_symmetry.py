@@ -21,7 +21,7 @@ Block = tuple[int, ...]
 """Entities that move together, in an order that is the same for blocks of the same kind."""
 
 Swap = dict[int, int]
-"""Maps the place of each block that a renaming moves to the place with which it is exchanged."""
+"""A swap of blocks: the index of each block that it moves, with the index of the block that takes its place."""
 
 FEWEST, MOST = 4, 256
 """The smallest and the largest bound on the number of blocks that one swap moves; between them, the bound is doubled.
@@ -60,7 +60,7 @@ class Renamed(Protocol):
         ...
 
     def size(self, entities: Iterable[int]) -> int:
-        """Return the total number of atoms that name each of the given entities."""
+        """Return the number of atoms that name each entity, summed over the given entities."""
         ...
 
 
@@ -146,7 +146,7 @@ class _UnitSearch:
         self._taken: set[int] = set()
 
     def groups(self) -> list[list[tuple[int, ...]]]:
-        """Return the groups of aligned units with the fewest blocks; a unit is given by the places of its blocks."""
+        """Return the groups of the smallest aligned units; a unit is given by the indices of its blocks."""
         waiting = [[place for place in places if self._blocks[place] not in self._alone] for places in self._classes]
         while self._left > 0 and (waiting := [candidates for candidates in waiting if len(candidates) > 1]):
             most = FEWEST
@@ -189,7 +189,7 @@ class _UnitSearch:
                 yield swap
 
     def _units(self, star: Sequence[Swap], size: int) -> list[tuple[int, ...]]:
-        """Return the units given by swaps of one block with others if they have `size` blocks; mark them as used."""
+        """Return the units of `size` blocks that swaps of one block with others yield; mark their blocks as used."""
         swaps = [swap for swap in star if len(swap) == size and self._taken.isdisjoint(swap)]
         if not swaps:
             return []
@@ -249,7 +249,7 @@ class _UnitSearch:
         return None
 
     def _names(self, moved: Swap) -> dict[int, int]:
-        """Return the renaming of entities that a swap of blocks amounts to."""
+        """Return the renaming of entities that a swap of blocks induces."""
         pairs = (zip(self._blocks[place], self._blocks[goes], strict=True) for place, goes in moved.items())
         return {entity: name for pair in pairs for entity, name in pair}
 

@@ -1,4 +1,4 @@
-"""Enumerate with clingo up to a work limit, and predict the processor time for enumerating all answer sets."""
+"""Enumeration by clingo up to a work limit, and a prediction of the processor time for all answer sets."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ DIVE_OPTIONS = ("rand_freq", "sign_def", "restarts", "local_restarts", "seed")
 """The options of clasp's solver that are changed for random searches."""
 
 FORGOTTEN = "3"
-"""The data that clasp resets after random searches (scores and signs of variables), which may slow down a search
+"""The data that clasp resets after random searches (scores and signs of variables), because they may slow down a search
 twentyfold."""
 
 UNLIMITED = "umax"

@@ -1,4 +1,4 @@
-"""Decide how long each engine counts before the next one starts, using a rule derived from a hundred diverse programs.
+"""How long each engine counts before the next one starts, by a rule derived from a hundred diverse programs.
 
 The measurements are in ``benchmarks/model_engines.py``. The rule depends on the predicted time of an
 enumeration and on the width of the clauses.
@@ -24,7 +24,7 @@ atoms."""
 NARROW = 24
 """The width of a tree decomposition up to which counting by cases is fast for any number of models."""
 
-QUICK = 0.2
+QUICK = 0.4
 """The predicted time, in seconds, up to which an enumeration begins at once, before clauses are written."""
 
 SOON = 0.7
@@ -52,25 +52,26 @@ SLIM = 8
 """The width up to which a diagram takes at most about 2**8 nodes for each variable."""
 
 PATIENCE = 500
-"""The number of calls of `look` by the compiler, each after 64 node visits, before a counter joins in, which take about
+"""The number of calls of `look` by the compiler, each after 64 node visits, before a counter joins in; they take about
 1 s."""
 
 
 COMPILATION, LONGER_COMPILATION = 0.5, 1.5
-"""The time, in seconds, of a compilation that is likely to be short, and that of one if an enumeration takes longer
-than `LATER`."""
+"""The time limits, in seconds, of a compilation that is likely to be short: in general, and if an enumeration takes
+longer than `LATER`."""
 
 SWEPT = 32
-"""The width up to which the compiler sweeps over a formula faster than clingo enumerates it, unless the latter is
-`QUICK`."""
+"""The width up to which the compiler sweeps over a formula faster than clingo enumerates it, unless the enumeration
+takes at most `QUICK`."""
 
 
 SURE_TABLE, LONG_TABLE = 5.0, 20.0
-"""The time, in seconds, up to which a table of partial sums is completed before other engines begin if it certainly
-takes no longer, and the time of a table after the other engines' turns."""
+"""The time limits, in seconds, of a table of partial sums: before other engines begin, if the table certainly takes no
+longer; and after the turns of the other engines."""
 
 TABLE, HOPELESS_TABLE, HOPELESS = 1.0, 0.2, 1e10
-"""The time of another table before other engines begin, and that of one whose bound is above `HOPELESS`, in seconds.
+"""The time limits, in seconds, of any other table before other engines begin: `HOPELESS_TABLE` if the bound on the time
+of the table is above `HOPELESS`, and `TABLE` otherwise.
 
 Most bounds are far too high.
 """
@@ -96,12 +97,12 @@ class Turn(NamedTuple):
 
 
 def seconds_of_enumeration(predicted: float) -> float:
-    """Return the number of seconds after which the predicted time of an enumeration has evidently been wrong."""
+    """Return the number of seconds after which the predicted time of an enumeration is evidently wrong."""
     return max(0.8, 3 * predicted)
 
 
 def seconds_of_table(most: float, predicted: float | None) -> float:
-    """Return the time of a table of partial sums before other engines, given a bound and that of an enumeration."""
+    """Return the time limit of a table before other engines begin, given bounds on its time and an enumeration's."""
     if most <= SURE_TABLE and (predicted is None or predicted > most):
         return SURE_TABLE
     return HOPELESS_TABLE if most > HOPELESS else TABLE if predicted is None or predicted > LATER else TABLE / 4
@@ -136,7 +137,7 @@ def turns_of_engines(predicted: float | None, width: int, *, tight: bool, whole:
 
 
 def _turns_of_counters(width: int, *, tight: bool, whole: bool) -> tuple[Turn, ...]:
-    """Return the turns that counters get.
+    """Return the turns of the counters.
 
     d4 splits clauses into parts, and counts most narrow formulas immediately; it accepts only formulas without
     projection.

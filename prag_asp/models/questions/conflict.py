@@ -1,4 +1,4 @@
-"""Explain why a program has no answer set: a minimal set of its lines that together exclude every answer set.
+"""Why a program has no answer set: a minimal set of its lines that together exclude every answer set.
 
 Each line is kept or lifted. A lifted constraint is dropped; a lifted rule allows its head atoms instead of deriving
 them. Lifting a line therefore only adds answer sets, and lines are lifted one by one until no more can be lifted (a
@@ -77,7 +77,7 @@ def explain_program(
 def find_conflict(
     given: GivenProgram, ground: GroundModels, choices: Sequence[AtomChoice] = (), *, project: bool = False
 ) -> Conflict | None:
-    """Return lines of a program and choices that exclude every answer set, or None if one agrees with the choices."""
+    """Return lines and choices that exclude every answer set, or None if some answer set agrees with the choices."""
 
     def conflict_of(liftable: _LiftableLines) -> Conflict | None:
         return liftable.with_choices(choices, ground, project=project).conflict()
@@ -209,7 +209,7 @@ class _LiftableLines:
 
 
 class _GivenUp(Exception):
-    """Raised when the solver reaches its limit."""
+    """The signal that the solver has reached its limit."""
 
 
 def _is_liftable(statement: Statement, data: Container[Signature]) -> bool:
@@ -226,7 +226,7 @@ def _derived(statement: Statement) -> list[AtomNode]:
 
 
 def _liftable(statement: Statement, kept: str, may: str) -> Iterator[str]:
-    """Yield rules that amount to a statement if an atom is true, and to its lifted form otherwise."""
+    """Yield rules equivalent to a statement if the atom `kept` is true, and to its lifted form otherwise."""
     body = "".join(f"{text}; " for _, text in statement.literals)
     yield f"{statement.node.head} :- {body}{kept}."
     allowed = [str(element) for element in _elements(statement.node.head)]

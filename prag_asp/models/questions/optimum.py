@@ -17,7 +17,7 @@ POLL = 0.05
 """The time between two checks for interrupts, in seconds."""
 
 LARGEST = 2**31 - 1
-"""The largest sum of weights, because clasp merges the weights of equivalent literals in 32 bits."""
+"""The largest sum of weights, because clasp adds the weights of equivalent literals in 32 bits."""
 
 
 @dataclass(frozen=True)
@@ -47,10 +47,10 @@ def find_optimum(given: GivenProgram, ground: GroundModels) -> Optimum | None:
         if sum(abs(weight) for _, weight in literals) > LARGEST:
             place = next(places_of_costs(given.program))
             raise DomainError(
-                f"{place} the weights of priority {priority} sum to more than {LARGEST}, which clingo does not add up "
+                f"{place} the weights of priority {priority} sum to more than {LARGEST}, which clingo does not add "
                 "exactly; state smaller weights"
             )
-    stage("searching the optimum")
+    stage("searching for the optimum")
     grounder = given.grounder("--opt-mode=opt")
     grounder.ground([("base", [])])
     costs: Sequence[int] | None = None
@@ -71,7 +71,7 @@ def find_optimum(given: GivenProgram, ground: GroundModels) -> Optimum | None:
 
 
 def only_optimal(ground: GroundModels, optimum: Optimum) -> GroundModels:
-    """Return a ground program whose only answer sets are the optimal ones; its control gets the same constraints."""
+    """Return a ground program with only the optimal answer sets; add the same constraints to its control."""
     rules = tuple(_optimal_rules(ground, optimum))
     with ground.grounder.control.backend() as backend:
         for rule in rules:

@@ -1,1 +1,1 @@
-"""Counting programs whose difficulty lies in sums over many atoms."""
+"""Counts for programs whose difficulty lies in sums over many atoms."""

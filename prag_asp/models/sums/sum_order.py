@@ -1,4 +1,4 @@
-"""Choose the order in which a table of partial sums decides variables."""
+"""The order in which a table of partial sums decides variables."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Count the models of clauses and sums with a table of states: partial sums, and clauses that are not satisfied yet.
+"""Counts of the models of clauses and sums, by a table of states: partial sums, and clauses not satisfied yet.
 
 The variables of a part are decided in a fixed order. After some decisions, the models of the rest depend only on the
 weight that each sum still lacks and on the clauses that have begun and are not satisfied, so that equal states are
@@ -22,7 +22,7 @@ from prag_asp.models.sums.sum_formula import SumFormula, SumPart
 from prag_asp.models.sums.sum_order import table_order
 
 PAUSE = 1024
-"""The number of states between two looks at the time."""
+"""The number of states between two checks of the time."""
 
 SECONDS = 4e-6
 """The processor time for a state, in seconds."""
@@ -37,23 +37,23 @@ The other bits are the weight that the sum lacks, which is at least 1.
 """
 
 CLOSED, REACHED, MISSED, DEAD_SUM = 0, -1, -2, -3
-"""The numbers for a sum that restricts nothing, those whose output is implied, but not yet decided, and one that cannot
-have its value."""
+"""The numbers for a sum that restricts nothing, for sums whose output is implied (true or false) but not yet decided,
+and for a sum that cannot have its value."""
 
 OPEN_AND_AT_LEAST_1 = 1 << 2
 """The smallest number for an open sum."""
 
 State = tuple[int, ...]
-"""The clauses that are begun and not satisfied, as bits, and a number for each sum."""
+"""The clauses that have begun and are not satisfied, as bits, and a number for each sum."""
 
 
 @dataclass
 class _Decision:
     """The effect of a literal on a state.
 
-    The clauses in `last` would be violated, those not in `keep` are satisfied, and those in `begin` begin. Each
-    addition to a sum is its slot, 4 times its weight, and 4 times the weight that the sum still has afterwards, plus 3.
-    Each output is its slot, and REACHES or MISSES.
+    The clauses in `last` would be violated, those not in `keep` are satisfied, and those in `begin` begin. Each of
+    `additions` is the slot of a sum, 4 times the weight that is added to the sum, and 4 times the weight that is still
+    open afterwards, plus 3. Each of `outputs` is the slot of a sum, and REACHES or MISSES.
     """
 
     last: int = 0

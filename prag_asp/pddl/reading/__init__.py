@@ -1,1 +1,1 @@
-"""Read PDDL files into plain values, and rewrite numbers and time, which the translation does not support."""
+"""Readers of PDDL files, which return plain values and rewrite numbers and time, which the translation lacks."""

@@ -1,4 +1,4 @@
-"""Read the actions of a PDDL domain: arbitrarily nested conditions and effects, and durative actions without time."""
+"""The reader of the actions of a PDDL domain: nested conditions and effects, and durative actions without time."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Effect = SchemaEffect | NumericEffect
 
 
 class ActionReader:
-    """Reads the actions of a domain; durative actions become instantaneous if `untimed`, and are refused otherwise."""
+    """A reader of the actions of a domain; with `untimed`, durative actions become instantaneous instead of refused."""
 
     def __init__(self, source: PddlSource, declared: Declared, derived: frozenset[str], *, untimed: bool) -> None:
         self._source = source

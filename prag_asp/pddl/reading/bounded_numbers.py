@@ -1,9 +1,9 @@
 """Numbers that actions change and conditions read, as predicates, one for each possible value of a function.
 
 The values are a least fixpoint within the bounds of `number_bounds`: the values of the initial state, and those that an
-action computes from them if its own comparisons hold. It contains all reachable values, because objects are ignored. If
-it is finite, the translation is exact: in each state, exactly one of the predicates is true for each function term that
-has a value.
+action computes from them if its own comparisons hold. The fixpoint contains all reachable values, because objects are
+ignored. If it is finite, the translation is exact: in each state, exactly one of the predicates is true for each
+function term that has a value.
 """
 
 from __future__ import annotations
@@ -187,7 +187,7 @@ class _FunctionValues:
     ) -> list[Row]:
         """Return the combinations of function values for which an effect may occur.
 
-        With `fresh`, only those combinations that have at least one of these values.
+        With `fresh`, return only the combinations that contain at least one of these values.
         """
         needed = dict.fromkeys(function_terms(effect.value))
         needed |= {} if effect.operator == "assign" else {effect.function: None}
@@ -210,7 +210,7 @@ class _FunctionValues:
         source: PddlSource,
         fresh: Mapping[str, set[Fraction]] | None = None,
     ) -> Iterator[Row]:
-        """Return all combinations of values of the given functions; with `fresh`, those that have one of its values."""
+        """Return the combinations of values of functions; with `fresh`, only those that contain a value of `fresh`."""
         terms = [*terms]
         values = [self.of(each) for each in terms]
         choices = [values]
@@ -233,7 +233,7 @@ class _FunctionValues:
 
 @dataclass
 class _Numbers:
-    """The predicates that stand for values; converts comparisons and changes to conditions and effects on these."""
+    """The predicates that stand for values, in conditions and effects that replace comparisons and changes."""
 
     source: PddlSource
     domain: DomainFile
@@ -300,7 +300,7 @@ class _Numbers:
         return replace(action, precondition=self.formula(whole, self.source), effects=tuple(effects))
 
     def _needed(self, effect: NumericEffect) -> Iterator[Formula]:
-        """Yield conditions which state that the functions in an effect have values; otherwise, it cannot occur."""
+        """Yield the conditions that the functions in an effect have values, without which the effect cannot occur."""
         terms = dict.fromkeys(function_terms(effect.value))
         for term in {**terms, **({} if effect.operator == "assign" else {effect.function: None})}:
             stated = sum(function == term.function for function, _ in self.problem.values)

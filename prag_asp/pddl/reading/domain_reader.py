@@ -1,4 +1,4 @@
-"""Read a PDDL domain, and check it against its declarations."""
+"""The reader of a PDDL domain, which checks the domain against its declarations."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ REQUIREMENTS = frozenset([
 
 
 class DomainReader:
-    """Reads a domain; `constants` adds to `objects`, and so does the reader of the problem before actions are read."""
+    """A reader of a domain; `objects` holds its constants and, once the problem's objects are read, these as well."""
 
     def __init__(self, source: PddlSource, definition: Definition) -> None:
         self._source = source

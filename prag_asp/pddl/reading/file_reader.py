@@ -1,4 +1,4 @@
-"""Read a PDDL domain and its problem, and check them against their declarations."""
+"""The reader of a PDDL domain and its problem, which checks both against the declarations."""
 
 from __future__ import annotations
 

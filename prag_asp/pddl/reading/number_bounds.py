@@ -1,4 +1,4 @@
-"""Find bounds for numbers that actions change, if an atom records each change that another action may undo.
+"""Bounds for numbers that actions change, if an atom records each change that another action may undo.
 
 If each action that decreases f(z) by w(y) requires and deletes p(y,z), and each action that adds p(y,z) increases f(z)
 by w(y), then f(z) minus the sum of w over the true atoms p(_,z) never decreases. The sum is not negative, so f(z) never
@@ -19,7 +19,7 @@ SIGNS: Mapping[str, int] = {"increase": 1, "decrease": -1}
 
 
 class ValueBounds(NamedTuple):
-    """The least and the greatest value of a function, each of which is None if it is unknown."""
+    """The least and the greatest value of a function; None stands for an unknown bound."""
 
     least: Fraction | None
     most: Fraction | None

@@ -1,4 +1,4 @@
-"""Represent functions with objects as values by predicates whose last argument is the value; at most one is true.
+"""Functions with objects as values, as predicates whose last argument is the value; at most one atom is true.
 
 ``undefined`` is a value like any other (PDDL 3.1), so two functions without a value are equal. A literal that contains
 a function without a value is false.
@@ -47,5 +47,5 @@ class ObjectFunction:
     line: int
 
     def literal(self, value: Variable | str, *, positive: bool = True) -> Literal:
-        """Return the literal that states that the function has a value."""
+        """Return the literal that states that the function has the given value."""
         return Literal(self.predicate, (*self.terms.terms, value), positive, self.line)

@@ -1,4 +1,4 @@
-"""Turn nondeterministic effects (``oneof``) into separate actions, one for each outcome.
+"""Nondeterministic effects (``oneof``), turned into separate actions, one for each outcome.
 
 This is the all-outcomes determinization (Yoon, Fern and Givan 2007), whose plans are sequences of actions with outcomes
 that lead to the goal.

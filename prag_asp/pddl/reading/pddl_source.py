@@ -100,7 +100,7 @@ class PddlSource:
                     continue
                 kind = Word(part[1:], part.line) if part != "-" else next(pairs, (None,))[0]
                 if not waiting and kind is not None:
-                    self.refuse(part.line, f"no name stands before {str(part)!r}; write names before it, or remove it")
+                    self.refuse(part.line, f"no name precedes {str(part)!r}; write names before it, or remove it")
                 if part != "-" and not variables and self._is_unknown(kind, types):
                     text = f"{part} after {waiting[-1]} is neither a type that is declared nor the name before a type"
                     self.refuse(
@@ -133,7 +133,7 @@ class PddlSource:
 
     @staticmethod
     def _is_unknown(kind: Expression | Word | None, types: dict[str, tuple[str, ...]] | None) -> bool:
-        """Return whether a word is no type, and resembles none."""
+        """Return whether a word neither is a type nor resembles one."""
         known = isinstance(kind, Word) and (types is None or kind in types or nearest(kind, set(types) - {OBJECT}))
         return not known
 

@@ -1,4 +1,4 @@
-"""Read a PDDL problem, and check it against the declarations of its domain."""
+"""The reader of a PDDL problem, which checks the problem against the declarations of its domain."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from prag_asp.pddl.syntax.sections import Definition
 
 
 class ProblemReader:
-    """Reads a problem; its objects are read before the actions of the domain, which may name them."""
+    """A reader of a problem; it reads the objects before the domain's actions are read, which may name the objects."""
 
     def __init__(self, source: PddlSource, definition: Definition, *, untimed: bool) -> None:
         self._source = source
@@ -88,7 +88,7 @@ class ProblemReader:
             return
         if changed.head != "=":
             scope.literal(self._source.list_of(changed.rest, tree.line) if changed.head == "not" else changed)
-        text = "what changes at a time is ignored; state in :init what is true all along"
+        text = "literals that change at a time are ignored; state in :init what is always true"
         self._source.warn(tree.line, text, "ignored")
 
     def _read_value(self, tree: Expression, scope: Scope) -> None:

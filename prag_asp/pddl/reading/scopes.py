@@ -48,7 +48,7 @@ class Declared:
 
 
 class Scope:
-    """The names in scope at a place in a file."""
+    """The names in scope at a point in a file."""
 
     def __init__(self, source: PddlSource, declared: Declared, *, in_domain: bool = True) -> None:
         self._source = source
@@ -217,7 +217,7 @@ class Scope:
         return whole if positive else negated(whole)
 
     def _object_equality(self, left: Expression, right: Expression | Word) -> Formula:
-        """Return the formula that an object function and a term have the same value, or that both have none."""
+        """Return the formula: an object function and a term have the same value, or both have none."""
         one, line = self.function_value(left), left.line
         if right == UNDEFINED and UNDEFINED not in self._declared.objects:
             return one.terms.bound(self._has_no_value(one))

@@ -1,4 +1,4 @@
-"""Turn durative actions into instantaneous ones, with the effect of running from start to end without overlap.
+"""Durative actions, turned into instantaneous ones with the effect of running from start to end without overlap.
 
 The effects at the start come first. The conditions over all and at the end are read in the state after these effects,
 so they are regressed over the effects at the start (Reiter 1991). The effects at the end come last, and override the

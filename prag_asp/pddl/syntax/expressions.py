@@ -1,4 +1,4 @@
-"""Parse a PDDL file into nested expressions, whose words carry their line numbers.
+"""The parser of a PDDL file, which returns nested expressions whose words carry their line numbers.
 
 PDDL is a language of nested lists, but the files of many projects deviate from its grammar: names that begin with a
 digit, arbitrarily nested effects, and requirements of other dialects. This parser only reads lists, and leaves all

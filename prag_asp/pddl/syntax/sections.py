@@ -114,7 +114,7 @@ def _unknown(head: Word, kind: str) -> str:
 
 
 def unexpected(word: str) -> str:
-    """Return the message about a word that is not valid at its place."""
+    """Return the message about a word that is not valid where it occurs."""
     return f"{str(word)!r} is not expected here; look for a misspelt word or a missing parenthesis before it"
 
 

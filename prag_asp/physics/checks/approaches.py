@@ -47,7 +47,7 @@ def approach_problems(
         arms = (arm, after.moment.arms[robot])
         own = [each for each in zip(motion, tools, strict=True) if each[0].robot == robot]
         if own and own[-1][0].name == TRANSIT:
-            yield "it ends on its way"
+            yield "it ends in transit"
             return
         stops = [_end(before, robot, simulator)]
         held, joints = arm.held, arm.joints
@@ -55,7 +55,7 @@ def approach_problems(
             changes, taking = waypoint.held != held, waypoint.held is not None
             entity = waypoint.held if taking else held
             if changes and (waypoint.joints != joints or waypoint.name == TRANSIT):
-                yield f"{waypoint.name}: it takes or lets go of {entity} on its way"
+                yield f"{waypoint.name}: it grasps or releases {entity} in transit"
                 return
             owner = arms[1] if taking else arms[0]
             if changes and waypoint.opening is None and entity is not None and owner.held == entity and owner.grasp:
@@ -87,7 +87,7 @@ def _end(end: End, robot: str, simulator: Simulator) -> Stop:
 
 
 def _not_above(passed: Sequence[Stop]) -> Iterator[str]:
-    """Yield approaches to an object and departures from it that are not straight, except while a handle is pulled."""
+    """Yield approaches to an object and retreats from it that are not straight, except while a handle is pulled."""
     stops = []
     for _, same in groupby(passed, key=lambda stop: stop.joints):
         together = list(same)
@@ -97,9 +97,9 @@ def _not_above(passed: Sequence[Stop]) -> Iterator[str]:
         if one.pulls and two.pulls:
             continue
         if one.down and not _straight_off(two.tool, one.tool):
-            yield f"it does not leave by {LIFT * 100:.0f} cm straight up"
+            yield f"it does not retreat straight by {LIFT * 100:.0f} cm"
         if two.down and not _straight_off(one.tool, two.tool):
-            yield f"it does not come down by {LIFT * 100:.0f} cm straight onto the object"
+            yield f"it does not approach the object straight by {LIFT * 100:.0f} cm"
 
 
 def _straight_off(off: Pose, low: Pose) -> bool:

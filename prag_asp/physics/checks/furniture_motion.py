@@ -28,7 +28,7 @@ def opening_problems(moment: Moment, physical: PhysicalTask, scene: Scene) -> It
         limit = mechanism(scene.shapes[entity]).limit
         if not -OPENING_TOLERANCE <= opening <= limit + OPENING_TOLERANCE:
             yield f"{entity} cannot be open by {opening:.4f}"
-    yield from (f"{entity} is nothing that opens" for entity in moment.openings if entity not in furniture)
+    yield from (f"{entity} has no part that opens" for entity in moment.openings if entity not in furniture)
 
 
 def carried_along(poses: Mapping[str, Pose], before: Openings, after: Openings, scene: Scene) -> dict[str, Pose]:
@@ -69,8 +69,8 @@ def handling_problems(
         if grip is not None and turn_between(grip.quaternion, here.quaternion) > TURN_TOLERANCE:
             yield f"{waypoint.name}: the gripper turns on the handle of {entity}"
         if abs(waypoint.opening - openings[entity]) > (LONGEST_STRIDE if grip is not None else OPENING_TOLERANCE):
-            yield f"{waypoint.name}: {entity} leaps"
+            yield f"{waypoint.name}: {entity} jumps"
         openings[entity], grip = waypoint.opening, here
     for entity, opening in after.openings.items():
         if abs(openings.get(entity, math.nan) - opening) > OPENING_TOLERANCE:
-            yield f"{entity} ends open otherwise than in the next state"
+            yield f"{entity} ends with an opening that differs from that in the next state"

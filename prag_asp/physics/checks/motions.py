@@ -52,7 +52,7 @@ def motion_problems(motion: tuple[Waypoint, ...], start: End, end: End, simulato
                 yield f"{waypoint.name}: {hit}"
     for name, arm in () if wrong else after.arms.items():
         if replace(arms[name], grasp=arm.grasp) != arm:
-            yield "its last waypoint is not the arm of the next state"
+            yield "its last waypoint differs from the arm in the next state"
 
 
 def _waypoint_collision(

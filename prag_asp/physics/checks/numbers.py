@@ -16,7 +16,7 @@ LIMIT_TOLERANCE = 1e-9
 
 
 def count_mismatch(witness: Witness, actions: int) -> str | None:
-    """Return how the numbers of states and motions of a witness differ from those of a task, or None if they agree."""
+    """Return a mismatch between the numbers of states or motions of a witness and of a task, or None if they agree."""
     for name, count, expected in (
         ("motion", len(witness.motions), actions),
         ("state", len(witness.moments), actions + 1),
@@ -49,7 +49,7 @@ def broken_numbers(
     for name, arm in moment.arms.items():
         yield from broken_arm(name, arm.joints, arm.width, simulator, tolerance)
         if (arm.held is None) != (arm.grasp is None):
-            yield "a held object and its grasp go together"
+            yield "an arm has a held object and a grasp, or neither"
         elif arm.held is not None and (arm.held not in moment.poses or not finite(arm.grasp or Pose((0, 0, 0)))):
             yield f"the grasp of {arm.held} is not a finite position and rotation"
 

@@ -24,7 +24,8 @@ from prag_asp.task import Task
 
 TIME_STEP = 1 / 240
 STEPS = 60
-"""A quarter of a second, during which a 5 cm cube with its centre of mass 2 mm beyond an edge tips over."""
+"""The number of time steps in a quarter of a second, in which a 5 cm cube with its centre of mass 2 mm beyond an edge
+tips over."""
 
 LARGEST_MOVE = 0.003
 LARGEST_TURN = math.radians(3)
@@ -37,7 +38,7 @@ Rest = tuple[Mapping[str, Pose], Mapping[str, float], tuple[str, ...]]
 
 
 class Settling:
-    """Settles witnesses in a PyBullet world of objects alone; `open_settling` creates one and closes it."""
+    """A PyBullet world of objects alone, in which witnesses settle; `open_settling` creates one and closes it."""
 
     def __init__(self, scene: Scene, client: int):
         self._scene = scene
@@ -107,7 +108,7 @@ def open_settling(scene: Scene) -> Iterator[Settling]:
 
 
 def settle(task: Task, witness: Witness, scene: Scene) -> str | None:
-    """Return why a state of a witness is not stable (one of `CAUSES`), or None if all states are stable.
+    """Return the reason why a state of a witness is not stable (one of `CAUSES`), or None if all states are stable.
 
     Raises:
         SceneError: the task contains an entity that has no shape.

@@ -32,10 +32,10 @@ def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Si
     situation = situation_of(simulator, poses, moment.openings, moment.arms)
     for entity in simulator.scene.fixed:
         if entity in poses and not near(fixed_pose(simulator.scene, entity), poses[entity]):
-            yield f"{entity} is not where the scene has it"
+            yield f"{entity} is not at its place in the scene"
     for fact in physical.states[k]:
         if not fact.is_satisfied(situation):
-            yield f"it does not hold that {fact.sentence()}"
+            yield f"this fact does not hold: {fact.sentence()}"
     pair = colliding(simulator, situation, list(poses), list(poses))
     if pair is not None:
         yield f"{pair[0]} collides with {pair[1]}"
@@ -59,17 +59,17 @@ def state_problems(moment: Moment, physical: PhysicalTask, k: int, simulator: Si
 
 
 def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]:
-    """Yield violations of what proofs assume: grasps are from above, and held bodies stand upright and fit the gripper.
+    """Yield violations of the assumptions of proofs: grasps from above, and held bodies upright and within the opening.
 
     A body with a model may be held from any direction; the predicate `holding` checks that both pads touch it.
     """
     if weight(situation.scene, held) > situation.robot(robot).payload:
-        yield f"{held} is heavier than the gripper carries"
+        yield f"{held} is heavier than the payload"
     if situation.shape(held).model is not None:
         tool = compose(invert(situation.pose(held)), situation.tool(robot))
         gripper = ParallelGripper.of(situation.robot(robot))
         if not is_hand_free(situation.shape(held), gripper, tool, situation.arm(robot).width):
-            yield f"the hand is in {held}"
+            yield f"the hand penetrates {held}"
         return
     if tilt(situation.tool(robot).quaternion, DOWN) > TURN_TOLERANCE:
         yield f"{held} is not held from above"
@@ -77,7 +77,7 @@ def _grip_problems(situation: Situation, robot: str, held: str) -> Iterator[str]
         yield f"{held} does not stand upright in the gripper"
     narrowest = situation.shape(held).breadth(widest=False)
     if max(narrowest, grip_width(situation, held, robot)) > situation.robot(robot).opening + POSITION_TOLERANCE:
-        yield f"{held} is wider than the gripper opens"
+        yield f"{held} is wider than the gripper can open"
     lowest = situation.bottom(held) + lowest_grip(situation.robot(robot), situation.shape(held).size[2])
     if situation.tool(robot).position[2] < lowest - POSITION_TOLERANCE:
         yield f"the fingers reach below {held}"

@@ -84,7 +84,7 @@ class ArmMotors:
         return track_joints(self._robot, joints, self._to_base @ self._goal)
 
     def ee_delta_upright(self, joints: Floats, values: Floats) -> Floats:
-        """Return joint angles that move the upright tool as an action says; the fingertips stay above the table."""
+        """Return joint angles that move the upright tool by an action; the fingertips stay above the table."""
         robot = self._robot
         here = robot.solver.forward(joints)
         x, y, z, yaw, *_ = values.tolist()

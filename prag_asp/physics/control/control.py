@@ -27,7 +27,7 @@ Recordings, whose joints move at up to nine tenths of their speed limits, stay b
 """
 
 STRIDE, TURN = 1.0, 5.0
-"""The corresponding speeds in `ee_delta_upright`, which are lower so that agents can learn."""
+"""The greatest speeds of the tool in `ee_delta_upright`, in m/s and rad/s; they are lower so that agents can learn."""
 
 FINGERS = 0.2
 """The maximum speed of opening or closing a gripper, in metres per second."""
@@ -93,7 +93,7 @@ class Control:
         if name not in CONTROLS:
             raise QueryError(unknown(name, CONTROLS, "control"))
         if isinstance(rate, bool) or rate not in RATES:
-            raise QueryError(f"rate {rate!r:.80}: give a number of actions a second that divides {STEPS_A_SECOND}")
+            raise QueryError(f"rate {rate!r:.80}: give a number of actions per second that divides {STEPS_A_SECOND}")
         bounds = [_bounds(name, robot_of(scene, robot), rate) for robot in scene.robots]
         lower, upper = (np.concatenate(side) for side in zip(*bounds, strict=True))
         if scale != 1.0:

@@ -24,10 +24,10 @@ EXCESS = 1e-6
 
 
 def recorded_actions(control: Control, scene: Scene, commands: Numbers) -> Floats:
-    """Return the actions, in a control convention, that lead from each motor command to the next; shape (N, size).
+    """Return the actions, in a control convention, that lead from each motor command to the next, shape (N, M).
 
     `commands` (N + 1, R, 8) holds the joint angles and the opening of each robot; the first row is the command before
-    the actions.
+    the actions. Each of the N actions has M numbers.
 
     Raises:
         QueryError: the convention cannot express the commands.
@@ -51,7 +51,7 @@ def recorded_actions(control: Control, scene: Scene, commands: Numbers) -> Float
 
 
 def recorded_states(name: ControlName, scene: Scene, arms: Numbers) -> Floats:
-    """Return the states of the robots in an absolute convention; shape (N, size).
+    """Return the states of the robots in an absolute convention, shape (N, M): M numbers for each of N states.
 
     `arms` (N, R, 8) holds the joint angles and the opening of each robot.
     """
@@ -66,7 +66,7 @@ def state_names(names: Iterable[ControlName], scene: Scene) -> list[str]:
 
 
 def states_in(names: Iterable[ControlName], scene: Scene, arms: Numbers) -> Floats:
-    """Return the states of the robots in several absolute conventions, in the order of `state_names`; shape (N, size).
+    """Return the states of the robots in several absolute conventions, in the order of `state_names`, shape (N, M).
 
     `arms` (N, R, 8) holds the joint angles and the opening of each robot.
     """

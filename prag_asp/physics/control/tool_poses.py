@@ -42,7 +42,7 @@ def moved_pose(pose: Floats, motion: Floats) -> Floats:
 
 
 def motion_between(one: Floats, two: Floats) -> Floats:
-    """Return the motion with which `moved_pose` gets from one pose to another; shape (6,)."""
+    """Return the motion by which `moved_pose` changes one pose into another; shape (6,)."""
     return np.concatenate([two[:3, 3] - one[:3, 3], rotation_vector(two[:3, :3] @ one[:3, :3].T)])
 
 

@@ -1,1 +1,1 @@
-"""Let the robots execute tasks in a dynamic simulation."""
+"""The execution of tasks by the robots in a dynamic simulation."""

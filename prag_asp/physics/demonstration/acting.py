@@ -20,7 +20,7 @@ from prag_asp.physics.world.time_step import TIME_STEP
 from prag_asp.scene.robots import robot_of
 
 SQUEEZE = 0.008
-"""By how much the target opening of the gripper is smaller than the width of a held object, in metres."""
+"""The amount by which the target opening of the gripper is smaller than the width of a held object, in metres."""
 
 LONGEST_REST = 0.5
 """The longest time to wait for objects to come to rest, in seconds, because a ball may keep rolling."""
@@ -34,7 +34,7 @@ class PerformanceFailed(Exception):
 
 
 class Actor:
-    """Moves the arms of a simulation from waypoint to waypoint, and keeps track of their intended states.
+    """A driver that moves the arms of a simulation from waypoint to waypoint, and keeps track of their intended states.
 
     Arms without a new target hold their position.
     """

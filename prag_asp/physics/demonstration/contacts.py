@@ -5,7 +5,7 @@ that rest on these. A task intends contacts between
 
 - the fingers of a gripper and the object that it holds, grasps, releases or is at, before or after the action, or the
   furniture that the action opens or closes;
-- a moved body and its support, or a body that rests on it, in the state before the action or after it;
+- a moved body and its support, or a moved body and a body that rests on it, in the state before the action or after it;
 - two bodies that rest on moved bodies.
 
 Any other contact is a fault if its force exceeds `GENTLE`. An intended contact is a fault if it is deeper than
@@ -34,8 +34,7 @@ GENTLE = 1.0
 FIRM, FACTOR = 20.0, 10.0
 """The largest force of an intended contact: a number of newtons, plus a multiple of the weight of the moved object.
 
-A stiff arm that puts down 50 g a millimetre too low presses with 25 N; heavy objects press even with nothing but their
-weight.
+A stiff arm that puts down 50 g a millimetre too low presses with 25 N; heavy objects press with their weight alone.
 """
 
 DEEPEST = 0.002
@@ -77,7 +76,7 @@ class IntendedContacts:
 
 
 def intended_contacts(physical: PhysicalTask, number: int, *around: Situation) -> IntendedContacts:
-    """Return the contacts that a task intends during an action; actions count from 1, and 0 means before action 1.
+    """Return the contacts that a task intends during an action, given by its number from 1, or before action 1, for 0.
 
     `around` are the situations before and after the action.
     """

@@ -45,6 +45,6 @@ def check_demonstration(task: Task, demonstration: Demonstration, scene: Scene) 
         pressing = list(touches)
         wrong = (*unintended_contacts(pressing, intended), *excessive_contacts(pressing, intended, situation.scene))
         faults += [f"{during}: {touch.sentence()}" for touch in wrong]
-        faults += [f"state {k}: it does not hold that {fact.sentence()}" for fact in broken]
+        faults += [f"state {k}: this fact does not hold: {fact.sentence()}" for fact in broken]
         previous = situation
     return [*faults, *(fault.text for fault in handling_faults(demonstration, scene))]

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from prag_asp.physics.demonstration.footage import Footage
 
 MOST_IMAGES, WIDTH = 8, 160
-"""Maximum number of images in a strip, and the maximum width of an image in pixels."""
+"""The maximum number of images in a strip, and the maximum width of an image in pixels."""
 
 
 def strip_url(footage: Footage) -> str | None:

@@ -26,7 +26,8 @@ from prag_asp.scene.scene import Scene
 MOST_SLIP, MOST_TURN = 0.005, math.radians(5.0)
 """The maximum slip and rotation of an object in the hand, in metres and radians.
 
-The slip is the distance that the point of the object between the fingertips moves, so a mere turn about it is no slip.
+The slip is the distance that the point of the object between the fingertips moves, so a rotation about this point alone
+is not a slip.
 """
 
 STANDSTILL = 1e-6

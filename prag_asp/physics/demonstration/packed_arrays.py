@@ -77,7 +77,7 @@ class Packed:
 
 
 class Packer:
-    """Compresses an array with a known number of rows, row by row."""
+    """A compressor of an array with a known number of rows, row by row."""
 
     def __init__(self, count: int, row: tuple[int, ...], dtype: str):
         self._shape, self._kind = (count, *row), np.dtype(dtype)

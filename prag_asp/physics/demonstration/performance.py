@@ -26,7 +26,7 @@ from prag_asp.task import Task
 
 
 class Performer:
-    """Executes witnesses in one dynamic simulation; to create one, use `open_performer`, which closes it."""
+    """An executor of witnesses in one dynamic simulation; `open_performer` creates one and closes it."""
 
     def __init__(self, world: Dynamics, planner: Simulator):
         self._scene = world.scene
@@ -65,7 +65,7 @@ class Performer:
                 broken = [fact for fact in facts if not fact.is_satisfied(situation)]
                 lost = [fact for fact in broken if fact.predicate.gripper is Gripper.HOLDS and fact.value]
                 for fact in (lost or broken)[:1]:
-                    reason = f"after {part} it does not hold that {fact.sentence()}"
+                    reason = f"after {part}, this fact does not hold: {fact.sentence()}"
                     raise PerformanceFailed(LOST if lost else NOT_REACHED, reason)
                 previous = situation
         except PerformanceFailed as failed:

@@ -15,11 +15,11 @@ from prag_asp.physics.world.dynamics import NO_PRESSING, ArmCommand, Dynamics, P
 from prag_asp.physics.world.time_step import TIME_STEP
 
 FRAME_STEPS = 6
-"""Time steps per frame, which give 20 frames per second."""
+"""The number of time steps per frame, for 20 frames per second."""
 
 
 class Recorder:
-    """Collects the frames of an episode, as the numbers that its file will contain."""
+    """A collector of the frames of an episode, as the numbers that the file of the episode will contain."""
 
     def __init__(self, world: Dynamics, objects: Sequence[str]):
         self._world = world
@@ -56,7 +56,7 @@ class Recorder:
         self._openings.append(list(self._world.openings().values()))
 
     def touches(self) -> list[Touch]:
-        """Return the contacts recorded since the end of the state before the latest one."""
+        """Return the contacts recorded between the ends of the last two states."""
         first = self._ends[-2] + 1 if len(self._ends) > 1 else 0
         begun = bisect_left(self._contacts, (first, 0, 0))
         forces = np.array(self._forces[begun:], dtype=np.float32).tolist()

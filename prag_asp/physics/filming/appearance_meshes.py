@@ -24,7 +24,7 @@ from prag_asp.scene.robots import ROBOTS
 
 
 class Fineness(NamedTuple):
-    """How finely robots and shadows are rendered.
+    """The fineness with which robots and shadows are rendered.
 
     `cell` and `finest` are the largest and the smallest side of a cluster of vertices in metres, `cells` is the minimum
     number of clusters along a part, and `shadow_texels` is the width of the light's image in pixels.
@@ -40,17 +40,17 @@ class Fineness(NamedTuple):
 COARSE = Fineness("coarse", 0.026, 0.006, 6, 144)
 MIDDLE = Fineness("middle", 0.016, 0.005, 10, 256)
 FINE = Fineness("fine", 0.011, 0.004, 16, 512)
-"""For the camera images of episodes, for animations, and for still pictures."""
+"""The levels for the camera images of episodes, for animations, and for still pictures."""
 
 SMALLEST = 0.012
-"""The size in metres below which parts of a mesh are omitted: screws and lamps."""
+"""The size in metres below which parts of a mesh are omitted, such as screws and lamps."""
 
 DARK_BELOW, WHITE_ABOVE = 0.5, 0.9
 DARK, WHITE = (0.25, 0.26, 0.28), (0.93, 0.94, 0.95)
 """The colours of the Panda, which are in a texture of its URDF."""
 
 TEXTURE_AND_NORMAL = re.compile(r"/\S*")
-"""What follows the number of a vertex in a face in an .obj file."""
+"""The text that follows the number of a vertex in a face in an .obj file, such as ``/1/2``."""
 
 Colour = tuple[float, float, float]
 

@@ -1,6 +1,6 @@
 """Render the table, its zones and the room with one ray per pixel.
 
-They are large, and the time that TinyRenderer takes grows with the number of pixels in a triangle.
+Their surfaces are large, and the time that TinyRenderer takes grows with the number of pixels in a triangle.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from prag_asp.scene.scene import Scene
 AMBIENT, DIFFUSE, SPECULAR = 0.62, 0.42, 0.12
 UPWARDS = 2
 AROUND = 0
-"""The number that marks the background."""
+"""The entity number of the background."""
 
 
 class Backdrop(NamedTuple):
@@ -83,7 +83,7 @@ def floors(scene: Scene, numbers: Mapping[str, int]) -> list[LevelPatch]:
 
 
 def _patch(scene: Scene, entity: str, numbers: Mapping[str, int], wall: float = 0.0) -> LevelPatch:
-    """Return the floor of a fixed entity as a rectangle, raised by the walls' thickness and ending in their middle."""
+    """Return the floor of a fixed entity as a rectangle at the height `wall` that ends in the middle of the walls."""
     (x, y, yaw), (half_x, half_y, _) = scene.fixed[entity], scene.shapes[entity].half
     half = (half_x - wall / 2, half_y - wall / 2)
     return LevelPatch(x, y, half, yaw, scene.color(entity), numbers[entity], wall)

@@ -84,7 +84,7 @@ def moment_of(demonstration: Demonstration, frame: int) -> Moment:
 
 
 class _VideoRecorder:
-    """Collects the images from one camera."""
+    """A recorder of the images from one camera."""
 
     def __init__(self, camera: Camera, count: int, legend: Sequence[str]):
         width, height = camera.size

@@ -42,7 +42,7 @@ class Staging:
                 raise QueryError(f"the camera {name} is named {self.cameras.count(name)} times; name it once")
         if self.rate not in RATES:
             rates = ", ".join(map(str, RATES))
-            raise QueryError(f"an episode has {FRAMES_A_SECOND} frames a second: record at {rates}; got {self.rate}")
+            raise QueryError(f"an episode has {FRAMES_A_SECOND} frames per second: record at {rates}; got {self.rate}")
         low, high = PIXELS
         if self.size is not None and not all(low <= side <= high for side in self.size):
             width, height = self.size

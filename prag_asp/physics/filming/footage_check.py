@@ -23,7 +23,7 @@ because machines round differently."""
 
 
 def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
-    """Return how the footage of an episode differs from the images that the scene's cameras should have recorded.
+    """Return the differences of an episode's footage from the images that the scene's cameras should have recorded.
 
     Raises:
         SceneError: the scene does not allow the size of an object, or a robot cannot be loaded.
@@ -56,7 +56,7 @@ def check_footage(demonstration: Demonstration, scene: Scene) -> list[str]:
 
 
 def _faults(camera: str, one: CameraVideo, two: CameraVideo) -> Iterator[str]:
-    """Yield how a video differs from what is expected: in its camera parameters, and in its first wrong image."""
+    """Yield the differences of a video from the expected one, in the camera parameters and in the first wrong image."""
     for name in OF_CAMERA:
         if not np.allclose(getattr(one, name), getattr(two, name), rtol=0.0, atol=NUMBERS):
             yield f"{camera}/{name} is not that of the camera"

@@ -16,29 +16,30 @@ WALL, SKIRTING, FLOOR, CEILING = (226, 229, 231), (243, 243, 241), (178, 176, 17
 """Colours from 0 to 255."""
 
 BEHIND, BESIDE, BEFORE = 0.6, 1.5, 3.0
-"""Distances of the walls from the edges of the table, in metres; cameras stand in front of the table."""
+"""The distances in metres of the walls behind, beside and in front of the table from its edges; cameras stand in front
+of the table."""
 
 FLOOR_HEIGHT, CEILING_HEIGHT, SKIRTING_HEIGHT = -0.74, 2.3, 0.08
-"""Heights of the floor and of the ceiling above the table, which are usual for tables and rooms, and of the skirting
-above the floor, in metres."""
+"""Usual heights in metres: of the floor and the ceiling relative to the table top, and of the skirting above the
+floor."""
 
 CORNER, CORNER_WIDTH = 0.2, 0.3
-"""How much darker a corner is, and the distance in metres over which this decays by a factor of e."""
+"""The share by which a corner is darker, and the distance in metres over which this share decays by a factor of e."""
 
 TABLE_SHADOW, TABLE_SOFTNESS = 0.32, 0.5
-"""How much the table darkens the floor, and the width of the edge of its shadow in metres."""
+"""The share by which the table darkens the floor, and the width of the edge of its shadow in metres."""
 
 LEVEL = np.float32(1e-7)
-"""The minimum absolute value of a component of a ray, to avoid division by zero."""
+"""The minimum absolute value of a component of a ray direction, to avoid division by zero."""
 
 
 def room_colours(
     table: TableTop, eye: Floats, ahead: tuple[Floats, Floats, Floats], focal: float, light: Vector
 ) -> NDArray[np.uint8]:
-    """Return the colours (N, 3) that rays from a point see in the room.
+    """Return the colours (N, 3) of the room where rays from the point `eye` hit it.
 
-    `ahead` are the components of the N rays, `focal` is the focal length of the camera in pixels, and `light` is the
-    direction to the light.
+    `ahead` holds the x, y and z components of the N ray directions, `focal` is the focal length of the camera in
+    pixels, and `light` is the direction to the light.
     """
     half = np.array(table.size) / 2
     low = np.array([table.centre[0] - half[0] - BEHIND, table.centre[1] - half[1] - BESIDE, FLOOR_HEIGHT], np.float32)

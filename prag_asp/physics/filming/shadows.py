@@ -21,20 +21,20 @@ AWAY = 6.0
 """The distance of the light in metres, at which its rays are nearly parallel."""
 
 ABOVE, AROUND = 0.3, 0.9
-"""The height in metres of the centre of the ball that the light's camera sees, and how far the ball extends beyond the
-bases of the robots: as far as they can reach."""
+"""The height in metres of the centre of the ball that the light's camera covers, and the least radius of this ball in
+metres: the reach of a robot."""
 
 NARROW, WIDE, FAR_BODY = 0.006, 0.045, 0.35
 """The blur of the shadows of near bodies and of bodies at the distance `FAR_BODY`, in metres."""
 
 BIAS = 0.003
-"""How much nearer to the light, in metres, a body has to be to cast a shadow on a surface."""
+"""The distance in metres by which a body has to be nearer to the light than a surface to cast a shadow on it."""
 
 SLIGHT = np.float32(1e-4)
 """A small number that avoids division by zero."""
 
 TAPS = tuple((row, column) for row in (-1, 0, 1) for column in (-1, 0, 1))
-"""The neighbours, in texels, that contribute equally to whether a point on a body lies in shadow."""
+"""The offsets, in texels, of the neighbours over which the shadow at a point on a body is averaged."""
 
 
 def light_camera(scene: Scene, light: Vector, side: int) -> Camera:
@@ -55,7 +55,7 @@ def light_camera(scene: Scene, light: Vector, side: int) -> Camera:
 
 
 class LightPlaces(NamedTuple):
-    """Where the points shown by given pixels lie in the light's image.
+    """The places, in the light's image, of the points shown by given pixels.
 
     `pixels` (N,) are the numbers of the pixels, `texels` (N,) are the numbers of the texels in the light's image, and
     `depths` (N,) are the distances in metres from the light along its axis.
@@ -95,7 +95,7 @@ class ShadowMap:
         self._table_shadow = narrow + (far - narrow) * share
 
     def places(self, pixels: NDArray[np.int64], points: tuple[Floats, Floats, Floats]) -> LightPlaces:
-        """Return where the points shown by the given pixels lie in the light's image; coordinates are in metres."""
+        """Return the places, in the light's image, of the points (in metres) that the given pixels show."""
         x, y, z = points
         across, down, depths = (row[0] * x + row[1] * y + row[2] * z + row[3] for row in self._outside[:3])
         side = self.camera.size[0]
@@ -104,12 +104,12 @@ class ShadowMap:
         return LightPlaces(pixels, rows * np.int32(side) + columns, depths)
 
     def on_table(self, places: LightPlaces) -> Floats:
-        """Return how much of the light is hidden from points on the table, from 0 to 1."""
+        """Return the share of the light that is hidden from points on the table, from 0 to 1."""
         hidden: Floats = self._table_shadow.ravel()[places.texels]
         return hidden
 
     def on_bodies(self, places: LightPlaces, bodies: NDArray[np.int32]) -> Floats:
-        """Return how much of the light is hidden from points on bodies by other bodies, from 0 to 1, shape (N,).
+        """Return the share of the light that other bodies hide from points on bodies, from 0 to 1, shape (N,).
 
         A body casts no shadow on itself, because the renderer already darkens what faces away from the light.
         """

@@ -163,7 +163,7 @@ class Studio:
         )
 
     def _behind(self, camera: Camera, pose: NDArray[np.float64]) -> tuple[Backdrop, LightPlaces]:
-        """Return the image of table and room from a camera pose, and where level surfaces lie in the light's image."""
+        """Return the image of table and room from a camera pose, and the places of its points in the light's image."""
         if not camera.mount and camera in self._fixed:
             return self._fixed[camera]
         behind = backdrop(self._scene, camera, pose, self._zones, self._table, self._light, self._floors)
@@ -175,7 +175,7 @@ class Studio:
     def _places(
         self, camera: Camera, pose: NDArray[np.float64], depth: Floats, chosen: NDArray[np.bool_]
     ) -> LightPlaces:
-        """Return where the points shown by the chosen pixels lie in the light's image."""
+        """Return the places, in the light's image, of the points shown by the chosen pixels."""
         (x, y), turn = rays(camera), pose.astype(np.float32)
         pixels = np.flatnonzero(chosen)
         rows, columns = np.divmod(pixels, camera.size[0])
@@ -194,7 +194,7 @@ class Studio:
             self._shadows_are_old = False
 
     def counts(self, camera: Camera, *, robots: bool = True) -> Counter[str]:
-        """Return how many pixels show each object (for furniture, its moving part) and each robot's hand.
+        """Return the number of pixels that show each object (for furniture, its moving part) and each robot's hand.
 
         Hands are listed under the names of their robots; `robots=False` removes the robots for this image.
         """
@@ -262,7 +262,7 @@ class Studio:
 def matrices(camera: Camera, pose: NDArray[np.float64]) -> tuple[list[float], list[float]]:
     """Return the view and projection matrices in column order, for TinyRenderer.
 
-    According to measurements, it samples the lower left corner of a pixel, so the projection is shifted by half a
+    Measurements show that TinyRenderer samples the lower left corner of a pixel, so the projection is shifted by half a
     pixel.
     """
     width, height = camera.size

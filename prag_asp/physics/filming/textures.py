@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float32]
 
 TEXELS = 1024
-"""Texels along a side of a texture, a power of two because of the halved copies."""
+"""The number of texels along a side of a texture: a power of two, so that copies can be halved."""
 
 WOOD_SIDE, FLOOR_SIDE = 1.6, 2.4
 """The side in metres of the square that a texture covers, for which a plank has the usual width of 10 cm."""

@@ -4,6 +4,9 @@ A grasp is antipodal if the line between its two contacts lies in both friction 
 force closure (Nguyen, "Constructing force-closure grasps", 1988). Candidates are sampled: a point on the surface, a
 line through it within its friction cone, each point where the line leaves the body, and directions of the tool around
 the line. Each candidate is then judged by the exact contact of the closed pads (`ParallelGripper.contact`).
+
+If there are few grasps from a direction, points on edges are sampled as well. Between a face and an edge, or between
+two edges, a body is held less firmly than between two faces.
 """
 
 from __future__ import annotations
@@ -20,6 +23,7 @@ from prag_asp.physics.grasps.candidates import (
     LONG_LEVER,
     ROOM,
     TILT_COST,
+    Candidate,
     above_ground,
     grasp_candidates,
     surface_points,
@@ -32,7 +36,8 @@ from prag_asp.scene.surfaces import in_frame
 Floats = NDArray[np.float64]
 
 DENSE = 4000
-"""The number of points on the surface that must not be inside the hand: one every 4 mm on an object of 150 mm."""
+"""The number of sampled surface points that must not be inside the hand; on an object of 150 mm, they are about 4 mm
+apart."""
 
 SMALLEST_PATCH = 6e-6
 """The minimum area of a contact in m²: 2 mm x 3 mm, a corner of a pad."""
@@ -45,15 +50,19 @@ SOFT = 0.002
 """The depth in metres to which fingers may penetrate a held body: their rubber yields, and grasps are not exact."""
 
 ENOUGH_POINTS, UNSURE = 8, 0.15
-"""The minimum number of points between the pads for judging a contact before it is computed, and the error of this
-judgement as a cosine."""
+"""The minimum number of points between the pads for estimating a contact before it is computed, and the error of this
+estimate as a cosine."""
 
 MOST = (40, 40, 24)
-"""The maximum number of distinct grasps of a body to keep, best first, for each kind: from above, slanted, and from the
-side."""
+"""The maximum number of distinct grasps of a body to keep, best first, for each kind: from above, at an angle, and from
+the side."""
+
+FEW = 8
+"""The number of grasps at faces of each kind, below which grasps at edges are added."""
 
 SLANTED, SIDEWAYS = 0.5, 1.2
-"""The smallest angles, in radians, between the tool's direction and straight down for slanted and for sideways grasps.
+"""The smallest angles, in radians, between the tool's direction and straight down for grasps at an angle and from the
+side.
 """
 
 ENOUGH_SLACK, WIDE_CONTACT = 0.01, 0.005
@@ -74,7 +83,7 @@ class Grasp(NamedTuple):
     they are in contact, and `approach` is their distance during the approach. `tilt` is the angle in radians between
     the tool's direction and straight down, `lever` is the horizontal distance in metres from the centre of mass to the
     line between the pads, and `radius` is the lever arm of friction about that line, in metres. `score` is higher for
-    better grasps.
+    better grasps. `at_edge` is set if a contact is at an edge.
     """
 
     tool: Pose
@@ -84,6 +93,7 @@ class Grasp(NamedTuple):
     lever: float
     radius: float
     score: float
+    at_edge: bool = False
 
 
 class GraspProblem(NamedTuple):
@@ -108,34 +118,40 @@ def sampled_grasps(problem: GraspProblem, gripper: ParallelGripper) -> tuple[Gra
     dense, facing = surface_points(problem.parts, DENSE, np.random.default_rng(0))
     lowest = float(triangles[:, :, 2].min())
     kept, counts = list[Grasp](), [0] * len(MOST)
-    for candidate in grasp_candidates(problem.parts, problem.centre, problem.friction, gripper.opening):
-        tilt = candidate.tilt
-        kind = (tilt >= SLANTED) + (tilt >= SIDEWAYS)
-        if counts[kind] == MOST[kind]:
-            continue
-        place = above_ground(gripper, lowest, candidate.middle, candidate.rotation)
-        if place is None or not _is_distinct(place, kept, kind):
-            continue
-        if not _promises(in_frame(dense[None], place)[0], facing, place, gripper, problem.friction):
-            continue
-        grasp = _judged(problem, gripper, triangles, dense, place, tilt)
-        if grasp is not None and _is_distinct(grasp.tool, kept, kind):
-            kept.append(grasp)
-            counts[kind] += 1
-    return tuple(sorted(kept, key=lambda grasp: -grasp.score))
+    for at_edges in (False, True):
+        most = [min(FEW, limit) if at_edges else limit for limit in MOST]
+        if all(count >= limit for count, limit in zip(counts, most, strict=True)):
+            break
+        for candidate in grasp_candidates(problem.parts, problem.centre, problem.friction, gripper.opening, at_edges):
+            tilt = candidate.tilt
+            kind = (tilt >= SLANTED) + (tilt >= SIDEWAYS)
+            if counts[kind] >= most[kind]:
+                continue
+            place = above_ground(gripper, lowest, candidate.middle, candidate.rotation)
+            if place is None or not _is_distinct(place, kept, kind):
+                continue
+            if not _promises(in_frame(dense[None], place)[0], facing, place, gripper, problem.friction, at_edges):
+                continue
+            grasp = _judged(problem, gripper, triangles, dense, place, candidate)
+            if grasp is not None and _is_distinct(grasp.tool, kept, kind):
+                kept.append(grasp)
+                counts[kind] += 1
+    return tuple(sorted(kept, key=lambda grasp: (grasp.at_edge, -grasp.score)))
 
 
-def _promises(points: Floats, normals: Floats, tool: Pose, gripper: ParallelGripper, friction: float) -> bool:
+def _promises(
+    points: Floats, normals: Floats, tool: Pose, gripper: ParallelGripper, friction: float, at_edge: bool
+) -> bool:
     """Return whether surface points, in the frame of a tool, may allow a grasp, before the exact contact is computed.
 
-    `normals` are the normals of the points in the frame of the body.
+    `normals` are the normals of the points in the frame of the body; at an edge, they decide nothing.
     """
     if not _free(points, (gripper.palm,)):
         return False
     x, y, z = points.T
     low, high = gripper.low_z, gripper.high_z
     between = (np.abs(x) < gripper.half_x) & (z > low) & (z < high) & (np.abs(y) < gripper.opening / 2)
-    if between.sum() < ENOUGH_POINTS:
+    if at_edge or between.sum() < ENOUGH_POINTS:
         return True
     y, facing = y[between], (normals @ matrix(tool)[:3, 1])[between]
     least = math.cos(CONE_SHARE * math.atan(friction)) - UNSURE
@@ -182,11 +198,13 @@ def _widest(points: Floats, gripper: ParallelGripper, width: float) -> float | N
 
 
 def _judged(
-    problem: GraspProblem, gripper: ParallelGripper, triangles: Floats, dense: Floats, place: Pose, tilt: float
+    problem: GraspProblem, gripper: ParallelGripper, triangles: Floats, dense: Floats, place: Pose, candidate: Candidate
 ) -> Grasp | None:
-    """Return the grasp at a place on the body, or None if the pads cannot grasp the body there."""
+    """Return the grasp at a tool pose `place`, or None if the pads cannot grasp the body there."""
     contact = gripper.contact(in_frame(triangles, place))
-    if contact is None or contact.width > gripper.opening - 2 * ROOM or not _holds(contact, problem.friction):
+    if contact is None or contact.width > gripper.opening - 2 * ROOM:
+        return None
+    if not _holds(contact, problem.friction, candidate.at_edge):
         return None
     tool = compose(place, Pose((0.0, (contact.low + contact.high) / 2, 0.0)))
     points = in_frame(dense[None], tool)[0]
@@ -197,15 +215,16 @@ def _judged(
     arm, radius = lever_of(problem.centre, tool, contact), contact.radius
     slack = min((gripper.opening - contact.width) / 2, ENOUGH_SLACK) / ENOUGH_SLACK
     flat = min(radius, WIDE_CONTACT) / WIDE_CONTACT
-    score = flat + 0.5 * slack - arm / LONG_LEVER - TILT_COST * tilt + 0.2 * (approach == gripper.opening)
-    return Grasp(tool, contact.width, approach, tilt, arm, radius, score)
+    score = flat + 0.5 * slack - arm / LONG_LEVER - TILT_COST * candidate.tilt + 0.2 * (approach == gripper.opening)
+    return Grasp(tool, contact.width, approach, candidate.tilt, arm, radius, score, candidate.at_edge)
 
 
 def lever_of(centre: tuple[float, float, float], tool: Pose, contact: PadContact) -> float:
     """Return the torque of the weight of an upright body about the line between two pads, per newton, in metres.
 
-    `tool` is the pose of the tool in the frame of the body. If the line is horizontal, the result is the horizontal
-    distance of the centre of mass from it. The rest of the torque tilts the body instead; see `tilting.py`.
+    `tool` is the pose of the tool in the frame of the body. If the line is horizontal, the result is its horizontal
+    distance from the centre of mass. If the line is inclined, the result is only the component of the torque along it;
+    the other component tilts the body, see `tilting.py`.
     """
     x, z = ((a + b) / 2 for a, b in zip(contact.patches[0].centre, contact.patches[1].centre, strict=True))
     offset = np.array(compose(tool, Pose((x, 0.0, z))).position) - centre
@@ -213,12 +232,12 @@ def lever_of(centre: tuple[float, float, float], tool: Pose, contact: PadContact
     return abs(float(offset[0] * axis[1] - offset[1] * axis[0]))
 
 
-def _holds(contact: PadContact, friction: float) -> bool:
+def _holds(contact: PadContact, friction: float, at_edge: bool) -> bool:
     """Return whether both contacts are large enough, within their friction cones, and opposite to each other."""
     one, two = contact.patches
     least = math.cos(CONE_SHARE * math.atan(friction))
-    apart = math.hypot(one.centre[0] - two.centre[0], one.centre[1] - two.centre[1])
-    return min(one.area, two.area) >= SMALLEST_PATCH and min(one.slope, two.slope) >= least and apart <= OPPOSITE
+    cosines = contact.cosines(friction) if at_edge else (one.slope, two.slope)
+    return min(one.area, two.area) >= SMALLEST_PATCH and min(cosines) >= least and contact.offset <= OPPOSITE
 
 
 def _free(points: Floats, boxes: Sequence[Box]) -> bool:

@@ -51,7 +51,7 @@ class PadWindow(NamedTuple):
 def width_between(shape: Shape, pose: Pose, window: PadWindow, tool: Pose) -> float:
     """Return the width in metres, along the tool's y axis, of the part of a primitive between the pads; or 0.
 
-    A shape that is neither a cylinder nor a ball counts as the box around it.
+    A shape that is neither a cylinder nor a ball is treated as the box around it.
     """
     opening = rotate(tool.quaternion, AXES[1])
     whole = width_along(shape, pose.quaternion, opening)
@@ -90,7 +90,7 @@ def _between_faces(own_half: Vector, pose: Pose, window: PadWindow, opening: Vec
 
 
 def _on_line_in_box(half: Vector, way: Vector, start: Vector) -> Interval:
-    """Return where a line is in a box, as distances from a point of the line; empty if low > high.
+    """Return the interval in which a line is in a box, as distances from a point of the line; empty if low > high.
 
     `way` is the direction of the line and `start` is the point, both in the frame of the box.
     """
@@ -101,7 +101,7 @@ def _on_line_in_box(half: Vector, way: Vector, start: Vector) -> Interval:
 
 
 def _on_line_in_cylinder(half: Vector, way: Vector, start: Vector) -> Interval:
-    """Return where a line is in a cylinder, as `_on_line_in_box` does for a box."""
+    """Return the interval in which a line is in a cylinder, as `_on_line_in_box` does for a box."""
     start_x, start_y, start_z = start
     low, high = _within(start_z, way[2], -half[2], half[2], -math.inf, math.inf)
     # |start + t way| = radius across the axis: a t² + 2 b t + c = 0.
@@ -133,7 +133,7 @@ def _ends_of_box(half: Vector, place: Pose, window: PadWindow) -> list[float]:
 
 
 def _within(begin: float, slope: float, least: float, most: float, low: float, high: float) -> Interval:
-    """Return where ``begin + slope * t`` is between two bounds, within an interval of t; empty if low > high."""
+    """Return the part of an interval of t where ``begin + slope * t`` is between two ends; empty if low > high."""
     if -PARALLEL <= slope <= PARALLEL:
         return (low, high) if least - ON_SIDE <= begin <= most + ON_SIDE else NOTHING
     if slope < 0.0:
@@ -181,7 +181,7 @@ def _point(start: Vector, far: float, way: Vector) -> Vector:
 def _on_planes(
     radius: float, long: float, rims: Sequence[float], axis: Vector, centre: Vector, window: PadWindow
 ) -> Iterator[Vector]:
-    """Yield where a cylinder's rims meet the prism's sides, and the ends, along y, of its curve in each side."""
+    """Yield the points of a cylinder's rims in the prism's sides, and the ends, along y, of its curve in each side."""
     for k in (0, 2):
         to = _unit_across(axis, k) if rims else None
         if to is not None and to[k] > 0.0:  # 0 because of rounding where rims are almost parallel to the plane

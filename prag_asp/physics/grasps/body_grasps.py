@@ -26,7 +26,7 @@ from prag_asp.scene.geometry import Pose, matrix
 from prag_asp.scene.scene import Shape
 from prag_asp.scene.surfaces import in_frame, mesh_states, part_surfaces, surface
 
-FORM = 5
+FORM = 6
 """The version of the search and of its files; cached grasps of other versions are not read."""
 
 LARGEST_FILE = 1_000_000
@@ -36,7 +36,9 @@ SUFFIX = ".grasps"
 
 
 def body_grasps(shape: Shape, gripper: ParallelGripper, friction: float) -> tuple[Grasp, ...]:
-    """Return the grasps of a body with a model, in its frame, best first, given the friction between it and pads.
+    """Return the grasps of a body with a model, in the frame of the body, best first.
+
+    `friction` is the coefficient between pad and body.
 
     Raises:
         SceneError: a mesh cannot be read.
@@ -47,13 +49,15 @@ def body_grasps(shape: Shape, gripper: ParallelGripper, friction: float) -> tupl
 class GraspTable(NamedTuple):
     """The grasps of a body as arrays: poses of the tool as matrices (n, 4, 4) and quaternions (4, n), and scores (n,).
 
-    `loads` (n,) are the factors by which the levers of the grasps raise the loads; see `grip_load`.
+    `loads` (n,) are the factors by which the levers of the grasps raise the loads; see `grip_load`. `at_edge` (n,) are
+    the grasps with a contact at an edge.
     """
 
     frames: NDArray[np.float64]
     quaternions: NDArray[np.float64]
     scores: NDArray[np.float64]
     loads: NDArray[np.float64]
+    at_edge: NDArray[np.bool_]
 
 
 def grasp_table(shape: Shape, gripper: ParallelGripper, friction: float) -> GraspTable:
@@ -128,6 +132,7 @@ def _table(shape: Shape, gripper: ParallelGripper, friction: float, files: tuple
         np.array([grasp.tool.quaternion for grasp in grasps]).reshape(-1, 4).T,
         np.array([grasp.score for grasp in grasps]),
         np.hypot(1.0, levers),
+        np.array([grasp.at_edge for grasp in grasps], dtype=bool),
     )
 
 

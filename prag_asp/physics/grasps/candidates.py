@@ -9,7 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.physics.grasps.edges import edge_pairs
 from prag_asp.physics.grasps.pads import ParallelGripper, crossed
+from prag_asp.physics.grasps.surface_rays import SurfaceRays
 from prag_asp.scene.geometry import Pose
 
 Floats = NDArray[np.float64]
@@ -24,14 +26,10 @@ CONE_SHARE = 0.6
 """The share of the friction angle that a sampled contact may use; the rest is left for accelerations when lifting."""
 
 FLATTER = (0.5, 0.95)
-"""How far an axis is turned from the normal towards the horizontal, as shares of the cone's angle."""
+"""The angles by which an axis is turned from the normal towards the horizontal, as shares of the cone's half-angle."""
 
 UPRIGHT = 1e-3
 """The slope in radians below which a normal is horizontal, and the cosine below which it is vertical."""
-
-PARALLEL = 1e-15
-"""The triple product, in m², of a triangle's sides and a unit vector below which the vector counts as parallel to the
-triangle."""
 
 STEEP = -0.3
 """The component of the tool's direction along z above which fingers come from the side and are not lifted off the
@@ -48,11 +46,11 @@ LONG_LEVER, TILT_COST = 0.05, 0.3
 
 
 class Candidate(NamedTuple):
-    """A candidate for a grasp: its cost and number, which determine the order of attempts, and where the tool is.
+    """A candidate for a grasp: its cost and number, which determine the order of attempts, and the place of the tool.
 
     `tilt` is the angle between the tool's direction and straight down, in radians; `middle` (3,) is the point midway
     between the contacts, in metres; `rotation` (3, 3) has the axes of the tool as columns. All are in the frame of the
-    body.
+    body. `at_edge` is set if a contact is at an edge.
     """
 
     cost: float
@@ -60,25 +58,32 @@ class Candidate(NamedTuple):
     tilt: float
     middle: Floats
     rotation: Floats
+    at_edge: bool = False
 
 
 def grasp_candidates(
-    parts: Sequence[Floats], centre: tuple[float, float, float], friction: float, opening: float
+    parts: Sequence[Floats], centre: tuple[float, float, float], friction: float, opening: float, at_edges: bool = False
 ) -> list[Candidate]:
-    """Return candidates for grasps of a body, most promising first; the samples are fixed.
+    """Return candidates for grasps of a body, at faces or `at_edges`, most promising first; the samples are fixed.
 
-    `parts` (n, 3, 3) are its convex parts as triangles and `centre` is its centre of mass, in its frame in metres;
-    `friction` is the coefficient between pad and body, and `opening` is the opening of the gripper in metres.
+    `parts` (n, 3, 3) are the convex parts of the body as triangles, and `centre` is the centre of mass, in the body's
+    frame in metres; `friction` is the coefficient between pad and body, and `opening` is the opening of the gripper in
+    metres.
     """
-    points, normals = surface_points(parts, POINTS, np.random.default_rng(0))
+    least, rays = math.cos(CONE_SHARE * math.atan(friction)), SurfaceRays(np.concatenate(parts))
+    if at_edges:
+        pairs = edge_pairs(parts, rays, least, opening)
+    else:
+        points, normals = surface_points(parts, POINTS, np.random.default_rng(0))
+        pairs = _antipodal_pairs(points, normals, rays, least, opening)
     candidates: list[Candidate] = []
-    for point, far, axis in _antipodal_pairs(points, normals, np.concatenate(parts), friction, opening):
+    for point, far, axis in pairs:
         middle = (point + far) / 2
         lever = middle - centre
         lever -= (lever @ axis) * axis
         leverage = math.hypot(lever[0], lever[1]) / LONG_LEVER
         for tilt, rotation in _tools(axis):
-            candidates.append(Candidate(leverage + TILT_COST * tilt, len(candidates), tilt, middle, rotation))
+            candidates.append(Candidate(leverage + TILT_COST * tilt, len(candidates), tilt, middle, rotation, at_edges))
     return sorted(candidates, key=lambda each: each[:2])
 
 
@@ -105,29 +110,13 @@ def surface_points(parts: Sequence[Floats], number: int, rng: np.random.Generato
 
 
 def _antipodal_pairs(
-    points: Floats, normals: Floats, triangles: Floats, friction: float, opening: float
+    points: Floats, normals: Floats, rays: SurfaceRays, least: float, opening: float
 ) -> Iterator[tuple[Floats, Floats, Floats]]:
-    """Yield points of the surface, the points opposite to them, and the unit vectors from the latter to the former."""
-    least = math.cos(CONE_SHARE * math.atan(friction))
-    corner, one, two = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    facing = crossed(one, two)
-    facing /= np.linalg.norm(facing, axis=1)[:, None]
-    rays = [(point, axis) for point, normal in zip(points, normals, strict=True) for axis in _axes(normal, least)]
-    for point, normal in rays:
-        inward = -normal
-        # Möller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997.
-        cross = crossed(inward, two)
-        scale = np.einsum("ij,ij->i", one, cross)
-        # A triangle parallel to the line is not hit; the distance along the line is then set to 0.
-        scale[np.abs(scale) < PARALLEL] = math.inf
-        offset = point - corner
-        u = np.einsum("ij,ij->i", offset, cross) / scale
-        other = crossed(offset, one)
-        v = (other @ inward) / scale
-        way = np.einsum("ij,ij->i", two, other) / scale
-        hit = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (way > 1e-5) & (way <= opening) & (facing @ inward >= least)
-        for length in sorted({round(float(each), 6) for each in way[hit]}):
-            yield point, point - length * normal, normal
+    """Yield surface points, each with an opposite point and the unit vector from the opposite point to it."""
+    for point, normal in zip(points, normals, strict=True):
+        for axis in _axes(normal, least):
+            for length in rays.lengths(point, -axis, least, opening):
+                yield point, point - length * axis, axis
 
 
 def _axes(normal: Floats, least: float) -> Iterator[Floats]:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 SAME = 9
-"""The number of decimals, in metres, to which corners of triangles are equal."""
+"""The number of decimals to which coordinates of corners, in metres, are compared."""
 
 ROUNDING = 1e-6
 """The length below which a cross product of unit vectors is 0."""
@@ -43,12 +43,14 @@ def edges_and_corners(part: Floats) -> list[Feature]:
         for i, corner in enumerate(corners):
             met[corner,].append(normal)
             met[tuple(sorted((corner, corners[i - 1])))].append(normal)
-    features = ((np.array([*place, place[-1], place[-1]][:3]), _distinct(normals)) for place, normals in met.items())
+    features = (
+        (np.array([*place, place[-1], place[-1]][:3]), distinct_normals(normals)) for place, normals in met.items()
+    )
     return [Feature(place, normals) for place, normals in features]
 
 
-def _distinct(normals: list[Floats]) -> Floats:
-    """Return the normals without those of faces in the same plane."""
+def distinct_normals(normals: list[Floats]) -> Floats:
+    """Return the unit normals (n, 3) of faces, only once for parallel faces."""
     kept: list[Floats] = []
     for normal in normals:
         if all(normal @ other < 1 - 1e-12 for other in kept):
@@ -66,7 +68,7 @@ def caps(features: list[Feature]) -> tuple[Floats, Floats]:
 
 
 def angle_between(one: Floats, two: Floats) -> float:
-    """Return the least angle in radians between two directions in the convex cones of unit vectors `one` and `two`.
+    """Return the least angle in radians between the convex cones that two sets of unit vectors generate.
 
     If no plane separates the cones, the angle is 0. Otherwise the least angle is at a generator of one of the cones.
     """
@@ -76,7 +78,7 @@ def angle_between(one: Floats, two: Floats) -> float:
 
 
 def _are_separate(one: Floats, two: Floats) -> bool:
-    """Return whether a plane through two generators, or half way between two, has the cones on different sides."""
+    """Return whether a plane through two generators, or halfway between two, has the cones on different sides."""
     every = np.concatenate([one, two])
     i, j = np.triu_indices(len(every), 1)
     planes = np.concatenate([np.cross(every[i], every[j]), every[i] - every[j]])

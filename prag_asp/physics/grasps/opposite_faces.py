@@ -1,12 +1,17 @@
 """A bound on the width of every grasp of a body, for proofs that a gripper cannot hold it.
 
-Theorem. Let each pad touch a face, an edge or a corner of a body made of convex parts. The normal of the contact
-is then in the normal cone of this feature. Let a be the axis along which the pads close and w the distance between
-them. By Coulomb's law, the angle between a and the normal at one pad is at most the friction angle phi, and so is the
-angle between -a and the normal at the other pad: hence the angle between the first normal and the opposite of the
-second is at most 2 phi. Contact points p and q on the two features are at most w apart along a and, perpendicular to a,
-at most the diagonal d of a pad apart. Therefore |p - q|² <= w² + d². If all pairs of features whose cones contain
-normals that are opposite to within 2 phi are farther apart than sqrt(o² + d²), no grasp has w <= o.
+Theorem. Let a body consist of convex parts, and call their faces, edges and corners features. Let phi be the angle of
+friction between body and pads, d the diagonal of a pad, and o the opening of the gripper. Call two features opposite if
+their normal cones contain unit vectors m and n such that the angle between m and -n is at most 2 phi; a feature may be
+opposite to itself. If the distance between any two opposite features is greater than sqrt(o² + d²), the gripper cannot
+hold the body: in every grasp, the pads are more than o apart.
+
+Proof. In a grasp, let a be the closing axis, w the distance between the pads, and p and q points at which the pads
+touch the body, on two features. The normals m and n of these contacts are in the normal cones of the features. By
+Coulomb's law, the angle between a and m is at most phi, and so is the angle between -a and n. The angle between m and
+-n is therefore at most 2 phi, so the two features are opposite. The points p and q are at most w apart along a and at
+most d apart perpendicular to a, so |p - q|² <= w² + d². As the features are farther apart than sqrt(o² + d²), it
+follows that w > o.
 
 The distance between two triangles is at least the gap between them along any line, such as the line through their
 centroids. Triangles are divided until this bound is decisive, which takes few steps unless the body is close to the

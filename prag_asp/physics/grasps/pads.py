@@ -6,11 +6,13 @@ which they open.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from prag_asp.physics.grasps.normal_cones import angle_between, distinct_normals
 from prag_asp.scene.boxes import Box, box_between
 from prag_asp.scene.robots import Robot
 
@@ -25,6 +27,13 @@ TOUCH = 0.001
 
 TINY = 1e-15
 """The threshold below which sums of areas, in m², and lengths of normals count as zero."""
+
+OUTERMOST, PLACES = 1e-6, 8
+"""The distance in metres within which points are outermost, or equal, and the maximum number of outermost points to
+examine."""
+
+FACING = 0.9999
+"""The cosine between a pad and a face from which the pad lies flat on the face."""
 
 
 class PadContact(NamedTuple):
@@ -41,20 +50,40 @@ class PadContact(NamedTuple):
 
     @property
     def radius(self) -> float:
-        """The smaller radius of gyration of the two patches in metres: the lever arm of friction about their line."""
+        """The smaller radius of gyration of the two patches in metres, which is the lever arm of their friction."""
         return min(patch.gyration for patch in self.patches)
+
+    @property
+    def offset(self) -> float:
+        """The distance in metres between the centres of the two patches, measured parallel to the pads."""
+        return math.dist(self.patches[0].centre, self.patches[1].centre)
+
+    def cosines(self, friction: float) -> tuple[float, float]:
+        """Return, for each pad, the cosine of the angle between the closing axis and the normal of the contact.
+
+        At an edge or a corner, the normal is the direction in its normal cone that is nearest to the axis. Pads hold a
+        body there only if the line between both contacts is in the friction cones of the pads; otherwise, and at faces,
+        the mean normal of the surface counts.
+        """
+        one, two = self.patches
+        if self.offset > friction * self.width:
+            return one.slope, two.slope
+        return max(one.slope, one.edge), max(two.slope, two.edge)
 
 
 class PadPatch(NamedTuple):
-    """The patch of one pad: its area in m², centroid (x, z) in m, radius of gyration in m, and mean normal.
+    """The patch of one pad: its area in m², centroid (x, z) in m, radius of gyration in m, and normals.
 
-    `slope` is the cosine of the angle between the mean outward normal and the direction in which the pad lies.
+    `slope` is the mean cosine of the angle between the outward normal and the direction in which the pad lies. `edge`
+    is the largest cosine between this direction and a vector in the normal cone of an outermost point of the patch: it
+    is 1 at an edge or a corner that a flat pad touches.
     """
 
     area: float
     centre: tuple[float, float]
     gyration: float
     slope: float
+    edge: float = 0.0
 
 
 class ParallelGripper(NamedTuple):
@@ -120,7 +149,10 @@ class ParallelGripper(NamedTuple):
 
 
 class Polygons(NamedTuple):
-    """Convex polygons with their unit normals; `corners` has the shape (n, m, 3), the last corner repeated."""
+    """Convex polygons with their unit normals; `corners` has the shape (n, m, 3).
+
+    If a polygon has fewer than m corners, its last corner is repeated.
+    """
 
     corners: Floats
     normals: Floats
@@ -171,7 +203,23 @@ class Polygons(NamedTuple):
         # The mean of |p|² over a triangle with the corners v and the centroid c is (Σ|v|² + 9|c|²) / 12.
         square = float(share @ ((fans**2).sum((1, 2)) + 9 * (centroids**2).sum(1))) / 12
         gyration = max(square - float(centre @ centre), 0.0) ** 0.5
-        return PadPatch(total, (float(centre[0]), float(centre[1])), gyration, float(share @ slopes))
+        slope = float(share @ slopes)
+        edge = slope if slope >= FACING else self.edge(end, side)
+        return PadPatch(total, (float(centre[0]), float(centre[1])), gyration, slope, edge)
+
+    def edge(self, end: float, side: float) -> float:
+        """Return the largest cosine between a side and a vector in the normal cone of an outermost point there.
+
+        The normal cone of a point is spanned by the normals of the polygons that meet there.
+        """
+        axis = np.array([[0.0, side, 0.0]])
+        outermost = self.corners[side * self.corners[:, :, 1] >= side * end - OUTERMOST]
+        points = outermost[np.unique(np.round(outermost / OUTERMOST), axis=0, return_index=True)[1][:PLACES]]
+        best = -1.0
+        for point in points:
+            met = (np.linalg.norm(self.corners - point, axis=2) <= 2 * OUTERMOST).any(1)
+            best = max(best, math.cos(angle_between(axis, distinct_normals(list(self.normals[met])))))
+        return best
 
     def touched(self, end: float, side: float) -> Polygons:
         """Return the surface facing a pad on one side that is within `TOUCH` of the outermost point."""

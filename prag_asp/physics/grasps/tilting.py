@@ -3,9 +3,9 @@
 Friction bears the torque about the line through both pads, and pressure bears the rest. A pad presses with a force F
 somewhere on its patch. If one pad presses at the upper end of its patch and the other pad at the lower end of its
 patch, the two forces form a couple of F times the difference in height; no grip bears a larger torque about the
-horizontal axis along the pads. The same holds about the direction of the fingers, with the ends of the patches along
-the pads. A slanted rim is therefore held best by fingers with the same slant: upright pads touch it at the bottom on
-the inside and at the top on the outside, which helps to tilt it.
+horizontal axis along the pads. The same holds for the torque about the direction of the fingers, with the ends of the
+patches along the pads. An inclined rim is therefore held best by fingers with the same inclination: upright pads touch
+such a rim at the bottom on the inside and at the top on the outside, so their forces help to tilt it.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class TiltingLoad(NamedTuple):
 
 
 def tilting_loads(shape: Shape, gripper: ParallelGripper, friction: float) -> NDArray[np.float64]:
-    """Return how strongly a body tilts out of each of its grasps, in the order of `body_grasps`, shape (n, 2).
+    """Return the tilting loads of all grasps of a body, in the order of `body_grasps`, shape (n, 2).
 
     The columns are the fields of `TiltingLoad`; `friction` is the coefficient between pad and body.
 

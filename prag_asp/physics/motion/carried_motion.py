@@ -38,7 +38,7 @@ SLOWDOWNS = 20
 def bearable_acceleration(scene: Scene, entity: str, robot: str) -> float:
     """Return the largest acceleration of the tool at which a held object does not slip, in m/s², but at least `LEAST`.
 
-    Furniture is not carried, because a robot moves only a part of it.
+    For furniture, of which a robot moves only a part, the result is `MOST`.
     """
     if scene.shapes[entity].traits.furniture:
         return MOST

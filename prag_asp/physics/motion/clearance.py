@@ -16,7 +16,7 @@ CLEARANCE = 0.01
 """The distance in metres that an arm and its load keep from bodies that the arm does not handle."""
 
 SLACK = 0.0005
-"""The distance in metres by which a body may come closer to another one than it is at an end of the path."""
+"""The distance in metres by which a body may come closer to another body than at an end of the path."""
 
 ARM, TABLE = "the arm", "the table"
 Gaps = Mapping[tuple[str, str], float]
@@ -54,7 +54,7 @@ def keeps_clear(start: Gaps, way: Sequence[Gaps], goal: Gaps) -> bool:
 
 
 def _uneased(end: Gaps, way: Sequence[Gaps]) -> list[set[tuple[str, str]]]:
-    """Return the pairs that are too close at each point of a path, except those close all the way from its end."""
+    """Return the pairs that are too close at each point of a path, except pairs that have been close since `end`."""
     since, result = dict(end), []
     for here in way:
         since = {pair: gap for pair, gap in since.items() if pair in here}

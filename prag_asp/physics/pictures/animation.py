@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from PIL import Image
 
 RATE = 10
-"""The usual frame rate of animations, in frames per second."""
+"""The default frame rate of animations, in frames per second."""
 
 LAST_PAUSE = 1500
 """The pause at the end of an animation, in milliseconds."""
@@ -149,7 +149,7 @@ def smoothed(rgb: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 
 def _in_one_palette(pictures: Sequence[Image.Image]) -> list[Image.Image]:
-    """Return pictures that share one palette, so that whatever does not move keeps its colours.
+    """Return pictures that share one palette, so that the colours of still parts do not change.
 
     A colour counts as often as the square root of its frequency, because objects are small and the table is large.
     """

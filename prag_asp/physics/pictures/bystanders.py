@@ -1,7 +1,7 @@
-"""Bystanders: objects of the scene that a task does not name, at rest where nothing touches or needs them.
+"""Bystanders: objects of the scene that a task does not name, at rest at places that the task does not need.
 
-A witness holds only the objects of its task. A picture also shows others: they stand on the table, away from all bodies
-and, in all states and at all waypoints, from the robots, and they hide nothing that the task moves.
+A witness holds only the objects of its task. A picture also shows other objects. They stand on the table, away from all
+bodies, and away from the robots in all states and at all waypoints, and they hide nothing that the task moves.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 
 SEED = 0
-"""The seed for the places, so that all pictures of a witness show the same ones."""
+"""The seed for the places of bystanders, so that they are the same in all pictures of a witness."""
 
 MOST, TRIES = 12, 24
 """The maximum number of bystanders, and the number of places that are tried for each."""
@@ -39,7 +39,8 @@ CLEAR = 0.02
 """The distance in metres between a bystander and everything that moves."""
 
 BENEATH = 0.12
-"""How far below a hand, in metres, nothing stands in any state, because the hand might seem to hold it."""
+"""The height in metres of the space below a hand in which no bystander stands in any state, because the hand might seem
+to hold it."""
 
 
 def absent_objects(scene: Scene, present: Mapping[str, Pose]) -> list[str]:

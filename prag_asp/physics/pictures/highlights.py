@@ -29,10 +29,10 @@ LINE, EDGE = 2, 1
 """The width of an outline and of each of its edges, in pixels of the picture."""
 
 SPECK = 2
-"""Parts of an object that are at most twice this wide, in pixels, get no outline unless there are no others."""
+"""Half of the width in pixels up to which a part of an object gets no outline, unless the object has no wider part."""
 
 HIDDEN = 0.55
-"""An object counts as hidden if less than this share of it is visible."""
+"""The share of an object that has to be visible, or else the object counts as hidden."""
 
 INSET, BORDER = 0.40, 2
 """The side of a close-up as a share of the shorter side of the picture, and the width of its border in pixels."""
@@ -123,7 +123,7 @@ def _most_hidden(studio: Studio, changed: Sequence[str], size: tuple[int, int], 
 
 
 def _close_up(studio: Studio, moment: Moment, scene: Scene, entity: str, side: int) -> CameraImage | None:
-    """Return an image of an entity and its surroundings from the direction that shows most of it, if any shows it."""
+    """Return a close-up of an entity from the direction that shows most of it, or None if no direction shows it."""
     target = moment.poses[entity].position
     radius = max(LEAST_ROOM, ROOM * math.hypot(*scene.shapes[entity].size) / 2)
     distance = radius / math.sin(math.radians(FIELD_OF_VIEW) / 2)
@@ -142,7 +142,7 @@ def _close_up(studio: Studio, moment: Moment, scene: Scene, entity: str, side: i
 def _emptiest_corner(
     segmentation: NDArray[np.unsignedinteger], studio: Studio, size: tuple[int, int], side: int
 ) -> tuple[int, int]:
-    """Return where to put the upper left corner of a square so that it covers the picture's emptiest corner."""
+    """Return the pixel for the upper left corner of a square that covers the emptiest corner of a picture."""
     width, height = size
     corners = [(width - side, 0), (0, 0), (width - side, height - side), (0, height - side)]
     bodies = segmentation > studio.legend.index(studio.table)

@@ -31,7 +31,7 @@ GIVE = 0.005
 """The amount by which measured joint angles (radians) and openings (metres) may exceed their limits."""
 
 PASSED = FRAMES_A_SECOND // 10
-"""One out of this many frames of a demonstration is kept clear of bystanders."""
+"""The interval, in frames of a demonstration, at which frames are kept clear of bystanders."""
 
 
 @dataclass

@@ -87,7 +87,7 @@ def text_sizes(width: int, columns: int) -> tuple[int, int]:
 
 
 def line_count(headings: Iterable[str], width: int) -> int:
-    """Return how many lines the longest heading takes up below a single picture of a given width in pixels."""
+    """Return the number of lines that the longest heading takes up below a picture of a given width in pixels."""
     large = font(text_sizes(width, 1)[0])
     return max(len(wrap(heading, large, width - 2)) for heading in headings)
 

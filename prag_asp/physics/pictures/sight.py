@@ -32,7 +32,7 @@ class Sight:
 
     @classmethod
     def of(cls, studio: Studio, view: tuple[View, tuple[int, int]], moments: Iterable[Moment]) -> Sight:
-        """Return what a view, given with the size of the picture in pixels, shows in the given moments."""
+        """Return the sight of a view in the given moments; the view includes the size of the picture in pixels."""
         camera = counting_camera(*view)
         distances = np.zeros(camera.size[::-1], dtype=np.float32)
         for moment in moments:

@@ -1,6 +1,6 @@
 """Write moving bodies as one binary glTF 2.0 file (.glb, ISO/IEC 12113), which 3D programs and viewers open.
 
-glTF's y axis points up; the node ``world`` turns the scene, whose z axis points up. Colours are linear there.
+glTF's y axis points up; the node ``world`` turns the scene, whose z axis points up. Colours in glTF are linear.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ VERTICES, INDICES = 34962, 34963
 """The numbers by which glTF identifies the uses of buffers."""
 
 UPRIGHT = (-(0.5**0.5), 0.0, 0.0, 0.5**0.5)
-"""The rotation that turns the z axis to the y axis."""
+"""The rotation that turns the z axis into the y axis."""
 
 ROUGHNESS = 0.7
-"""The roughness of all materials, from 0 to 1, as of plastic, lacquer and wood."""
+"""The roughness of all materials, from 0 to 1: about that of plastic, lacquer and wood."""
 
 LARGEST_SIDE, QUALITY = 1024, 85
 """The largest side of a texture in texels, and the quality of textures that are converted to JPEG."""
@@ -64,7 +64,7 @@ def gltf_file(
 
 
 class _GltfWriter:
-    """Collects the JSON and the binary part of a file."""
+    """A collector of the JSON and the binary part of a file."""
 
     def __init__(self) -> None:
         self.binary = bytearray()

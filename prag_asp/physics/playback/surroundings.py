@@ -38,7 +38,7 @@ FLOOR_NAME = "floor"
 """The name of the floor's body."""
 
 ABOVE = 0.0005
-"""The height in metres of zones above the table, so that they hide it."""
+"""The height in metres at which zones are drawn above the table, so that they hide the table."""
 
 
 def surroundings(scene: Scene) -> Iterator[BodyTrack]:

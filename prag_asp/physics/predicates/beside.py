@@ -61,7 +61,7 @@ def _volume(name: str, situation: Situation, arguments: Arguments, quaternion: Q
 
 
 def wedge(situation: Situation, side: Direction, other: str, half: Vector, gap: float) -> Volume:
-    """Return where the centre of a box may lie so that the box is on one side of a body.
+    """Return the region for the centre of a box that lies on one side of a body.
 
     `half` contains the half-extents of the box, which has to be at least `gap` metres away from the body.
     """

@@ -22,7 +22,7 @@ MARGIN = 0.003
 
 
 def _ends(situation: Situation, entity: str, direction: Vector) -> tuple[float, float]:
-    """Return how far a body extends, in metres, from the centre of its bounding box against and along a direction."""
+    """Return the extent of a body, in metres, from the centre of its bounding box against and along a direction."""
     body = situation.body(entity)
     if situation.shape(entity).traits.furniture:
         half = abs(direction[0]) * body.half[0] + abs(direction[1]) * body.half[1]

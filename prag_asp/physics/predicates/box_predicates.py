@@ -63,7 +63,7 @@ def _volume(own: Own, situation: Situation, arguments: Arguments, quaternion: Qu
 
 
 def _room(box: BoxBounds, situation: Situation, other: str, half: Vector) -> Volume:
-    """Return where the centre of a body with half-extents `half`, in metres, may lie if the body has to be in a box."""
+    """Return the region for the centre of a body with half-extents `half`, in metres, that has to be in a box."""
     (ax, bx), (ay, by), (az, bz) = (_ends(*ends) for ends in zip(box.low, box.high, half, strict=True))
     x, y, _ = situation.pose(other).position
     bottom = situation.bottom(other)

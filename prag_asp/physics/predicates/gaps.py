@@ -21,7 +21,7 @@ Node = tuple[str, str]
 """A body, a robot (for its tool) or the origin, and the part of it whose coordinate is constrained."""
 
 ORIGIN: Node = ("", "centre")
-"""A body, a robot (for its tool) or the origin, and the part of it whose coordinate is constrained."""
+"""The origin of the scene."""
 
 Z = 2
 
@@ -64,7 +64,7 @@ def top(entity: str) -> Node:
 
 
 def thinnest(entity: str, axis: int, scene: Scene) -> float:
-    """Return the least distance, in metres, that a body extends from its origin along an axis in any orientation."""
+    """Return the minimum extent of a body from its origin along an axis over all its orientations, in metres."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     if place is None:
         return least_reach(shape)

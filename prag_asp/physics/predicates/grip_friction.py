@@ -70,7 +70,7 @@ def finger_force(scene: Scene, entity: str | None, robot: str) -> float:
 
 
 def slips(scene: Scene, entity: str, robot: str) -> str | None:
-    """Return in words why a body slips out of a gripper that lifts it, or None if this is not proved."""
+    """Return the reason, in words, why a body slips out of a gripper that lifts it, or None if this is not proved."""
     heavy, most = weight(scene, entity), bearable(scene, entity, robot)
     if heavy > SLIPS * most:
         lifts = f"{gripper_words(scene, robot)} lifts {most:.3g} kg by its friction"
@@ -100,9 +100,9 @@ def held_load(situation: Situation, entity: str, robot: str) -> float:
     """Return the `grip_load` of a body that a gripper holds in the air, or 0 if there is nothing between the pads.
 
     For a body with a model, the load is at least the torque that tilts the body out of the pads, as a share of the
-    bearable torque. Pads touch a primitive with their whole area, but a body with a model perhaps only with a part of
-    it. The radius of gyration of that part then replaces the mean distance, which is up to 7 % smaller for a rectangle
-    like a pad.
+    bearable torque. Pads touch a primitive with their whole area, but they may touch a body with a model with only a
+    part of it. The radius of gyration of that part then replaces the mean distance, which is up to 7 % smaller for a
+    rectangle like a pad.
     """
     shape, tool = situation.shape(entity), situation.tool(robot)
     if shape.model is not None:
@@ -122,7 +122,7 @@ def held_load(situation: Situation, entity: str, robot: str) -> float:
 
 
 def mean_radius(a: float, b: float) -> float:
-    """Return the mean distance in metres of the points in a rectangle from its centre."""
+    """Return the mean distance from the centre of a rectangle with sides `a` and `b` to its points, all in metres."""
     diagonal = math.hypot(a, b)
     ends = a * a / (2 * b) * math.log((b + diagonal) / a) + b * b / (2 * a) * math.log((a + diagonal) / b)
     return (diagonal + ends) / 6

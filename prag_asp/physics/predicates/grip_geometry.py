@@ -51,8 +51,8 @@ def contact_at(situation: Situation, entity: str, robot: str) -> PadContact | No
 def lowest_grip(robot: Robot, height: float) -> float:
     """Return the minimum height of the tool above the bottom of a grasped object, in metres.
 
-    An object that is lower than the fingers usually reach counts as flat: they close on its edges just above its
-    support.
+    An object that is lower than the fingers usually reach counts as flat: the fingers then close on its edges just
+    above its support.
     """
     return robot.fingertip + (FLAT_TIP_ROOM if is_flat(robot, height) else TIP_ROOM)
 

@@ -53,7 +53,8 @@ OPEN_TOLERANCE = 0.001
 """The tolerance in metres for the opening of an open gripper."""
 
 MARGIN, OVER_MARGIN = 0.001, 0.003
-"""How far sampled tools and widths stay within the tolerances, and tools over a body within its sides, in metres.
+"""The distances in metres by which sampled tools and widths stay within the tolerances, and sampled tools over a body
+stay within its sides.
 
 Kinematics is not exact, so samples on a bound could violate it.
 """
@@ -66,7 +67,7 @@ NOTHING_BETWEEN = 0.02
 """The violation of `holding`, in metres, if the tool is at the bounding box of a body with nothing between the pads."""
 
 LEVER = 0.05
-"""The distance in metres that counts as much as a rotation of the tool by one radian: that of the fingertips."""
+"""The distance in metres that counts as much as a rotation of the tool by one radian."""
 
 
 def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> Iterator[float]:
@@ -105,7 +106,7 @@ def _aside(situation: Situation, robot: str, entity: str, even: bool) -> float:
 
 
 def _contact_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield how far the pads are from opposite sides of a body with a model, in metres and, for the cone, radians."""
+    """Yield the errors of the pads at opposite sides of a body with a model, in metres and, for the cone, radians."""
     robot, entity = arguments
     contact = contact_at(situation, entity, robot)
     if contact is None:
@@ -113,9 +114,9 @@ def _contact_violations(situation: Situation, arguments: Arguments) -> Iterator[
         return
     yield abs(situation.arm(robot).width - contact.width) - GRIP_TOLERANCE
     yield abs(contact.low + contact.high) / 2 - GRIP_TOLERANCE
-    cone = math.atan(pad_friction(situation.scene, entity))
-    for patch in contact.patches:
-        yield math.acos(max(-1.0, min(1.0, patch.slope))) - cone
+    friction = pad_friction(situation.scene, entity)
+    for cosine in contact.cosines(friction):
+        yield math.acos(max(-1.0, min(1.0, cosine))) - math.atan(friction)
 
 
 def _at_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
@@ -132,7 +133,7 @@ def _at_volume(situation: Situation, arguments: Arguments, quaternion: Quaternio
 def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
     """Yield the distances in metres of the tool from the object, and of the fingers from the material between the pads.
 
-    The width is not computed if the tool is so far away that the width cannot have the largest error.
+    The width is not computed if the tool is so far away that the error of the width cannot be the largest error.
     """
     robot, entity = arguments
     shape = situation.shape(entity)
@@ -209,7 +210,7 @@ def _holding_way(situation: Situation, arguments: Arguments) -> float:
 
 
 def _way_to_grasp(situation: Situation, robot: str, entity: str) -> float:
-    """Return how far, in metres, the tool and the fingers are from the nearest grasp of a body with a model."""
+    """Return the distance, in metres, of the tool and the fingers from the nearest grasp of a body with a model."""
     tool = compose(invert(situation.pose(entity)), situation.tool(robot))
     ways = [math.inf]
     for grasp in grasps_in_body(situation, entity, robot):

@@ -73,17 +73,17 @@ def rims(situation: Situation, container: str, margin: float = 0.0) -> Iterator[
         yield rectangle(*middle.position[:2], half_x, half_y, yaw_of(middle.quaternion))
 
 
-def _extent_within(situation: Situation, subject: str, container: str, quaternion: Quaternion) -> BodyExtent:
-    """Return the bounding box of a rotated body along the axes of a container."""
-    x, y, z, w = situation.pose(container).quaternion
+def _extent_within(situation: Situation, subject: str, cavity_pose: Pose, quaternion: Quaternion) -> BodyExtent:
+    """Return the bounding box of a rotated body along the axes of a cavity."""
+    x, y, z, w = cavity_pose.quaternion
     return extent(situation.shape(subject), multiply((-x, -y, -z, w), quaternion))
 
 
 def _lateral(situation: Situation, subject: str, container: str) -> Iterator[float]:
-    """Yield by how many metres a body's bounding box extends beyond a container, in the container's frame."""
+    """Yield the amounts in metres by which a body's box, along a cavity's axes, extends beyond the cavity."""
     pose, (outer, inner) = situation.pose(subject), hollow(situation, container)
     dx, dy = to_local(outer, pose.position[0], pose.position[1])
-    middle, half = _extent_within(situation, subject, container, pose.quaternion)
+    middle, half = _extent_within(situation, subject, outer, pose.quaternion)
     dx, dy = dx + middle[0], dy + middle[1]
     yield abs(dx) - inner[0] / 2
     yield abs(dy) - inner[1] / 2
@@ -105,7 +105,7 @@ def _inside_violations(situation: Situation, arguments: Arguments) -> Iterator[f
 
 
 def _located_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield how far a body is, in metres, from the space in the container or on the table, up to `HOVER` above it.
+    """Yield the distances in metres of a body from the space in the container or on the table, up to `HOVER` above it.
 
     The space over the table does not include the space over hollow bodies.
     """
@@ -135,21 +135,21 @@ def _hollow_others(situation: Situation, subject: str) -> list[str]:
 def _room(
     situation: Situation, arguments: Arguments, quaternion: Quaternion, height: float, margin: float = MARGIN
 ) -> Volume:
-    """Return where the centre of a body in a cavity may lie if the body is at most `height` metres above the floor."""
+    """Return the region for the centre of a body in a cavity, at most `height` metres above the floor."""
     subject, container = arguments
     pose, inner = hollow(situation, container)
-    middle, half = _extent_within(situation, subject, container, quaternion)
+    middle, half = _extent_within(situation, subject, pose, quaternion)
     dx, dy = (_spare(inner[axis] / 2 - half[axis], margin) for axis in (0, 1))
     z = floor_height(situation, container) + half[2]
     if min(dx, dy) < 0.0:
         x, y, _ = pose.position
         return Volume((x, y, z), (x, y, z - 1.0))
     room = over_rectangle(pose.position, heading(pose.quaternion), (dx, dy), (z, z + height))
-    return room.moved(opposite(rotate(situation.pose(container).quaternion, middle)))
+    return room.moved(opposite(rotate(pose.quaternion, middle)))
 
 
 def _spare(room: float, margin: float) -> float:
-    """Return how far off-centre, in metres, a body may be without touching a wall, given the room on either side."""
+    """Return the distance in metres by which a body may be off-centre, given the room between it and either wall."""
     return room - margin if room >= margin else room / 2
 
 

@@ -21,7 +21,7 @@ MARGIN = 0.004
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield how far, in metres, the body is above or below the top, and how far its centre is beyond the edge."""
+    """Yield the distances in metres of the body from the height of the top, and of its centre beyond the edge."""
     subject, support = arguments
     above, below = situation.body(subject), situation.body(support)
     yield abs(above.low[2] - below.high[2]) - TOLERANCE

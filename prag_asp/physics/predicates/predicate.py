@@ -19,7 +19,8 @@ Arguments = tuple[str, ...]
 
 
 ViolationsFunction = Callable[[Situation, Arguments], Iterator[float]]
-"""Yields how far a situation is from satisfying each condition of a predicate, cheapest first; at most 0 if it does."""
+"""Yields the amount by which a situation violates each condition of a predicate, or at most 0 if it does not; the
+conditions that are cheapest to compute come first."""
 
 WayFunction = Callable[[Situation, Arguments], float]
 """Returns the length of a path to a situation that satisfies a predicate, around obstacles."""
@@ -47,14 +48,14 @@ The rectangle is given by its corners with the lowest and the highest coordinate
 
 
 class SentenceFunction(Protocol):
-    """Returns a sentence which states that a predicate holds, or does not hold, for the given entities."""
+    """A function that returns a sentence: a predicate holds, or does not hold, for the given entities."""
 
     def __call__(self, arguments: Arguments, value: bool = True) -> str:
         """Return the sentence."""
 
 
 class Gripper(Enum):
-    """How the gripper given by the first argument relates to the second argument; `OPEN` has no second argument."""
+    """The relation of the gripper given by the first argument to the second argument; `OPEN` has no second argument."""
 
     HOLDS = "holds"
     AT = "is at"
@@ -141,14 +142,14 @@ class Predicate:
     nowhere: NowhereFunction | None = None
 
     def distance(self, situation: Situation, arguments: Arguments) -> float:
-        """Return how far a situation is from satisfying the predicate: 0 if and only if the predicate holds."""
+        """Return the distance of a situation from satisfying the predicate: 0 if and only if the predicate holds."""
         return max(0.0, *self.violations(situation, arguments))
 
     def signed_distance(self, situation: Situation, arguments: Arguments) -> float:
         """Return the largest violation, in metres or radians; it is at most 0 if and only if the predicate holds.
 
-        In that case, its absolute value is the margin. It changes by at most the distance that the subject moves; only
-        the violation of `holding` may change faster, when an edge or a curved side is between the pads.
+        In that case, the absolute value is the margin. The result changes by at most the distance that the subject
+        moves; only the violation of `holding` may change faster, when an edge or a curved side is between the pads.
         """
         return max(self.violations(situation, arguments))
 

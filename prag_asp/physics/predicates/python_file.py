@@ -88,7 +88,7 @@ def _error_line(error: BaseException) -> str:
 
 
 def _guarded(own: Own, part: str, function: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function of the file, wrapped to raise a `SceneError` for an error or an invalid result."""
+    """Return a function from a predicate file, wrapped to raise a `SceneError` for an error or an invalid result."""
     fine, needed, yielded = RESULTS[part]
     inner = unwrap(function)
     while isinstance(inner, partial):
@@ -139,7 +139,7 @@ def _is_text(result: object) -> bool:
 
 
 class Result(NamedTuple):
-    """What is required of a function's result: a test, a message, and whether the function yields its values."""
+    """The requirement for a function's result: a test, a message, and whether the function yields its values."""
 
     fine: Callable[[Any], bool]
     needed: str

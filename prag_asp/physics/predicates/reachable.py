@@ -19,7 +19,7 @@ MARGIN, HEIGHT_MARGIN = 0.003, 0.001
 
 
 def _violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield by how many metres an object is too near, too far or too high to be grasped from above."""
+    """Yield the amounts in metres by which an object is too near, too far or too high to be grasped from above."""
     robot = situation.robot(arguments[0])
     x, y, z = situation.pose(arguments[1]).position
     radius = math.hypot(x - robot.base.position[0], y - robot.base.position[1])

@@ -2,8 +2,8 @@
 
 The gap is the distance between the bodies or, if they overlap, the negated penetration depth. It is exact for upright
 boxes, cylinders and balls with any yaw. A body with a model counts as the upright prism around it. Other bodies, and
-bodies tilted by more than `LEAN`, count as their bounding boxes. Thus a body inside a container overlaps it and does
-not touch it. A body touches another if it stands on it or leans against its side. The predicate is symmetric.
+bodies tilted by more than `LEAN`, count as their bounding boxes. Thus a body inside a container overlaps the container
+and does not touch it. A body touches any body on which it stands or against which it leans. The predicate is symmetric.
 """
 
 from __future__ import annotations
@@ -98,8 +98,8 @@ def gap(situation: Situation, arguments: Arguments) -> float:
 def _volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
     """Return the regions beside the other body, on it and below it.
 
-    They do not include positions of a ball that touches an edge, unless it is on the floor on which the other body
-    stands.
+    They do not include positions of a ball that touches an edge, unless the ball is on the floor on which the other
+    body stands.
     """
     subject, other = arguments
     shape, there = situation.shape(subject), _placed(situation, other)
@@ -184,7 +184,7 @@ def _demands(scene: Scene, arguments: Arguments) -> Iterator[Demand]:
 
 
 def _broadest(entity: str, axis: int, scene: Scene) -> float:
-    """Return the greatest distance, in metres, that a body extends from its origin along an axis in any orientation."""
+    """Return the maximum extent of a body from its origin along an axis over all its orientations, in metres."""
     shape, place = scene.shapes[entity], scene.fixed.get(entity)
     if place is not None:
         middle, half = extent(shape, yaw_quaternion(place[2]))

@@ -42,7 +42,7 @@ def never_gripped(domain: Domain, scene: Scene) -> Iterator[Problem]:
 
 
 def _faults(scene: Scene, name: str, entity: str) -> Iterator[tuple[str, str, str]]:
-    """Yield why a robot cannot hold a body in its easiest size: the warning's name, the table and a text."""
+    """Yield reasons why a robot cannot hold a body in its easiest size: the warning's name, the table and a text."""
     robot, shapes = robot_of(scene, name), scene.ranges.get(entity, (scene.shapes[entity],))
     limit = (robot.opening - CLEARANCE) * 1000
     closes = f"the gripper closes around at most {limit:.3g} mm (it opens to {robot.opening * 1000:.3g} mm)"
@@ -52,7 +52,7 @@ def _faults(scene: Scene, name: str, entity: str) -> Iterator[tuple[str, str, st
             wide = f"wider than {limit:.3g} mm between all opposite sides, edges and corners"
             yield "too-wide", "shapes", f"{wide}, but {closes}; make it narrower"
         elif not body_grasps(shapes[0], ParallelGripper.of(robot), pad_friction(scene, entity)):
-            text = "not held by any grasp that was found (two flat pads on opposite sides)"
+            text = "not held by any grasp that was found (two flat pads on opposite sides or edges)"
             yield "no-grasp", "shapes", f"{text}; give it a rim, a handle or parallel sides"
     else:
         width = min(shape.breadth(widest=False) for shape in shapes)

@@ -1,9 +1,9 @@
-"""Exclusions that physics proves: single fluents that never hold, and pairs that never hold together.
+"""Exclusions proved from the geometry and physics of a scene: fluents that never hold, alone or in pairs.
 
 They come only from proofs and only forbid fluents to hold, so they are Horn clauses, like all invariants of a domain:
 they exclude exactly the plans with a state that is known to satisfy the premises of a proof, and each of these plans is
-proved infeasible. Exclusions of three or more fluents are left to physics: in partially known states, clauses of three
-literals cannot be propagated exactly.
+proved infeasible. Exclusions of three or more fluents are left to the physics checks: in partially known states,
+clauses of three literals cannot be propagated exactly.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ def prove_exclusions(domain_facts: Facts, scene: Scene, tell: Callable[[str], No
 
 
 def unproved_exclusions(domain: Domain, scene: Scene) -> Iterator[Fluents]:
-    """Yield the learned exclusions of a domain that physics does not prove, for example after a change to the scene.
+    """Yield the learned exclusions of a domain that are not proved, for example because the scene has changed.
 
     Raises:
         SceneError: the scene lacks the shape or the yaw of an entity in a spatial fluent.

@@ -3,9 +3,9 @@
 A proof assumes the definitions of the predicates, the poses of the fixed bodies, and six rules of every scene: a
 gripper holds one body at a time, it is not open while it holds one, nothing rests on a ball, a primitive is held from
 above while it stands upright, the fingertips stay above its bottom, and a gripper lifts each body that it moves, which
-requires enough friction. The check of a witness enforces the last three rules as well. The workspace limits where the
-search places bodies, not where they can be, so no proof uses it. Proofs are monotonic: a proof from some facts is valid
-for any superset of them.
+requires enough friction. The check of a witness enforces the last three rules as well. The workspace limits the
+positions at which the search places bodies, but not those at which bodies can be, so no proof uses it. Proofs are
+monotonic: a proof from some facts is valid for any superset of them.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class Constraints(NamedTuple):
 
 
 class Prover:
-    """Proves that states of a scene are impossible, and caches results about facts."""
+    """A prover that states of a scene are impossible, with a cache of results about facts."""
 
     def __init__(self, scene: Scene):
         self._scene = scene
@@ -147,7 +147,7 @@ class Prover:
         return [frozenset(members) for _, members in groups]
 
     def _together(self, group: frozenset[Fact]) -> str | None:
-        """Return why no positions of the bodies satisfy the given facts, or None if nothing is proved; uses a cache."""
+        """Return the reason why no positions of bodies satisfy facts, or None if nothing is proved; uses a cache."""
         if group not in self._known:
             true = sorted(group, key=lambda fact: (fact.predicate.name, fact.arguments))
             gaps: tuple[dict[Gap, None], ...] = ({}, {}, {})
@@ -183,7 +183,7 @@ class Prover:
 
 
 def _lift(effect: ActionEffect, before: tuple[Fact, ...]) -> tuple[Fact, Fact, Fact] | None:
-    """Return the facts that an object is at a place, is held, and is no longer at the place, or None if it stays.
+    """Return the facts that an object is at a place, is held, and is no longer there, or None if no object is lifted.
 
     A gripper may close around anything that it spans, but only lifting puts a load on it. A witness lifts each object
     that it moves: the arm retreats straight up after a grasp, and comes straight down before a release.

@@ -90,9 +90,11 @@ def reach_reasons(true: Sequence[Fact], scene: Scene, gaps: Sequence[Iterable[Ga
 
 
 def _never_together(facts: Iterable[Fact]) -> str:
-    """Return a sentence which states that facts exclude each other."""
+    """Return a sentence that states one or more facts, and that they cannot hold together."""
     *others, last = [fact.sentence() for fact in facts]
-    return f"it is impossible that {', '.join(others)} and {last}" if others else f"it is impossible that {last}"
+    if not others:
+        return f"it is impossible that {last}"
+    return f"{', '.join(others)} and {last}, but these facts cannot hold together"
 
 
 def impossible_row(gaps: Sequence[Gap]) -> tuple[Node, ...]:

@@ -68,7 +68,7 @@ class _InstanceTable(NamedTuple):
 
 
 def rules(proofs: Proofs, stated: Facts) -> list[ExclusionRule]:
-    """Return rules that cover all proofs, each once, and nothing else, in the order of their first proofs."""
+    """Return rules that together cover each proof once, and nothing else, in the order of their first proofs."""
     folding = _Folding(proofs, stated)
     result: list[ExclusionRule] = []
     covered = set[Fluents]()
@@ -84,7 +84,7 @@ def text_of(rules: Iterable[ExclusionRule], name: str) -> str:
     found = list(rules)
     legend = " impossible(F,G): F and G never hold together; impossible(F,F): F never holds." if found else ""
     lines = [
-        f"% What physics proves impossible in the scene of {name}. Written by prag-asp learn; run it again",
+        f"% Facts that are proved impossible in the scene of {name}. Written by prag-asp learn; run it again",
         f"% when the scene changes.{legend}",
     ]
     for rule in found:
@@ -93,7 +93,7 @@ def text_of(rules: Iterable[ExclusionRule], name: str) -> str:
 
 
 class _Folding:
-    """Generalises the proofs of a domain to rules."""
+    """A generaliser of the proofs of a domain to rules."""
 
     def __init__(self, proofs: Proofs, stated: Facts):
         self._proofs = proofs

@@ -15,7 +15,7 @@ AIM = 0.6
 
 
 def relevant_facts(facts: Iterable[Fact], entity: str, situation: Situation) -> list[Fact]:
-    """Return the facts about an object, except those about grippers, whose other bodies have already been placed."""
+    """Return the facts about an object that do not concern grippers and whose other bodies are already placed."""
     shapes, placed = situation.scene.shapes, {*situation.poses, entity}
     return [
         fact
@@ -27,7 +27,7 @@ def relevant_facts(facts: Iterable[Fact], entity: str, situation: Situation) -> 
 
 
 def shapes_volume(fact: Fact, entity: str) -> bool:
-    """Return whether the volume for an object expresses a fact exactly."""
+    """Return whether the volume of a fact or its inverse for an object expresses the fact exactly."""
     subject = fact.arguments[fact.predicate.subject]
     return fact.value and (subject == entity or fact.predicate.inverse is not None)
 

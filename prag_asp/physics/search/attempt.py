@@ -26,13 +26,13 @@ NO_GRASP = "no grasp fits the object"
 NO_KINEMATICS_AT = "no arm configuration at the object"
 NO_KINEMATICS_ABOVE = "no arm configuration above the object"
 ARM_COLLIDES = "the arm collides"
-TWISTS = "the gripper cannot bear the torque of the object"
+TWISTS = "the gripper cannot resist the torque of the object's weight"
 UNSTABLE = "an object tips, slides or rolls"
 UNSETTLED = "a relation does not hold once the objects have settled"
 NO_PATH = "the arm finds no free path"
-PRESSED = "bodies press on each other though the task does not ask for it"
+PRESSED = "bodies press on each other although the task does not require this contact"
 LOST = "the gripper does not hold its object"
-OVERBEARING = "a contact that the task asks for is too strong"
+OVERBEARING = "a contact that the task requires is too strong"
 SLIPPED = "an object slips or turns in the gripper"
 HASTY = "a joint accelerates beyond its limit"
 NOT_REACHED = "a relation does not hold after the robot's motion"
@@ -57,7 +57,7 @@ CAUSES = (
     LOST,
     NOT_REACHED,
 )
-"""The causes of failed attempts, in the order of how much their checks cost."""
+"""The causes of failed attempts, in the order of the cost of their checks."""
 
 
 class PhysicsFault(NamedTuple):

@@ -129,10 +129,10 @@ def put_pose(search: Search, situation: Situation, effect: ActionEffect, entity:
 
 
 def _fillings(search: Search, entity: str, arm: Arm | None, least: float) -> Iterator[list[Filling]]:
-    """Yield ways to fill a region with objects that are put down: for each axis of the hand, the tightest, then others.
+    """Yield, for each axis of the hand, the ways to fill a region with objects that are put down.
 
-    The others are in order of the room that they leave for a hand, the largest first. `least` is half the smallest
-    width of the objects in metres.
+    The tightest way comes first; the others are in order of the room that they leave for a hand, the largest first.
+    `least` is half the smallest width of the objects in metres.
     """
     corner = Corner.sample(search)
     if arm is None or arm.grasp is None:

@@ -12,7 +12,7 @@ from prag_asp.wording import plural
 
 
 class FailureLog:
-    """Counts the faults of all attempts, and separately the faults of the attempts that completed the most actions.
+    """The counts of the faults of all attempts and, separately, of the attempts that completed the most actions.
 
     `grasp_to_blame` is true if an object could not be moved or put down with the grasp chosen, and no other grasp was
     tried.

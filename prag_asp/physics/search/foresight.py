@@ -19,8 +19,8 @@ Foresight = Mapping[tuple[int, str], tuple[Volume, ...]]
 room."""
 
 LaterPuts = Mapping[tuple[int, str], tuple[tuple[str, tuple[Fact, ...]], ...]]
-"""For each state and object put on or into a body on which a task puts several: the objects that it puts there later,
-with the facts of the states in which it does."""
+"""For each put of an object on or into a body on which the task puts several objects, given by the state and the
+object: the objects that the task puts there later, each with the facts of the state after that put."""
 
 Rooms = dict[Direction, float]
 
@@ -40,9 +40,10 @@ def foresee(physical: PhysicalTask, scene: Scene) -> Foresight:
 
 
 def foresee_puts(physical: PhysicalTask, scene: Scene) -> LaterPuts:
-    """Return the later puts of a task on the same body; there are none for the table and for bodies put on alone.
+    """Return, for each put of a task on or into a body other than the table or a zone, the later puts on this body.
 
-    Puts after the next put of an object already listed are left out, because the object makes room before.
+    The list ends before the next put of an object that is already in it, because that object is taken away first and
+    makes room.
     """
     puts: dict[str, list[tuple[int, str]]] = {}
     for effect in physical.effects:

@@ -54,8 +54,8 @@ LONG, FROM_END = 0.08, 0.03
 metres."""
 
 MIDDLE = 0.03
-"""In a scene with several robots, the distance in metres of a grasp of a long body with a model from its middle, below
-which two hands, each 63 mm wide, have no room on the body."""
+"""The smallest distance in metres from the middle of a long body with a model to a grasp that leaves room for the hand
+of another robot; a hand is 63 mm wide."""
 
 LARGEST_STEP = 1.2
 """The largest turn of a joint, in radians, between a grasp and `LIFT` above it, if both are on one branch of the
@@ -66,7 +66,7 @@ EASE = 0.3
 """The bonus in a grasp's score if the arm approaches from its own side."""
 
 STEADY = 1.0
-"""How much a grasp's score decreases if the weight of the body just suffices to tilt it out of the pads."""
+"""The amount by which a grasp's score decreases if the weight of the body just suffices to tilt it out of the pads."""
 
 STEADIEST = 0.8
 """The largest torque that tilts a body in a grasp, as a share of the torque that pads bear.
@@ -80,7 +80,7 @@ SECTOR, SIDEWAYS = math.pi / 4, 0.7
 side, that is, if the cosine of the tool's angle from straight down is below the second number."""
 
 STRAIGHT_DOWN = 1e-7
-"""How far below 1 the cosine of a tool's angle from straight down may be: about half a milliradian."""
+"""The amount by which the cosine of a tool's angle from straight down may be below 1: about half a milliradian."""
 
 
 class CollisionQuery(NamedTuple):
@@ -124,7 +124,8 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     frames = matrix(pose) @ table.frames
     away = frames[:, :2, 3] - search.robot.base.position[:2]
     outward = away / np.maximum(np.linalg.norm(away, axis=1), HAIR)[:, None]
-    # The palm's x axis points away from the base, and so does a slanted tool; the wrist is therefore on the arm's side.
+    # The palm's x axis points away from the base, and so does an inclined tool; the wrist is therefore on the arm's
+    # side.
     forward, slope = ((frames[:, :2, axis] * outward).sum(1) for axis in (0, 2))
     ease = np.abs(forward) + 2 * np.minimum(0.0, slope)
     press = finger_force(search.scene, entity, acting)
@@ -136,12 +137,14 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     twisting = grip_load(search.scene, entity, acting, 0.0, 1.0) * table.loads
     bearing = ((twisting <= SLIPS) & (loads[:, 1] <= STEADIEST)).tolist()
     # The best grasps of each kind come first, then the second best, because where one kind fails, another may succeed.
-    # Grasps out of which the body tilts come last, before them those that leave no room for another robot.
+    # Grasps at an edge come last, before them those out of which the body tilts, and before them those that leave no
+    # room for another robot.
     central = _leaves_no_room(search, situation, entity, table.frames)
-    counts, ranked = Counter[tuple[float, bool]](), list[tuple[bool, bool, int, int]]()
+    counts, ranked = Counter[tuple[float, bool]](), list[tuple[bool, bool, bool, int, int]]()
     for i in order.tolist():
         if bearing[i]:
-            ranked.append((bool(tilting[i] > 1.0), bool(central[i]), counts[kinds[i]], i))
+            last = bool(table.at_edge[i]), bool(tilting[i] > 1.0), bool(central[i])
+            ranked.append((*last, counts[kinds[i]], i))
             counts[kinds[i]] += 1
     if not ranked:
         raise Failure(TWISTS, entity)
@@ -152,7 +155,7 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
     places, quaternions = frames[:, :3, 3].tolist(), turned.T.tolist()
     options = [
         GraspOption(Pose(tuple(places[i]), tuple(quaternions[i])), found[i].approach)
-        for *_, i in sorted(ranked, key=lambda row: row[:3])
+        for *_, i in sorted(ranked, key=lambda row: row[:4])
     ]
     first = search.passed_over % len(options)
     return options[first:] + options[:first]
@@ -161,7 +164,7 @@ def _sampled(search: Search, situation: Situation, entity: str) -> list[GraspOpt
 def _leaves_no_room(
     search: Search, situation: Situation, entity: str, frames: NDArray[np.float64]
 ) -> NDArray[np.bool_]:
-    """Return which of the grasps with given frames, shape (n, 4, 4), in a long body leave no room for another robot."""
+    """Return, for each grasp frame (n, 4, 4), whether it leaves no room for another robot on a long body."""
     half = np.array(situation.shape(entity).half[:2])
     if not search.scene.shared or half.max() < LONG:
         return np.zeros(len(frames), dtype=bool)
@@ -282,7 +285,7 @@ def near_joints(
 
     The result is None if none of the first `tries` configurations (by default, all) is collision-free and close.
     """
-    # The elbow swings more if the tool is slanted; the least change of all joints keeps the path between the two
+    # The elbow swings more if the tool is inclined; the least change of all joints keeps the path between the two
     # straight.
     adjusted = None if is_downward(tool) else adjust_joints(search.robot, tool, low)
     for high in chain(() if adjusted is None else (adjusted,), islice(inverse(search.robot, tool, near=low), tries)):

@@ -56,7 +56,7 @@ def raise_arm(search: Search, snapshot: Snapshot) -> Snapshot:
     require_free(search, after)
     after = after.with_waypoint("lift" if held else "retreat")
     if held is None and 0.0 < after.arm.width < search.robot.opening:
-        # At a body with a model, the fingers open only as far as there is room.
+        # At a body with a model, the fingers open only as wide as the space allows.
         after = after.with_arm(replace(after.arm, width=search.robot.opening))
         require_free(search, after)
         after = after.with_waypoint("stay")

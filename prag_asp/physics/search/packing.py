@@ -32,6 +32,7 @@ from prag_asp.physics.search.placement import (
     parts_meet,
     placement_volume,
     sample_pose,
+    support_yaw,
 )
 from prag_asp.physics.search.spans import FINGER_ROOM
 from prag_asp.physics.situation import Situation
@@ -103,7 +104,7 @@ class Corner(NamedTuple):
 
 
 class OpenHand(NamedTuple):
-    """A hand that puts objects down, with its fingers along one axis of their support: 0 for x, 1 for y.
+    """A hand that puts objects down and opens its fingers along one axis of their support: 0 for x, 1 for y.
 
     `wall` is the room in metres for fingers between an object and the ends of the allowed region. Objects up to `width`
     metres wide fit between the fingers. The hand holds the object `held`, in whose frame the fingers open along the
@@ -118,7 +119,7 @@ class OpenHand(NamedTuple):
 
 
 class Filling(NamedTuple):
-    """How a region is filled: from a corner, with spacings in metres along both axes of the support, by a hand."""
+    """A way to fill a region: the first corner, the spacings in metres along both axes of the support, and the hand."""
 
     corner: Corner
     spacing: tuple[float, float]
@@ -212,12 +213,12 @@ def packed_poses(situation: Situation, request: PlacementRequest, filling: Filli
 
 
 def _frames(situation: Situation, entity: str, support: str, about: Iterable[Fact]) -> Iterator[float]:
-    """Yield the yaws, in radians, along which an object is packed, first that of its support or of the workspace.
+    """Yield the yaws, in radians, of the frames in which to pack an object, first that of its support or the workspace.
 
     If a user-defined relation requires the object to be in a rotated body, such as a slot, the yaw of that body is also
     tried.
     """
-    first = 0.0 if support == TABLE else yaw_of(situation.pose(support).quaternion)
+    first = 0.0 if support == TABLE else support_yaw(situation, support)
     yield first
     for fact in about:
         if fact.value and fact.predicate.rests_on_other and fact.arguments[0] == entity:
@@ -291,8 +292,9 @@ def _taken(
     """Return the places where an object at a height overlaps others, the places where it touches them, and exact tests.
 
     Each row (n, 4) contains the centre of a rectangle for the origin of the object, and its half-extents along x and y,
-    seen from above in a frame rotated by a yaw; it refers to the bounding boxes of the bodies in this frame. If one of
-    two bodies has a model, their boxes touch there, and a function returns whether their parts overlap.
+    seen from above in a frame rotated by a yaw; it refers to the bounding boxes of the bodies in this frame. If the
+    object or another body has a model, their boxes are only listed as touching, and a function returns whether their
+    parts overlap.
     """
     back, forth = yaw_quaternion(-frame), yaw_quaternion(frame)
     entity = situation.shape(request.entity)
@@ -332,9 +334,10 @@ def _turned_rows(rows: list[tuple[float, float, float, float]], frame: float) ->
 def _orientations(
     situation: Situation, entity: str, about: Iterable[Fact], frame: float, hand: OpenHand | None
 ) -> Iterator[Quaternion]:
-    """Yield orientations along a frame, or in the middle of the yaw ranges that facts allow.
+    """Yield orientations aligned with a frame, or in the middle of the yaw ranges that facts allow.
 
-    With a hand, its fingers open along its axis of the frame, and the object is no wider there than they open.
+    If a hand is given, its fingers open along the frame axis `hand.axis`. The held object is turned to match the
+    fingers; another object without a model must fit between them.
     """
     try:
         ranges = yaw_ranges(situation, entity, about)

@@ -345,7 +345,14 @@ def _yaws(search: Search, situation: Situation, request: PlacementRequest) -> It
         yield from (along - own, math.pi / 2 - along - own)
         return
     quarter = int(search.rng.integers(4)) * math.pi / 2 - own
-    aligned = yaw_of(situation.pose(request.support).quaternion) + quarter
+    aligned = support_yaw(situation, request.support) + quarter
     yield aligned + search.uniform(-JITTER, JITTER)
     if (shape.model is not None or shape.kind == "box") and situation.shape(request.support).hollow:
         yield from (aligned + turn * math.pi / 4 for turn in (0, 2, 1, 3))
+
+
+def support_yaw(situation: Situation, support: str) -> float:
+    """Return the yaw, in radians, of the sides of a body or, if it has a model with a cavity, of the cavity."""
+    model = situation.shape(support).model
+    pose = situation.pose(support) if model is None or model.cavity is None else situation.floor(support)
+    return yaw_of(pose.quaternion)

@@ -1,7 +1,7 @@
-"""Leave room between two objects for one that is not placed yet: it will be left of one of them and right of the other.
+"""Leave room between two objects for an unplaced object that will be left of one of them and right of the other.
 
-Objects are placed one after another. If its relations put an object between two others, it needs room there, whichever
-of the three is placed last.
+Objects are placed one after another. An object whose relations put it between two others needs room there, whichever of
+the three is placed last.
 """
 
 from __future__ import annotations

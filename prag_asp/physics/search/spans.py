@@ -63,7 +63,7 @@ def _span(physical: PhysicalTask, scene: Scene, k: int, pair: tuple[str, str], w
 
 
 def _between(physical: PhysicalTask, k: int, pair: tuple[str, str]) -> Iterator[tuple[int, Fact]]:
-    """Yield each fact that puts an object between two others while these rest as in state `k`, with its state."""
+    """Yield each fact that puts an object between two others, with its state, while the two rest as in state `k`."""
     if k == 0:
         yield from ((0, fact) for fact in physical.initial if _parts(fact, pair))
     for j in range(k, len(physical.effects)):
@@ -74,5 +74,5 @@ def _between(physical: PhysicalTask, k: int, pair: tuple[str, str]) -> Iterator[
 
 
 def _parts(fact: Fact, pair: tuple[str, str]) -> bool:
-    """Return whether a fact puts an object between two others."""
+    """Return whether a fact puts an object between the two objects of a pair."""
     return fact.value and fact.predicate.lies_between and {*fact.arguments[1:]} == {*pair}

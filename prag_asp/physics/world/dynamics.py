@@ -35,7 +35,7 @@ POSITION_GAINS = (POSITION_GAIN,) * 9
 """The gains of seven joints and two fingers."""
 
 RESTING, RESTING_TURN = 0.005, 0.05
-"""Speeds below which a body counts as at rest, in m/s and rad/s, because held objects tremble a little."""
+"""Speeds below which a body counts as at rest, in m/s and rad/s, because held objects vibrate a little."""
 
 SLEEP_FRAMES = 4
 """The number of consecutive frames at rest after which a body is put to sleep, until a moving body comes close.
@@ -44,11 +44,12 @@ PyBullet itself waits for two seconds.
 """
 
 BETWEEN = 0.002
-"""The distance in metres from each finger within which a body counts as between them; they close by 1.3 mm in a step.
+"""The distance in metres from each finger within which a body counts as between the fingers, which close by 1.3 mm in a
+step.
 """
 
 FORGETTING = 2
-"""The number of steps for which bodies have to be far apart until PyBullet has discarded their contacts."""
+"""The number of steps for which bodies have to be far apart before PyBullet discards their contacts."""
 
 AWAKE, ASLEEP = pybullet.ACTIVATION_STATE_WAKE_UP, pybullet.ACTIVATION_STATE_SLEEP
 COUPLING_GAIN, COUPLING_FORCE = 0.5, 500.0

@@ -31,7 +31,7 @@ GEOMETRIES: Mapping[str, int] = {
 NOTHING = -1
 SHADE, BELT, SPOT, STANDING_OUT = 0.45, 0.12, 0.5, 0.02
 """The marks on a ball, as shares of its brightness and diameter: their shade, the height of the belt, the size of the
-spot, and how far both stand out from the surface."""
+spot, and the distance by which both stand out from the surface."""
 
 ASIDE = (0.6, 0.0, 0.8)
 STRAIGHT = (0.0, 0.0, 0.0)

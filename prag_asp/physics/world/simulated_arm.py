@@ -58,7 +58,7 @@ class SimulatedArm:
         self._at = joints, width
 
     def contacts(self, body: int, links: Iterable[int], within: float = 0.0) -> list[tuple[int, float]]:
-        """Return the links of the arm that are `within` a distance of a body, with their distances in metres."""
+        """Return the links of the arm that are at most `within` metres from a body, with their distances in metres."""
         contacts = []
         for link in links:
             points = pybullet.getClosestPoints(self.body, body, within, linkIndexA=link, physicsClientId=self.client)

@@ -1,4 +1,4 @@
-"""Evaluate clingo's arithmetic terms with exact integers, to detect intermediate results out of range."""
+"""The evaluation of clingo's arithmetic terms with exact integers, which detects intermediate results out of range."""
 
 from __future__ import annotations
 

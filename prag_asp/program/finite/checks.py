@@ -24,7 +24,7 @@ WIDEST = 1_000_000
 """The maximum number of values in an interval; each takes a few hundred bytes in an atom."""
 
 MOST_KNOWN = 100_000
-"""The maximum number of operations and inputs in range that are remembered, which take about ten megabytes."""
+"""The maximum number of cached results of range checks, which take about 10 MB."""
 
 ZERO = clingo.Number(0)
 
@@ -44,7 +44,7 @@ class BoundReached(DomainError):
 
 @dataclass(frozen=True)
 class Site:
-    """The place of a check in the files, and the expression that is checked."""
+    """The file and line of a check, and the expression that is checked."""
 
     path: Path
     line: int
@@ -54,7 +54,7 @@ class Site:
     certain: bool = False
 
     def error(self, what: str) -> BoundReached:
-        """Return the error at this place."""
+        """Return the error at this file and line."""
         return BoundReached(Problem(self.path, self.line, what))
 
 
@@ -155,7 +155,7 @@ class Checks:
         made_of = self._values.setdefault((number.number, time), set())
         made_of.add(values)
         if len(made_of) > MOST_VALUES:
-            raise site.error(f"this rule made terms of {site.text} from one another {MOST_VALUES:,} times; {BOUND}")
+            raise site.error(f"this rule derived terms of {site.text} from each other {MOST_VALUES:,} times; {BOUND}")
         if any(measure(value, self._depths, _depth) > DEEPEST for value in values):
             raise site.error(f"this rule makes terms of {site.text} nested more than {DEEPEST:,} deep; {BOUND}")
         return clingo.Number(0)
@@ -187,7 +187,7 @@ def ever_larger(name: str) -> str:
 
 def out_of_range(operation: str) -> str:
     """Return the message about an operation whose result is out of range."""
-    return f"{operation} makes a number that is out of range; keep it from -{LARGEST} to {LARGEST}"
+    return f"{operation} is out of range; keep it from -{LARGEST} to {LARGEST}"
 
 
 def too_wide(interval: str, low: int, high: int) -> str:

@@ -1,4 +1,4 @@
-"""Check the arithmetic of constants, which clingo computes when it reads a program, before any rule."""
+"""A check of the arithmetic of constants, which clingo computes when it reads a program, before any rule."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Find recursive rules that may derive new terms forever, and rules that certainly do.
+"""Recursive rules that may derive new terms forever, and rules that certainly do.
 
 A recursive rule derives new terms if a term of its head may be larger than the terms that it reads in the same
 component. Without such rules, the terms of a component are bounded by those of the components below it, so grounding
@@ -236,8 +236,8 @@ def _step(term: AST) -> tuple[str, int] | None:
 def _is_certain(each: _Derivation) -> bool:
     """Return whether a derivation that fires once fires again with its own result, forever.
 
-    It does if its literals are atoms and equations, and one of the atoms equals its head except for smaller arguments,
-    which no other atom reads.
+    This is the case if all literals are atoms and equations, and one atom equals the head except for arguments that are
+    smaller and that no other atom reads.
     """
     equal = [comparison == ComparisonOperator.Equal for _, comparison, _ in each.comparisons]
     if (

@@ -1,4 +1,4 @@
-"""Insert checks of the range of numbers and of the number of new terms into the rules of a domain.
+"""The insertion of checks into the rules of a domain: of the range of numbers, and of the number of new terms.
 
 clingo computes with 32 bits and overflows silently. Therefore rules call functions of `Checks` during grounding; line
 numbers do not change. An operation is checked in place: ``X+1`` becomes ``(X+1)+@in_range(7,X)``, which adds 0 or has
@@ -26,7 +26,7 @@ from prag_asp.program.sources import ADDED, Program, Source, owned
 from prag_asp.program.syntax import Statement, below, children_of, runs_no_code, variables
 
 OPERATION = re.compile(r"[-+*/\\&?^~|]|\.\.")
-"""Matches rules with arithmetic, as clingo prints them, and some rules without arithmetic."""
+"""A pattern that matches all rules with arithmetic, as clingo prints them, and some rules without arithmetic."""
 
 SUMS = (AggregateFunction.Sum, AggregateFunction.SumPlus)
 COLLECTIONS = (ASTType.Pool, ASTType.Aggregate, ASTType.BodyAggregate, ASTType.HeadAggregate)
@@ -41,7 +41,7 @@ SMALL = 1_000
 
 @dataclass(frozen=True)
 class Guarded:
-    """The text of a program with its checks, and the places of these checks.
+    """The text of a program with its checks, and the sites of these checks.
 
     `endless_steps` is true if rules of steps may derive new terms forever.
     """
@@ -86,7 +86,7 @@ def guard_program(program: Program) -> Guarded:
 
 
 class _CheckWriter:
-    """Inserts checks into the text of one source; checks at the same position keep their order of insertion."""
+    """The checks to insert into the text of one source; checks at the same position keep their order of insertion."""
 
     def __init__(self, sites: list[Site]) -> None:
         self._sites = sites
@@ -322,7 +322,7 @@ def _plain_variables(term: AST) -> set[str]:
 
 
 def _is_signed(term: AST) -> bool:
-    """Return whether a term negates another or is its absolute value, and is therefore in range if the other is."""
+    """Return whether a term is the negation or the absolute value of another, and so in range if the other is."""
     return term.ast_type == ASTType.UnaryOperation and term.operator_type != UnaryOperator.Negation
 
 

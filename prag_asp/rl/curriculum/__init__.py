@@ -1,1 +1,1 @@
-"""Curricula, which choose the next task and its initial subgoal: their parameters, and samplers that record results."""
+"""Curricula, which choose the next task and its initial subgoal: parameters, and samplers that record results."""

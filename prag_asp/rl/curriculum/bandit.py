@@ -22,10 +22,10 @@ from prag_asp.rl.curriculum.task_pool import (
 from prag_asp.rl.curriculum.task_sampler import ActionKeys, EpisodeResult, State
 
 EMPHASIS = 8
-"""The factor by which the weight of an arm's name, pair or class is multiplied while the arm is pulled."""
+"""The factor that multiplies the weight of the name, pair or class of an arm while that arm is pulled."""
 
 PARTS = 10**12
-"""The weights of arms are multiples of 1 / `PARTS` of the largest one, so that they are the same on every machine."""
+"""The weights of arms are multiples of the largest weight / `PARTS`, so that they are the same on every machine."""
 
 DIGITS = Context(prec=40)
 
@@ -35,8 +35,8 @@ class BanditCurriculum:
     """EXP3 over arms that are action names, pairs of names, or classes.
 
     A pull of an arm is a `lot` of episodes, whose tasks are sampled with the arm's weight multiplied by `EMPHASIS`. The
-    gain is the absolute learning progress, between 0 and 1: the difference between the success rate of the arm's
-    subgoals in this lot and in the last lot that attempted any of them.
+    gain, between 0 and 1, is the absolute learning progress: the difference between the success rates of the arm's
+    subgoals in this lot and in the last earlier lot that attempted any of them.
 
     `exploration` is the gamma of EXP3. For K arms and g pulls, the expected total gain is less than that of the best
     arm by at most (e - 1) gamma G + K ln(K) / gamma, where G is the total gain of the best arm; with the best gamma,
@@ -65,7 +65,7 @@ class BanditCurriculum:
 
 
 class BanditSampler:
-    """Samples tasks with the weights of the current arm."""
+    """A sampler of tasks with the weights of the current arm."""
 
     def __init__(self, curriculum: BanditCurriculum, pool: TaskPool):
         self._curriculum, self._pool = curriculum, pool
@@ -85,7 +85,7 @@ class BanditSampler:
 
     @property
     def probabilities(self) -> list[Fraction]:
-        """The exact probability of each arm in the next pull, given gains and weights rounded to 12 digits."""
+        """The exact probability of each arm in the next pull; gains and weights are rounded to 12 digits."""
         most = max(self._gained)
         rate = self._exploration / len(self.arms)
         weights = [int(PARTS * _exponential(rate * (gained - most))) for gained in self._gained]
@@ -174,5 +174,5 @@ def _arms(pool: TaskPool) -> tuple[str, ...]:
 
 
 def _exponential(number: Fraction) -> Decimal:
-    """Return e to the power of a number, the same on every machine."""
+    """Return e to the power of a number, with the same digits on every machine."""
     return DIGITS.exp(DIGITS.divide(Decimal(number.numerator), Decimal(number.denominator)))

@@ -15,9 +15,9 @@ from prag_asp.rl.curriculum.task_sampler import EpisodeResult, State, skip
 class LengthCurriculum:
     """Begin with the shortest tasks of a space, and proceed to longer ones as the agent succeeds.
 
-    The next length is added when the success rate of the last `window` episodes with tasks of the longest length
-    reaches `threshold`. A share `review` of the tasks have shorter lengths, chosen uniformly. Tasks of one length are
-    sampled with the weights of the domain.
+    The next length is added when the success rate of the last `window` episodes with tasks of the longest current
+    length reaches `threshold`. A share `review` of the tasks have shorter lengths, chosen uniformly. Tasks of one
+    length are sampled with the weights of the domain.
 
     Raises:
         QueryError: a share is not between 0 and 1, or the window is less than 1.
@@ -37,7 +37,7 @@ class LengthCurriculum:
 
 
 class LengthSampler:
-    """Samples tasks of growing length."""
+    """A sampler of tasks of growing length."""
 
     def __init__(self, curriculum: LengthCurriculum, pool: TaskPool):
         self._pool, self._lengths = pool, pool.lengths
@@ -65,7 +65,7 @@ class LengthSampler:
         """Do nothing."""
 
     def update(self, result: EpisodeResult) -> None:
-        """Proceed to the next length if enough episodes of the longest current length were successful."""
+        """Record the result, and proceed to the next length if enough episodes of the longest length succeeded."""
         if result.stages == self._lengths[self._reached] and self._mastery.add(result.success):
             self._reached = min(self._reached + 1, len(self._lengths) - 1)
 

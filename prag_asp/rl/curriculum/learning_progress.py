@@ -21,7 +21,7 @@ from prag_asp.rl.curriculum.task_pool import (
 from prag_asp.rl.curriculum.task_sampler import ActionKeys, EpisodeResult, State
 
 EMPHASIS = 4
-"""The weight factor for the greatest progress, relative to no progress."""
+"""The ratio of the weight factors for the greatest progress and for no progress."""
 
 STEPS = 16
 """Weights are multiples of 1 / `STEPS`, so that the integers in exact counts remain small."""
@@ -32,9 +32,9 @@ class AdaptiveCurriculum:
     """Favour tasks with action names, pairs of names and classes whose success rates are changing.
 
     The progress of a name, pair or class is the difference between the success rates in the newer and the older half of
-    its last `window` attempts; if there are too few attempts, the progress counts as the greatest possible. The weights
-    of the domain are multiplied by a factor between 1 (without progress) and `EMPHASIS` (with the greatest progress).
-    After each `lot` of episodes, the factors are updated.
+    its last `window` attempts; if there are too few attempts, the progress counts as 1, the maximum. The weights of the
+    domain are multiplied by a factor between 1 (without progress) and `EMPHASIS` (with the greatest progress). After
+    each `lot` of episodes, the factors are updated.
 
     A share `exploration` of the tasks is sampled with the unchanged weights of the domain: at 1, the curriculum only
     explores; near 0, it mostly exploits. The probability of a task is therefore at least that share of its probability
@@ -61,7 +61,7 @@ class AdaptiveCurriculum:
 
 
 class AdaptiveSampler:
-    """Samples tasks by learning progress."""
+    """A sampler of tasks by learning progress."""
 
     def __init__(self, curriculum: AdaptiveCurriculum, pool: TaskPool):
         self._curriculum, self._pool = curriculum, pool
@@ -79,7 +79,7 @@ class AdaptiveSampler:
         self._begin(0, {})
 
     def propose(self) -> Proposal:
-        """Return a task sampled with the current weights or the domain's, and its probability in the mixture."""
+        """Return a task sampled with the current weights or those of the domain, and its probability in the mixture."""
         return self._pool.next_in_pool(self._drawn)
 
     def note_feasibility(self, word: Word, feasible: bool) -> None:
@@ -95,7 +95,7 @@ class AdaptiveSampler:
             self._begin(self._lots + 1, self._weights())
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return how often the weights have been updated."""
+        """Return the number of updates of the weights."""
         return {"lot": self._lots}
 
     def state_dict(self) -> State:
@@ -148,7 +148,7 @@ class AdaptiveSampler:
 
 
 def progress_of(ends: Sequence[bool], window: int) -> Fraction:
-    """Return how much the success rates in the two halves of the results differ, or 1 if there are too few results."""
+    """Return the difference between the success rates in the two halves of the results, or 1 for too few results."""
     half = len(ends) // 2
     if 2 * half < window - 1 or not half:
         return Fraction(1)

@@ -44,7 +44,7 @@ class Mastery:
 
 
 def review_shares(review: Fraction, places: int) -> list[Fraction]:
-    """Return the probability of each of several places, where all places but the last share `review` equally."""
+    """Return probabilities, of which all but the last are equal and sum to `review`; a single probability is 1."""
     if places == 1:
         return [Fraction(1)]
     return [review / (places - 1)] * (places - 1) + [1 - review]

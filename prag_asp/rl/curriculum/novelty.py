@@ -1,4 +1,4 @@
-"""A curriculum based on novelty: tasks, skeletons, names or pairs that have not been sampled yet come first."""
+"""A curriculum based on novelty: tasks, skeletons, names or pairs that have not been sampled come first."""
 
 from __future__ import annotations
 
@@ -23,29 +23,32 @@ What = Literal["tasks", "skeletons", "names", "pairs"]
 WHAT: tuple[What, ...] = get_args(What)
 
 TRIES = 20
-"""The number of infeasible tasks with a name or pair after which it counts as covered, because physics may always
-forbid it."""
+"""The number of infeasible tasks with a name or pair after which the name or pair counts as covered, because it may
+always be infeasible.
+"""
 
 MISSED = 1000
 """The number of samples outside the pool after which a new pass begins, because the part may have no task with a due
-item."""
+name or pair.
+"""
 
 RARE = Fraction(1, 16)
 """The share of samples with a due name or pair below which the weights of due names or pairs are increased."""
 
 EMPHASIS, HALF = 64, Fraction(1, 2)
-"""The factor for these weights, which is applied until at least the share `HALF` of the samples have a due name or
-pair."""
+"""The factor for these weights, which is applied repeatedly until at least the share `HALF` of the samples have a due
+name or pair.
+"""
 
 
 @dataclass(frozen=True)
 class NoveltyCurriculum:
     """Sample new items first; `what` selects the items: "tasks", "skeletons", action "names", or "pairs" of names.
 
-    Tasks are sampled without replacement, in uniformly random order, and so are skeletons, each represented by one of
-    its tasks, which is sampled by weight. With names or pairs, each task has a due name or pair, that is, one that has
-    occurred neither in a feasible task nor in `TRIES` infeasible tasks. When nothing is due, or no task of the part
-    with a due name or pair is found, a new pass begins.
+    Tasks and skeletons are sampled without replacement, in uniformly random order; for each skeleton, one of its tasks
+    is sampled by weight. With names or pairs, each task has a due name or pair, that is, one that has occurred neither
+    in a feasible task nor in `TRIES` infeasible tasks. When nothing is due, or the part seems to have no task with a
+    due name or pair, a new pass begins.
 
     Raises:
         QueryError: `what` is none of these.
@@ -100,7 +103,7 @@ class _Skeletons:
         self.size = sum(size for _, size in self._stretches)
 
     def word(self, number: int, seed: int) -> tuple[Word, Fraction]:
-        """Return a sampled task that has the skeleton with a given number, and its probability among all such tasks."""
+        """Return a sampled task whose skeleton has a given number, and its probability given this skeleton."""
         length, rank = _found(self._stretches, number)
         letters, probability = self._samplers[length].of_rank(rank, SeededBits(seed), number)
         names = self._pool.at(length).action_texts()
@@ -113,7 +116,7 @@ def _stretches(pool: TaskPool, sizes: Sequence[int]) -> list[tuple[int, int]]:
 
 
 def _found(stretches: Sequence[tuple[int, int]], number: int) -> tuple[int, int]:
-    """Return the length of the item with a given number, and its number among the items of that length."""
+    """Return the length of the item with a given number, and the number of this item among those of that length."""
     for length, size in stretches:
         if number < size:
             return length, number
@@ -122,7 +125,7 @@ def _found(stretches: Sequence[tuple[int, int]], number: int) -> tuple[int, int]
 
 
 class PassSampler:
-    """Samples tasks or skeletons in passes: each one once, in random order, before any is repeated."""
+    """A sampler of tasks or skeletons in passes: each one once, in random order, before any is repeated."""
 
     def __init__(self, things: _Tasks | _Skeletons, pool: TaskPool):
         self._things, self._pool = things, pool
@@ -133,7 +136,7 @@ class PassSampler:
         self._go_on(seed, 0)
 
     def propose(self) -> Proposal:
-        """Return the next task, with its probability given all tasks before it."""
+        """Return the next task, with its conditional probability given all tasks before it."""
         return self._pool.next_in_pool(self._next)
 
     def note_feasibility(self, word: Word, feasible: bool) -> None:
@@ -175,7 +178,7 @@ class PassSampler:
 
 
 class CoverageSampler:
-    """Samples tasks with a name or pair that is due."""
+    """A sampler of tasks with a name or pair that is due."""
 
     def __init__(self, pool: TaskPool, what: What):
         self._pool, self._what = pool, what
@@ -208,7 +211,7 @@ class CoverageSampler:
         return proposal._replace(passed=MISSED + proposal.passed)
 
     def note_feasibility(self, word: Word, feasible: bool) -> None:
-        """Mark the names or pairs of a task as covered."""
+        """Mark the names or pairs of a feasible task as covered, and count those of an infeasible one."""
         had = self._has(word) & self._due
         for key in had:
             self._tries[key] = TRIES if feasible else self._tries.get(key, 0) + 1
@@ -258,11 +261,12 @@ class CoverageSampler:
         return frozenset(names if self._what == "names" else map(">".join, pairwise(names)))
 
     def _begin(self, due: Sequence[str], tries: Mapping[str, int]) -> None:
-        """Begin to sample due names or pairs, with larger weights for rare ones; the share of tasks with them is exact.
+        """Begin to sample due names or pairs, with larger weights if they are rare; compute their exact share.
 
-        The total weight of all tasks is a polynomial in the weight factor of the due names or pairs, and its constant
-        term is the weight of the tasks without them, so the share of the tasks with due names or pairs can approach 1.
-        The weight of a name that is also that of a class or an entity cannot be increased, so the sampler waits for it.
+        The total weight of all tasks is a polynomial in the weight factor of the due names or pairs. Its constant term
+        is the weight of the tasks without them, so the share of the tasks with due names or pairs can approach 1. The
+        weight of an action name that is also the name of a class or an entity cannot be increased, so the sampler waits
+        for such names.
         """
         self._due, self._tries, self._emphasized = frozenset(due), dict(tries), None
         spaces = map(self._pool.at, self._pool.space.lengths)

@@ -12,7 +12,7 @@ from prag_asp.rl.curriculum.task_sampler import skip
 
 
 class ProposalStream:
-    """Tasks sampled by weight from a space, whether or not they are in the pool; `taken` counts them.
+    """A stream of tasks sampled by weight from a space, whether or not they are in the pool; `taken` counts them.
 
     `total` is the sum of the weights of all tasks in the space.
     """

@@ -39,7 +39,7 @@ class ReverseCurriculum:
 
 
 class ReverseSampler:
-    """Samples initial subgoals, from the last one back to the first."""
+    """A sampler of initial subgoals, from the last one back to the first."""
 
     def __init__(self, curriculum: ReverseCurriculum):
         self._review = parse_share("review", curriculum.review)
@@ -52,20 +52,20 @@ class ReverseSampler:
         self._mastery.load(())
 
     def stage(self, stages: int) -> tuple[int, Fraction]:
-        """Return the number (from 0) of the initial subgoal among a task's `stages` subgoals, and its probability."""
+        """Return the index of the initial subgoal among the `stages` subgoals of a task, and its probability."""
         shares = review_shares(self._review, min(self._back, stages))
         place = sample_index(shares, self._seed, "stage", self._drawn)
         self._drawn += 1
         return stages - 1 - place, shares[place]
 
     def update(self, result: EpisodeResult) -> None:
-        """Go back by one more subgoal if enough episodes were successful."""
+        """Record the result, and go back by one more subgoal if enough episodes succeeded."""
         self._longest = max(self._longest, result.stages)
         if result.stages - result.first == self._back and self._mastery.add(result.success):
             self._back = min(self._back + 1, self._longest)
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return the number of subgoals from the start of an episode to the end of the task."""
+        """Return the maximum number of subgoals from the start of an episode to the end of the task."""
         return {"back": self._back}
 
     def state_dict(self) -> State:

@@ -27,13 +27,13 @@ if TYPE_CHECKING:
 Word = tuple[str, ...]
 
 BATCH, CACHED, NOTED = 32, 256, 4096
-"""The maximum numbers of plans converted to tasks at once, of cached tasks, and of plans whose batch is remembered."""
+"""The maximum numbers of plans converted to tasks at once, of cached tasks, and of plans whose batch is stored."""
 
 
 class Proposal(NamedTuple):
-    """A sampled task, given by the texts of its actions, with its exact probability.
+    """A sampled task, given by its actions as strings, with its exact probability.
 
-    `passed` counts the samples before it that were rejected because they are not in the pool.
+    `passed` counts the samples just before this one that were rejected because they are not in the pool.
     """
 
     word: Word
@@ -118,7 +118,7 @@ class TaskPool:
         return word in self.part
 
     def proposals(self, *, seed: int, length: int | None = None) -> Iterator[Proposal]:
-        """Yield independent samples endlessly, weighted as in the domain; a `length` restricts them to that length.
+        """Yield independent samples endlessly, with the weights of the domain; `length` restricts them to one length.
 
         The probability of a task is its probability among all tasks of the space or, with a `length`, of this length.
 
@@ -133,7 +133,7 @@ class TaskPool:
     def draws(
         self, *, seed: int, weights: Mapping[str, Number] | Weights | None = None, length: int | None = None
     ) -> Iterator[Proposal]:
-        """Yield tasks as `proposals` does, whether or not they are in the pool; `TaskSpace.draw` explains `weights`.
+        """Yield tasks like `proposals`, whether or not they are in the pool; `TaskSpace.draw` explains `weights`.
 
         Raises:
             QueryError: there is no task, or a weight matches nothing.
@@ -143,7 +143,7 @@ class TaskPool:
             yield Proposal(draw.word, draw.probability)
 
     def next_in_pool(self, draw: Callable[[], Proposal], misses: int = MISSES) -> Proposal:
-        """Return the first sample that is in the pool, with the number of samples before it.
+        """Return the first sample that is in the pool, with the number of samples that were skipped.
 
         Raises:
             NotFound: `misses` samples in a row are not in the pool.
@@ -155,7 +155,7 @@ class TaskPool:
         raise NotFound(f"none of {misses} sampled tasks in a row is in the part; give a larger part")
 
     def batched(self, draws: Iterator[Draw]) -> Iterator[Draw]:
-        """Yield draws, and record their batches, because when a task is needed, all tasks of its batch are created."""
+        """Yield draws, and record the batch of each one, so that `task` can create all tasks of a batch together."""
         for batch in growing_batches(draws, BATCH):
             if len(self._batches) > NOTED:
                 self._batches.clear()
@@ -193,7 +193,7 @@ def sample_index(shares: Sequence[Fraction], seed: int, *numbers: int | str) -> 
 
 
 def parse_share(what: str, number: Number | float, *, positive: bool = False) -> Fraction:
-    """Return a share from 0 to 1 as a fraction; a float stands for its decimal digits. `positive` excludes 0.
+    """Return a share from 0 to 1 as a fraction; a float means its decimal digits. `positive` excludes 0.
 
     Raises:
         QueryError: the number is not in this range.

@@ -36,7 +36,7 @@ class EpisodeResult(NamedTuple):
 
 
 class TaskSampler(Protocol):
-    """Samples tasks; their distribution may depend on the results of episodes."""
+    """A sampler of tasks; their distribution may depend on the results of episodes."""
 
     def seed(self, seed: int) -> None:
         """Reset the sampler, and discard all results; later samples depend only on the seed and on later results."""
@@ -51,7 +51,7 @@ class TaskSampler(Protocol):
         """Record the result of an episode."""
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return the progress as a few numbers or words."""
+        """Return the progress as numbers and words by name."""
 
     def state_dict(self) -> State:
         """Return the state as JSON values."""
@@ -61,19 +61,19 @@ class TaskSampler(Protocol):
 
 
 class SubgoalSampler(Protocol):
-    """Samples the initial subgoals of episodes; their distribution may depend on the results of episodes."""
+    """A sampler of the initial subgoals of episodes; their distribution may depend on the results of episodes."""
 
     def seed(self, seed: int) -> None:
         """Reset the sampler."""
 
     def stage(self, stages: int) -> tuple[int, Fraction]:
-        """Return the number (from 0) of the initial subgoal among a task's `stages` subgoals, and its probability."""
+        """Return the index of the initial subgoal among the `stages` subgoals of a task, and its probability."""
 
     def update(self, result: EpisodeResult) -> None:
         """Record the result of an episode."""
 
     def summary(self) -> Mapping[str, int | str]:
-        """Return the progress as a few numbers or words."""
+        """Return the progress as numbers and words by name."""
 
     def state_dict(self) -> State:
         """Return the state as JSON values."""
@@ -103,7 +103,7 @@ class StageCurriculum(Protocol):
 
 
 class DomainWeightsSampler:
-    """Samples tasks with the weights of the domain, regardless of the results of episodes."""
+    """A sampler of tasks with the weights of the domain, regardless of the results of episodes."""
 
     def __init__(self, pool: TaskPool):
         self._pool = pool
@@ -152,7 +152,7 @@ class ActionKeys:
     facts: Facts
 
     def of(self, attempt: Attempt) -> Iterator[str]:
-        """Yield the keys of a subgoal."""
+        """Yield the keys for an attempt at a subgoal."""
         name, classes = self._known[str(attempt.action)]
         if name in self.weighable:
             yield name
@@ -166,14 +166,14 @@ class ActionKeys:
 
     @cached_property
     def weighable(self) -> frozenset[str]:
-        """The unambiguous action names, and the unambiguous classes that have an entity in some action."""
+        """The unambiguous action names, and the unambiguous classes with an entity in some action."""
         names_and_classes = self._known.values()
         names = {name for name, _ in names_and_classes} | {each for _, classes in names_and_classes for each in classes}
         return frozenset(names.difference(shared_names(self.facts)))
 
     @cached_property
     def _known(self) -> dict[str, tuple[str, frozenset[str]]]:
-        """Maps the text of each action to its name and the classes of its entities."""
+        """The name of each action and the classes of its entities, by the text of the action."""
         facts = self.facts
         result = {}
         for action in facts.actions:

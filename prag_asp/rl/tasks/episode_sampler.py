@@ -32,7 +32,7 @@ Made = TypeVar("Made")
 
 
 class Probability(Fraction):
-    """An exact probability that is stored as a number in arrays, because episode recorders store `info` in arrays."""
+    """An exact probability that becomes a float in arrays, because episode recorders store `info` in arrays."""
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[np.float64]:
         return np.array(float(self), dtype=dtype)
@@ -40,9 +40,10 @@ class Probability(Fraction):
 
 @dataclass(frozen=True)
 class EpisodeStart:
-    """The task of an episode with its subgoals and texts, and the `stage`, the number of the initial subgoal.
+    """The task of an episode with its subgoals and texts, and the `stage`, the index of the initial subgoal.
 
-    `chance` is the probability of the stage if the stage was sampled; `named` is set if the options name the stage.
+    `chance` is the probability of the stage, or None if it was not sampled; `named` is true if the options give the
+    stage.
     """
 
     assignment: Assignment
@@ -72,7 +73,7 @@ class EpisodeStart:
 
 
 class EpisodeSampler:
-    """Samples tasks and initial subgoals with curricula, and updates the curricula with the results of episodes.
+    """A sampler of tasks and initial subgoals, with curricula that it updates with the results of episodes.
 
     Raises:
         QueryError: a single task has no witness, or has the witness of another task.
@@ -135,7 +136,7 @@ class EpisodeSampler:
         return EpisodeStart(assignment, subgoals, texts, *initial, stage is not None)
 
     def update(self, start: EpisodeStart, stage: int, *, success: bool) -> None:
-        """Pass the result of an episode to the curricula that chose it; the episode ended at the subgoal `stage`."""
+        """Pass the result of an episode, which ended at the subgoal `stage`, to the curricula that chose its start."""
         actions = start.assignment.task.actions
         attempts = [
             Attempt(actions[i], actions[i - 1] if i else None, i < stage or success)
@@ -165,7 +166,7 @@ class EpisodeSampler:
             self._subgoals.load_state_dict(state["subgoals"])
 
     def _assign(self, task: object, witness: object) -> Assignment:
-        """Return a given task with its witness, which is searched for if it is not given.
+        """Return a given task with its witness; if no witness is given, search for one.
 
         Raises:
             QueryError: the task does not belong to the domain, or has no witness.

@@ -25,7 +25,7 @@ SHARES: Shares = {"train": "0.8", "test": "0.2"}
 
 @dataclass(frozen=True)
 class SplitOptions:
-    """The options of a split: the name of the part that is used, if any, and how a space is divided."""
+    """The options of a split: the name of the part to use, if any, and the options for the division of a space."""
 
     part: str | None
     shares: Shares | None
@@ -50,7 +50,7 @@ class SplitOptions:
         return Split(self.part, Division.parse(shares, skeletons=self.skeletons, hold_out=self.hold_out), self.seed)
 
     def require_default(self, reason: str) -> None:
-        """Check that no option defines a division of a space.
+        """Check that all options for the division of a space have their default values.
 
         Raises:
             QueryError: an option does; the message states the `reason` why the option has no effect.
@@ -75,7 +75,7 @@ def named_origin(
     """Return the origin of tasks: a space, a `domain` with a `length`, a dataset or its folder, or one task.
 
     The conditions `where` restrict a space or a dataset, and `split` selects a part of it. Tasks of a space whose final
-    state is the initial state are left out unless `trivial` is true.
+    state equals the initial state are excluded unless `trivial` is true.
 
     Raises:
         QueryError: the values are wrong, missing or contradictory.

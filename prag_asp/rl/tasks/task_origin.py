@@ -23,7 +23,7 @@ Curricula = Curriculum | Sequence[Curriculum] | None
 
 @dataclass(frozen=True)
 class Split:
-    """The part of a divided space to use, which is the same as in a dataset with the same division and seed."""
+    """The part of a divided space to use; a dataset with the same division and seed has the same part."""
 
     part: str
     division: Division
@@ -44,7 +44,7 @@ class Split:
 class TaskOrigin:
     """The origin of tasks: a space or a part of one, a dataset, or one task; and the curricula.
 
-    Tasks of a space whose final state is the initial state are left out unless `trivial` is true.
+    Tasks of a space whose final state equals the initial state are excluded unless `trivial` is true.
 
     Raises:
         QueryError: no origin or more than one is given, or a curriculum is invalid or has nothing to choose from.
@@ -85,7 +85,7 @@ class TaskOrigin:
         self._curriculum_with("subgoal_sampler")
 
     def domain(self, requested: Domain | str | None) -> Domain:
-        """Return the domain of the tasks; the domain of a single task may be `requested`.
+        """Return the domain of the tasks; `requested` is the domain of a single task, if it is given.
 
         Raises:
             QueryError: a domain is given with other tasks, or is invalid.
@@ -115,7 +115,7 @@ class TaskOrigin:
 
     @property
     def title(self) -> str:
-        """A one-line description that distinguishes the checkpoints of environments, the same in every process."""
+        """A one-line description that distinguishes the checkpoints of environments, and is equal in every process."""
         tasks = self.space or (f"{self.dataset.count()} tasks of data" if self.dataset is not None else self.task)
         part = "".join(f", {part!r} of it" for part in (self.part, self.split) if part is not None)
         led = [repr(each) if is_dataclass(each) else type(each).__name__ for each in self._curricula]

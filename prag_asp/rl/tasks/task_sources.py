@@ -32,8 +32,8 @@ class Assignment(NamedTuple):
     """A task for the agent, with a witness and, if known, its rank among all tasks of its length.
 
     `probability` is the exact probability of the sample, or None if the task was not sampled; `rejected` counts the
-    samples since the last assignment that are infeasible or not in the part. `texts` are the texts stored in a dataset.
-    `scenario` identifies the task and its initial state, if the space or the dataset is known.
+    samples since the last assignment that are infeasible or not in the part. `texts` holds the instructions stored in a
+    dataset. `scenario` identifies the task and its initial state, if the space or the dataset is known.
     """
 
     task: Task
@@ -46,7 +46,7 @@ class Assignment(NamedTuple):
 
 
 class TaskSource(Protocol):
-    """Yields tasks with witnesses."""
+    """A source of tasks with witnesses."""
 
     def seed(self, seed: int) -> None:
         """Reset the source; all later samples depend only on the seed and on the results of episodes."""
@@ -79,7 +79,7 @@ class TaskSource(Protocol):
 
 
 class WitnessFinder:
-    """Finds witnesses of tasks with a validator, which is opened lazily."""
+    """A finder of witnesses of tasks; its validator is opened lazily."""
 
     def __init__(self, scene: Scene, resources: ExitStack, budget: Budget | None):
         self.scene, self.budget, self._resources = scene, budget, resources
@@ -95,7 +95,7 @@ class WitnessFinder:
 
     @property
     def validator(self) -> Validator:
-        """The validator, which is opened when it is needed."""
+        """The validator, which is opened on first use."""
         if self._validator is None:
             self._validator = self._resources.enter_context(open_validator(self.scene))
         return self._validator
@@ -118,7 +118,7 @@ class WitnessFinder:
 
 @dataclass
 class SingleTask:
-    """Yields the same task repeatedly."""
+    """A source that returns the same task repeatedly."""
 
     assignment: Assignment
 
@@ -168,7 +168,7 @@ def assign_witness(task: Task, witness: Witness, scene: Scene) -> Assignment:
         situation = Situation(sized, moment.poses, moment.arms, moment.openings)
         for fact in facts:
             if not fact.is_satisfied(situation):
-                text = f"in state {number} of the witness it does not hold that {fact.sentence()}"
+                text = f"in state {number} of the witness, this fact does not hold: {fact.sentence()}"
                 raise QueryError(f"{text}; give the witness of the task")
     return Assignment(task, witness)
 
@@ -185,9 +185,9 @@ def require_rank(rank: object, count: int) -> int:
 
 
 class SpaceSource:
-    """Samples the tasks of a pool with a curriculum, and rejects tasks without a witness.
+    """A source that samples the tasks of a pool with a curriculum, and rejects tasks without a witness.
 
-    Unless `trivial` is true, it also rejects tasks whose final state is the initial state.
+    Unless `trivial` is true, it also rejects tasks whose final state equals the initial state.
     """
 
     def __init__(self, pool: TaskPool, sampler: TaskSampler, finder: WitnessFinder, *, trivial: bool = False):
@@ -266,7 +266,7 @@ class SpaceSource:
 
 
 class DatasetSource:
-    """Samples the tasks of a dataset, each from an initial state with a witness."""
+    """A source that samples the tasks of a dataset, each from an initial state with a witness."""
 
     def __init__(self, dataset: Dataset):
         self._dataset, self._count = dataset, dataset.count()

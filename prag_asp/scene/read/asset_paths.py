@@ -1,8 +1,9 @@
 """Find the files to which a model refers, by the path conventions of PyBullet, ROS and model folders.
 
 As in PyBullet, a path is relative to the folder of the model or to a folder above it, nearest first. In
-``package://NAME/PATH`` and ``model://NAME/PATH``, NAME is also a folder, or it is the package that contains the model,
-whose folder may have a different name here. Files outside the folder of the domain are not found.
+``package://NAME/PATH`` and ``model://NAME/PATH``, NAME is either the first folder of such a path, or the package that
+contains the model; the folder of that package may have a different name. Files outside the folder of the domain are not
+found.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ FILE = "file://"
 
 
 def find_asset(name: str, model: Path, folder: Path) -> Path:
-    """Return the file to which a model in the folder of a domain refers.
+    """Return the path of the file to which a model in the folder of a domain refers.
 
     Raises:
         SceneError: the folder has no such file.
@@ -42,6 +43,8 @@ def require_inside(path: Path, folder: Path) -> None:
     """
     if not is_inside(path, folder):
         raise SceneError(f"{path}: lies outside the domain; copy it into {folder}")
+    if path.is_dir():
+        raise SceneError(f"{path}: is a folder; give the path of a file in it")
     if not path.is_file():
         raise SceneError(f"{path}: there is no such file; give the path from the folder of the domain")
 

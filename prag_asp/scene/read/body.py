@@ -13,7 +13,7 @@ from prag_asp.errors import SceneError
 from prag_asp.scene.forms import FORMS
 from prag_asp.scene.geometry import Pose, matrix
 from prag_asp.scene.mass import MassProperties, combined, polyhedron_mass, primitive_mass, principal
-from prag_asp.scene.read.cavities import cached_cavity
+from prag_asp.scene.read.cavities.flooding import cached_cavity
 from prag_asp.scene.read.convex import convex_hull, is_closed, is_convex
 from prag_asp.scene.read.decomposition import can_decompose
 from prag_asp.scene.read.mesh import file_parts, mesh_points, state_of, thickness
@@ -92,8 +92,8 @@ def resting(shape: Shape) -> Shape | None:
 def stable_rotations(points: Floats, centre: Floats) -> Iterator[tuple[float, Floats]]:
     """Yield each stable pose of a body: the height of the centre of mass in metres, and the rotation (3, 3).
 
-    The body rests on a face of the convex hull of `points` (n, 3) on its surface, and this face is below its centre of
-    mass (3,).
+    In each pose, the body rests on a face of the convex hull of `points` (n, 3) on its surface, and its centre of mass,
+    `centre` (3,), is above this face.
     """
     hull = convex_hull(points)
     corners = np.unique(hull.reshape(-1, 3), axis=0)
@@ -162,7 +162,7 @@ def too_thin(thickness: float) -> str:
 def solid_mass(solids: Iterable[Solid]) -> MassProperties:
     """Return the mass properties of solids with density 1, in the frame of their body.
 
-    A closed part of a mesh counts as its interior, any other part as its convex hull.
+    A closed part of a mesh is treated as the solid that it bounds, and any other part as its convex hull.
 
     Raises:
         SceneError: a mesh cannot be read.

@@ -55,7 +55,7 @@ def read_cameras(section: TableEntry, robots: Mapping[str, object]) -> dict[str,
 
 
 def _camera(entry: TableEntry, robots: Mapping[str, object]) -> Camera:
-    """Return a camera, with defaults in place of wrong values."""
+    """Return a camera, with defaults in place of invalid values."""
     usual = Camera((0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     mount = entry.at("mount")
     if not mount.missing and str(mount.value) not in robots:

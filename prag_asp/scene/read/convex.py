@@ -14,6 +14,9 @@ CONVEX = 0.02
 """The share of the hull that may be empty, and the depth that corners may have inside it, as a share of the smallest
 extent."""
 
+SAME_ANGLE = 1e-6
+"""The angle in radians within which two faces at an edge lie on each other."""
+
 CHUNK = 1024
 """The number of points whose distances from all faces of a hull are computed at once, to limit the memory."""
 
@@ -25,9 +28,9 @@ DENT = 0.0005
 def convex_hull(points: Floats) -> Floats:
     """Return the triangles (n, 3, 3) of the convex hull of points (m, 3), counter-clockwise seen from outside.
 
-    The hull grows by the farthest point outside a face: all faces that the point sees are replaced by the triangles
-    between it and their common border (Barber, Dobkin and Huhdanpaa, "The Quickhull algorithm", 1996). Points within
-    rounding errors of a face are left out. The points must not all lie in a plane.
+    The hull grows by the farthest point outside a face: all faces that are visible from the point are replaced by the
+    triangles between the point and the border of these faces (Barber, Dobkin and Huhdanpaa, "The Quickhull algorithm",
+    1996). Points that are on a face, apart from rounding errors, are left out. The points must not all lie in a plane.
     """
     points = np.unique(points, axis=0)
     rounding = ROUNDING * float(np.ptp(points, axis=0).max())
@@ -85,32 +88,96 @@ def _tetrahedron(points: Floats) -> list[int]:
 
 
 def is_closed(triangles: Floats) -> bool:
-    """Return whether triangles (n, 3, 3) bound a volume: on each edge, there is one triangle in each direction."""
-    _, numbers = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
-    faces = numbers.reshape(-1, 3)
+    """Return whether triangles (n, 3, 3) bound a volume: on each edge, there are as many in one direction as the other.
+
+    No triangle may be there twice.
+    """
+    faces = _numbered(triangles)[1]
+    ordered = np.take_along_axis(faces, (faces.argmin(1)[:, None] + np.arange(3)) % 3, 1)
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    keys, back = (edges[:, i] * len(numbers) + edges[:, 1 - i] for i in (0, 1))
-    return len(np.unique(keys)) == len(keys) and bool(np.array_equal(np.sort(keys), np.sort(back)))
+    keys, back = (edges[:, i] * 3 * len(triangles) + edges[:, 1 - i] for i in (0, 1))
+    return len(np.unique(ordered, axis=0)) == len(faces) and bool(np.array_equal(np.sort(keys), np.sort(back)))
 
 
 def separate_solids(triangles: Floats) -> list[Floats]:
     """Return the triangles of each solid of a mesh whose surface consists of several closed surfaces.
 
-    The solids may overlap. The result is empty if a surface is open or faces inwards, as that of a hollow space does.
+    The solids may overlap, or touch each other at corners, edges and faces. The result is empty if a surface is open or
+    faces inwards, as that of a hollow space does.
     """
-    points, numbers = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
-    faces = numbers.reshape(-1, 3)
-    # Each corner takes the smallest number of its faces' corners until all corners of a solid have the same number.
-    labels, before = np.arange(len(points)), np.zeros(0)
+    if not is_closed(triangles):
+        return []
+    points, faces = _numbered(triangles)
+    pairs = _adjacent_faces(points, faces)
+    # Each face takes the smallest number of its neighbours until all faces of a solid have the same number.
+    labels, before = np.arange(len(faces)), np.zeros(0)
     while not np.array_equal(labels, before):
         before = labels.copy()
-        np.minimum.at(labels, faces, labels[faces].min(1, keepdims=True))
+        least = labels[pairs].min(1)
+        np.minimum.at(labels, pairs[:, 0], least)
+        np.minimum.at(labels, pairs[:, 1], least)
         labels = labels[labels]
-    if len(np.unique(labels)) == 1:
+    members = [labels == label for label in np.unique(labels)]
+    if len(members) == 1:
         return []
-    solids = [triangles[labels[faces[:, 0]] == label] for label in np.unique(labels)]
+    solids = [triangles[own] for own in sorted(members, key=lambda own: int(faces[own].min()))]
     volumes = [np.einsum("ij,ij->", solid[:, 0], np.cross(solid[:, 1], solid[:, 2])) for solid in solids]
-    return solids if min(volumes) > 0 and all(map(is_closed, solids)) else []
+    return solids if min(volumes) > 0 else []
+
+
+def _numbered(triangles: Floats) -> tuple[Floats, NDArray[np.int_]]:
+    """Return the distinct corners (m, 3) of triangles, and the triangles as their numbers (n, 3)."""
+    points, numbers = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
+    return points, numbers.reshape(-1, 3)
+
+
+def _adjacent_faces(points: Floats, faces: NDArray[np.int_]) -> NDArray[np.int_]:
+    """Return the pairs (m, 2) of faces of a closed surface that meet at an edge and bound the same solid there."""
+    begins, ends = faces.T.ravel(), faces[:, [1, 2, 0]].T.ravel()
+    owners, others = np.tile(np.arange(len(faces)), 3), faces[:, [2, 0, 1]].T.ravel()
+    forward = begins < ends
+    keys = np.minimum(begins, ends) * len(points) + np.maximum(begins, ends)
+    order = np.lexsort((~forward, keys))
+    starts = np.flatnonzero(np.diff(keys[order], prepend=-1))
+    counts = np.diff(starts, append=len(order))
+    plain = starts[counts == 2]
+    pairs = [np.stack([owners[order[plain]], owners[order[plain + 1]]], 1)]
+    for start, count in zip(starts[counts > 2].tolist(), counts[counts > 2].tolist(), strict=True):
+        met = order[start : start + count]
+        edge = points[max(begins[met[0]], ends[met[0]])] - points[min(begins[met[0]], ends[met[0]])]
+        ranks = _ranks_about(edge, points[others[met]] - points[begins[met]])
+        pairs.append(owners[met][_wedges(ranks, forward[met])])
+    return np.concatenate(pairs)
+
+
+def _ranks_about(edge: Floats, directions: Floats) -> NDArray[np.int_]:
+    """Return the ranks of directions (n, 3) by their angles about an edge; those within `SAME_ANGLE` are equal."""
+    edge = edge / np.linalg.norm(edge)
+    across = directions - np.outer(directions @ edge, edge)
+    angles = np.arctan2(across @ np.cross(edge, across[0]), across @ across[0])
+    order = np.argsort(angles)
+    apart = np.diff(angles[order], prepend=angles[order[-1]] - 2 * np.pi) > SAME_ANGLE
+    ranks = np.empty(len(angles), dtype=int)
+    # The first directions may equal the last ones, half a turn from the first direction.
+    ranks[order] = np.cumsum(apart) % max(int(apart.sum()), 1)
+    return ranks
+
+
+def _wedges(ranks: NDArray[np.int_], closes: NDArray[np.bool_]) -> NDArray[np.int_]:
+    """Return the pairs (n / 2, 2) of faces about an edge between which a solid lies.
+
+    Counter-clockwise about the edge, a solid begins behind a face that does not run along the edge, and ends at one
+    that `closes` it. The pairs are nested as brackets are.
+    """
+    order = np.lexsort((~closes, ranks))
+    depth = np.cumsum(np.where(closes[order], -1, 1))
+    opened, pairs = list[int](), list[tuple[int, int]]()
+    for face in np.roll(order, -int(depth.argmin()) - 1).tolist():
+        if closes[face]:
+            pairs.append((opened.pop(), face))
+        else:
+            opened.append(face)
+    return np.array(pairs)
 
 
 def is_convex(triangles: Floats) -> bool:

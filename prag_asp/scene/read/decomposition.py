@@ -33,7 +33,9 @@ PARAMETERS = {
 """The defaults of CoACD, stated here because results depend on them; the threshold is a share of the mesh's size."""
 
 LONGEST = 300.0
-"""The time limit of a decomposition in seconds. About 2,000 triangles take 9 s; CoACD itself has no limit."""
+"""The time limit of a decomposition in seconds; CoACD itself has none. A closed mesh of about 2,000 triangles takes 9
+s. A mug whose solids share edges takes 115 s, because it is not a manifold: it is preprocessed first, and has 28
+parts."""
 
 LARGEST = 64_000_000
 """The largest size of a cached decomposition in bytes."""

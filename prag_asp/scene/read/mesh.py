@@ -72,8 +72,9 @@ def _convex_parts(path: str, scale: Point, _state: tuple[int, int]) -> tuple[Mes
                 found = decomposed(np.array(part, dtype=float))
             except LimitReached as error:
                 remedy = "simplify it, or make it of convex objects or groups of an .obj"
+                why = f"it was stopped by {error.reason.prose()}"
                 raise SceneError(
-                    f"{path}: dividing the mesh into convex parts is too costly: {error}; {remedy}"
+                    f"{path}: dividing the mesh into convex parts is too costly: {why}; {remedy}"
                 ) from error
             parts += (tuple((_point(a), _point(b), _point(c)) for a, b, c in each.tolist()) for each in found)
         else:
@@ -115,8 +116,8 @@ def _concave(part: MeshPart) -> bool:
 def file_parts(path: str, scale: Point = (1.0, 1.0, 1.0)) -> tuple[MeshPart, ...]:
     """Return the triangles of each part of a mesh in its file, multiplied by a scale along each axis.
 
-    The parts of an .obj file are its objects and groups, and those of a .glb, .gltf or .dae file are its nodes. If one
-    of them is thinner than `FLATTEST` metres, the mesh has only one part.
+    The parts of an .obj file are its objects and groups, and those of a .glb, .gltf or .dae file are its nodes. If a
+    part is thinner than `FLATTEST` metres, the mesh has only one part.
 
     Raises:
         SceneError: the file cannot be read, has an unknown format, no faces, or a point that is not finite.
@@ -196,7 +197,7 @@ def _read(path: str, modified: int, size: int) -> tuple[MeshPart, ...]:
 
 
 def _triangles(path: str, content: bytes) -> list[list[Triangle]]:
-    """Return the triangles of each part of a file; its format determines the reader."""
+    """Return the triangles of each part of a file; the format of the file determines the reader."""
     match Path(path).suffix.lower():
         case ".obj":
             return _obj(content)
@@ -231,7 +232,7 @@ def _obj(content: bytes) -> list[list[Triangle]]:
 
 
 def _stl(content: bytes) -> list[Triangle]:
-    """Return the triangles in an .stl file; it is binary if its length matches the count in its header."""
+    """Return the triangles in an .stl file; the file is binary if its length matches the count in its header."""
     count = struct.unpack_from("<I", content, HEADER - 4)[0] if len(content) >= HEADER else -1
     if len(content) == HEADER + count * TRIANGLE:
         rows = (struct.unpack_from("<12f", content, HEADER + i * TRIANGLE) for i in range(count))

@@ -33,13 +33,13 @@ RESTS = ("upright", "lying", "any")
 """The resting pose of a body: as in its file, on its side, or the pose in which its centre of mass is lowest."""
 
 SIDEWAYS = math.cos(math.radians(45.0))
-"""The cosine of the smallest angle between the upward axis of a body that lies on its side and that of its file."""
+"""The cosine of the smallest angle between the vertical and the file's upward axis for a body that lies on its side."""
 
 SCALES = (1e-6, 1e6)
 """The smallest and the largest scale, which no model needs to exceed."""
 
 MASSES, DENSITIES = (1e-4, 100.0), (1.0, 25000.0)
-"""The smallest and the largest mass of a body in kilograms, and likewise its density in kilograms per cubic metre."""
+"""The smallest and the largest mass of a body in kilograms, and those of its density in kilograms per cubic metre."""
 
 
 def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
@@ -62,7 +62,7 @@ def read_mesh_body(entry: TableEntry, folder: Path) -> Shape | None:
     up = entry.at("up", usual).choice(tuple(UPWARD))
     angles = entry.at("rotation", [0.0, 0.0, 0.0]).numbers(3, "degrees about x, y and z")
     mass = entry.at("mass").number(*MASSES, "kilograms") if "mass" in entry.value else None
-    density = entry.at("density").number(*DENSITIES, "kilograms a cubic metre") if "density" in entry.value else 1.0
+    density = entry.at("density").number(*DENSITIES, "kilograms per cubic metre") if "density" in entry.value else 1.0
     if "mass" in entry.value and "density" in entry.value:
         entry.at("density").add("a body has a mass or a density; leave one of them out")
     rests = entry.at("rests", RESTS[0]).choice(RESTS)

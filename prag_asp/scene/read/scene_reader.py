@@ -49,7 +49,7 @@ FACTORS = (0.05, 20.0)
 
 LARGEST_RANGES: Mapping[str, tuple[float, str]] = {
     "light": (80.0, "degrees"),
-    "camera": (0.4, "a share of how far the camera is from what it looks at"),
+    "camera": (0.4, "a share of the distance from the camera to its target"),
     "colour": (60.0, "Delta E in CIELAB"),
 }
 """The largest range of each kind, and its unit."""
@@ -64,7 +64,7 @@ LARGEST_BALANCE = 0.1
 """The largest balance margin in metres, which is more than half the width of most objects."""
 
 MATERIAL_LIMITS: Mapping[str, tuple[float, float, str]] = {
-    "density": (1.0, 25000.0, "kilograms a cubic metre"),
+    "density": (1.0, 25000.0, "kilograms per cubic metre"),
     "friction": (0.0, 10.0, "a coefficient"),
     "rolling": (0.0, 0.1, "metres"),
 }
@@ -81,7 +81,7 @@ DISTINCT = 20.0
 
 
 def read_scene(root: TableEntry, names: DomainNames) -> Scene:
-    """Return the scene that a ``[scene]`` table defines; wrong values are reported and replaced by their defaults."""
+    """Return the scene that a ``[scene]`` table defines; invalid values are reported and replaced by their defaults."""
     report = root.report
     root.require_known(SCENE_KEYS)
     if not isinstance(root.value.get("shapes", {}), Mapping) or (*root.keys, "shapes") in report.misspelt:

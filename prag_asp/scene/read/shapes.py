@@ -22,7 +22,7 @@ WALL = 0.006
 """The default thickness of a container's walls and floor, in metres."""
 
 STAND_IN = (0.3, 0.3, 0.3)
-"""The dimensions, in metres, that replace wrong ones, so that they cause no further reports."""
+"""The dimensions, in metres, that replace invalid ones, so that they cause no further reports."""
 
 
 def read_shapes(section: TableEntry, names: DomainNames) -> dict[str, tuple[Shape, ...]]:

@@ -29,8 +29,9 @@ STABLE_DEPTH = 0.0025
 `CONTACT`."""
 
 GRAZING, ROLLS = 0.0002, 0.0003
-"""The height in metres up to which the lowest points of a body support it, and the distance from them beyond which its
-centre of mass makes it roll, as a lemon does until it lies on its side; points in files are rounded."""
+"""The height in metres above the lowest point up to which points support a body, and the horizontal distance in metres
+from these points to the centre of mass beyond which the body rolls, as a lemon does until it lies on its side. Both are
+positive, because points in files are rounded."""
 
 TOUCHING = 1e-7
 """The height in metres up to which a point is on the ground, apart from rounding errors."""
@@ -90,9 +91,9 @@ def _beside(base: Outline, at: Point) -> float:
 def settle(points: Floats, centre: Floats) -> Floats | None:
     """Return the rotation (3, 3) by which a body comes to rest on its convex hull, or None if it rolls on.
 
-    It tips over the edge of its base nearest to its centre of mass until the next point of its surface touches the
-    ground: the quasi-static motion of a body that keeps contact (Goldberg et al., "Part pose statistics", 1999). Each
-    step lowers the centre of mass, or starts from an edge on which the body cannot stay.
+    The body tips over the edge of the base nearest to the centre of mass until the next point of the surface touches
+    the ground: the quasi-static motion of a body that keeps contact (Goldberg et al., "Part pose statistics", 1999).
+    Each step lowers the centre of mass, or starts from an edge on which the body cannot stay.
     """
     rows = np.eye(3)
     for _ in range(MOST_STEPS):
@@ -115,7 +116,7 @@ def settle(points: Floats, centre: Floats) -> Floats | None:
 def _pivot(base: Outline, at: Point) -> tuple[Point, Point]:
     """Return a point of the base around which a body tips, and the direction in which it tips as a unit vector.
 
-    `at` is the point below its centre of mass.
+    `at` is the projection of the body's centre of mass onto the ground.
     """
     nearest: tuple[float, Point, Point] | None = None
     for (ax, ay), (bx, by) in zip(base, base[1:] + base[:1], strict=True) if len(base) > 1 else ():

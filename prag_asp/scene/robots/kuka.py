@@ -32,8 +32,8 @@ FACE = 0.045
 PALM = (0.07, 0.14, 0.06)
 TOOL_OFFSET = FACE + PALM[2] + 0.045
 TURN = math.pi
-"""The mounting angle of the gripper in radians; if the arm bends in a plane with joint 7 at 0, the tool's x axis points
-away."""
+"""The mounting angle of the gripper in radians: if the arm bends in a vertical plane and joint 7 is at 0, the tool's x
+axis points away from the base."""
 
 LOW, HIGH = -1.0, 1.0
 SIGNS = np.array([(two, four, six) for two in (LOW, HIGH) for four in (LOW, HIGH) for six in (LOW, HIGH)])
@@ -92,7 +92,7 @@ class KukaSolver:
 
 
 def _joints(elbow: Floats, forearm: Floats, flange: Floats, signs: Floats, near: Joints) -> Floats:
-    """Return joint angles (n, 7) for directions of both parts of the arm (n, 3), a turned flange and signs (n, 3)."""
+    """Return joint angles (n, 7) for unit vectors along upper arm and forearm, a flange rotation, and signs (n, 3)."""
     two = signs[:, 0] * np.arccos(np.clip(elbow[:, 2], -1.0, 1.0))
     one = _direction(signs[:, 0] * elbow[:, 1], signs[:, 0] * elbow[:, 0], near[0])
     upper = _z(one) @ _y(two)
@@ -131,7 +131,7 @@ def _y(angle: float | Floats) -> Floats:
 
 
 def _rotation(angle: float | Floats, from_: int, to: int, axis: int) -> Floats:
-    """Return rotations about an axis that turn a second axis into a third one, shape (..., 3, 3)."""
+    """Return rotations about `axis` that turn the axis `from_` towards the axis `to`, shape (..., 3, 3)."""
     cosine, sine = np.cos(angle), np.sin(angle)
     matrix = np.zeros((*np.shape(angle), 3, 3))
     matrix[..., from_, from_] = matrix[..., to, to] = cosine

@@ -32,8 +32,8 @@ finger."""
 class KinematicsSolver(Protocol):
     """The closed-form kinematics of an arm with seven degrees of freedom, one of which is a free angle.
 
-    `last_resort` holds free angles to try if no others give a solution; `weights` holds what each joint's distance from
-    the robot's posture costs in the inverse kinematics.
+    `last_resort` holds free angles to try if no others give a solution; `weights` holds the cost, in the inverse
+    kinematics, of each joint's distance from the robot's posture.
     """
 
     last_resort: tuple[float, ...]
@@ -78,8 +78,8 @@ class Robot:
     configuration of an idle arm; the inverse kinematics prefers configurations near `posture`. `tool_offset` is the
     distance from the flange to the tool, and `tool_turn` is the rotation of the tool about the flange's axis.
     `finger_depth` is the distance from the palm to the tool, and `fingertip` is the distance from the tool to the
-    fingertips. `reach` holds the inner and outer radii of the ring around the base, seen from above, in which the
-    gripper, pointing straight down, can be at an object and above it at any yaw, up to `reach_height`. `payload` is the
+    fingertips. `reach` holds the inner and outer radii of a ring around the base, seen from above: in this ring, up to
+    `reach_height`, the gripper can point straight down at an object, and above it, with any yaw. `payload` is the
     maximum mass that the arm may carry, in kilograms, and `grip_force` is the force of each finger, in newtons.
     `finger_names` are the links of the fingers, each with its side; `finger_boxes` make up the left finger, in its
     frame. `hand` is set if the gripper is custom-made. `base` is the pose of the robot.

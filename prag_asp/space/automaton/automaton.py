@@ -51,7 +51,7 @@ class Automaton:
 
     @cached_property
     def sources(self) -> NDArray[np.int64]:
-        """The source of each edge."""
+        """The source of each edge, shape (edges,)."""
         return np.repeat(np.arange(self.states), np.diff(self.offsets))
 
     @cached_property
@@ -106,7 +106,7 @@ def accepts(automaton: Automaton, word: Sequence[int]) -> bool:
 
 
 class Completions:
-    """For each number of remaining letters, the total weight of the completions from each state.
+    """The total weight of the completions from each state, for each number of remaining letters.
 
     Values are exact: 64-bit integers as long as they cannot overflow, and Python integers after that. All rows are
     cached while they fit into `KEPT_BYTES`; after that, only every second row is cached, then every fourth, and so on,
@@ -166,7 +166,7 @@ class Completions:
         return row
 
     def following(self, row: NDArray[Any]) -> NDArray[Any]:
-        """Return the row for one more letter."""
+        """Return the row for completions with one more letter than those of `row`."""
         automaton = self.automaton
         if row.dtype != object and int(row.max(initial=1)) * self._growth >= 2**62:
             row = row.astype(object)
@@ -184,7 +184,7 @@ NO_PATHS = Completions(NOTHING)
 
 
 def count_words(completions: Completions, length: int, prefix: Sequence[Callable[[int], bool]] = ()) -> int:
-    """Return the weight of all words of a given length whose first letters satisfy `prefix`."""
+    """Return the total weight of the words of a given length whose first letters satisfy `prefix`."""
     if not completions.automaton.states or len(prefix) > length:
         return 0
     reached = states_after(completions.automaton, prefix)

@@ -1,4 +1,4 @@
-"""Count words within limits: if a limit ends a count, the result is a lower bound."""
+"""Counts of words within limits: if a limit ends a count, the result is a lower bound."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Explore the automaton of the plans of a step function breadth-first, many states of a layer at once.
+"""Breadth-first exploration of the automaton of the plans of a step function, many states of a layer at once.
 
 States are numbered in the order of a breadth-first search that expands states in order of their numbers and tries
 actions in their order, so the numbers depend only on the step function.
@@ -55,7 +55,7 @@ class Extent:
 
 
 Watch = Callable[[Extent], "StopReason | None"]
-"""Called periodically with the extent of the exploration; returns a reason to stop, or None to continue."""
+"""A function that is called periodically with the extent of the exploration, and returns a reason to stop or None."""
 
 
 @dataclass(frozen=True)
@@ -215,7 +215,7 @@ class _BreadthFirst:
         return _Edges(letters, targets, labels, multiplicities, self._orders.add(_pack(orders)).astype(np.int32))
 
     def result(self, horizon: int | None, stop: StopReason | None) -> Exploration:
-        """Return the exploration; if it has no horizon, it contains all words."""
+        """Return the exploration; without a `horizon`, it contains the words of all lengths."""
         offsets = np.zeros(len(self.states) + 1, dtype=np.int64)
         if self._degrees:
             np.cumsum(np.concatenate(self._degrees), out=offsets[1:])
@@ -255,7 +255,7 @@ class _Edges:
 
     @classmethod
     def none(cls, labels: int) -> _Edges:
-        """Return no edges."""
+        """Return an empty set of edges."""
         nothing = np.zeros(0, dtype=np.int32)
         return cls(nothing, nothing, np.zeros((0, labels), dtype=np.bool_), nothing.astype(np.int64), nothing)
 

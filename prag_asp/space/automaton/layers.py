@@ -1,4 +1,4 @@
-"""Count and rank the words of a step function with decision diagrams over its states, without listing the states.
+"""Counts and ranks of the words of a step function, by decision diagrams over its states; states are not listed.
 
 For words of length n, the forward pass collects the states reached within n - 1 steps and, for each action, those in
 which it is valid. The backward pass counts completions: the number of completions of a state with k letters left is the
@@ -25,7 +25,7 @@ from prag_asp.space.automaton.walks import Choice, owner_of, words_along
 from prag_asp.stop_reason import LimitCheck
 
 Look = Callable[[], None]
-"""Called periodically; raises an error at a limit."""
+"""A function that is called periodically, and raises an error at a limit."""
 
 Key = tuple[int, tuple[tuple[int, tuple[int, int]], ...], tuple[int, ...]]
 """The letter, the changes and the labels of a piece, which all its states share."""
@@ -264,8 +264,8 @@ def count_along(layers: Layers, length: int, prefix: Sequence[Collection[int]], 
     """Return a lower bound on the number of words of a given length, computed until `check` reports a limit.
 
     At each step, a beam search keeps the states with the most prefixes: one in the first round, then four, and so on.
-    It uses the completions that are already known. Since partial diagrams contain only reachable states, each counted
-    path is a word.
+    The search uses the completions that are already known. Since partial diagrams contain only reachable states, each
+    counted path is a word.
     """
     rows = layers.rows_so_far(length)
     left = min(len(rows) - 1, length - len(prefix))

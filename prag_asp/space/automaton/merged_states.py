@@ -129,7 +129,7 @@ def accepts_merged(merged: MergedAutomaton, word: Sequence[int]) -> bool:
 def count_merged(
     merged: MergedAutomaton, completions: Completions, length: int, prefix: Sequence[frozenset[int]] = ()
 ) -> int:
-    """Return the weight of all words of a given length whose first letters `prefix` allows."""
+    """Return the total weight of the words of a given length whose first letters `prefix` allows."""
     if not completions.automaton.states or len(prefix) > length:
         return 0
     row = completions.last_row(length - len(prefix))
@@ -180,7 +180,7 @@ def _places_after(
 
 
 def _distinguished(actions: Patterns, prefix: Sequence[frozenset[int]]) -> list[int]:
-    """Return the entities that at least one of these sets of letters distinguishes from others of their groups."""
+    """Return the entities that at least one set of letters in `prefix` distinguishes from others of their groups."""
     entities: set[int] = set()
     for allowed in prefix:
         letters = np.array(sorted(allowed), dtype=np.intp)

@@ -1,4 +1,4 @@
-"""Number rows of words with a vectorised hash table that uses open addressing and compares whole rows."""
+"""A numbering of rows of 64-bit words: a vectorised hash table with open addressing that compares whole rows."""
 
 from __future__ import annotations
 
@@ -51,7 +51,8 @@ class Numbering:
             occupants = self._table[slots]
             empty = np.flatnonzero(occupants == EMPTY)
             if len(empty):
-                # If several rows claim a slot, the first one gets it, because NumPy keeps the last assignment.
+                # Rows are assigned in reverse order: NumPy keeps the last assignment, so the first row that claims a
+                # slot gets it.
                 last_first = empty[::-1]
                 self._table[slots[last_first]] = size + waiting[last_first]
                 occupants[empty] = self._table[slots[empty]]

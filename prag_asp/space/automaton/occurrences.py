@@ -1,4 +1,4 @@
-"""Weigh the occurrences of letters, and of consecutive letters, in the words of one length.
+"""The total weight of the occurrences of letters, and of consecutive letters, in the words of one length.
 
 A word with one chosen occurrence is a word of a larger automaton, which consists of copies of the automaton, one above
 the other, and of marked edges that lead up to the next copy. Occurrences in long words can therefore be counted by a
@@ -22,7 +22,7 @@ Marks = Sequence[NDArray[np.bool_]]
 
 
 def occurrences_by_recurrence(automaton: Automaton, kinds: Iterable[Marks], length: int) -> list[int] | None:
-    """Return, for each kind of occurrence, the total weight of all words, each counted once for every such occurrence.
+    """Return, for each kind of occurrence, the sum over all words of the weight times the number of such occurrences.
 
     The result is None if a recurrence may be slower than counting step by step.
     """

@@ -1,4 +1,4 @@
-"""Forecast the size of an exploration, and send a note if it will take long."""
+"""Forecasts of the size of an exploration, and a note if it will take long."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def forecast_states(sizes: Sequence[int], further: int) -> float:
 
 @dataclass
 class Outlook:
-    """Forecast the size of an exploration, and send one note if it will take long.
+    """The forecast for an exploration, which sends one note if the exploration will take long.
 
     `names` holds the action name of each letter; `width` is the number of 64-bit words in a state.
     """

@@ -1,12 +1,12 @@
-"""Count very long words exactly, using the linear recurrence that the counts satisfy.
+"""Exact counts of very long words, by the linear recurrence that the counts satisfy.
 
 The numbers c(0), c(1), ... of words of an automaton with s states satisfy the recurrence of its characteristic
 polynomial (Cayley and Hamilton), so their shortest recurrence has an order d of at most s. Its coefficients are
-integers because the minimal polynomial divides every monic integer polynomial that annihilates the sequence (Gauss). It
-is computed modulo a prime (Massey, Shift-register synthesis and BCH decoding, 1969) and then proved over the integers:
-the residual of c under a recurrence satisfies the characteristic recurrence too, and is 0 everywhere if its first s
-terms are 0. The n-th number then follows from x^n modulo the polynomial (Fiduccia, An efficient formula for linear
-recurrences, 1985).
+integers because the minimal polynomial divides every monic integer polynomial that annihilates the sequence (Gauss).
+The recurrence is computed modulo a prime (Massey, Shift-register synthesis and BCH decoding, 1969) and then proved over
+the integers: the residual of c under a recurrence satisfies the characteristic recurrence too, and is 0 everywhere if
+its first s terms are 0. The n-th number then follows from x^n modulo the polynomial (Fiduccia, An efficient formula for
+linear recurrences, 1985).
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def shortest_recurrence(terms: Sequence[int], prime: int) -> list[int] | None:
 
 
 def _nth(recurrence: Sequence[int], terms: Sequence[int], place: int, check: LimitCheck) -> int | None:
-    """Compute a term from the remainder of x^place modulo the polynomial of the recurrence."""
+    """Return the term with index `place`, or None at a limit, from x^place modulo the recurrence's polynomial."""
     order = len(recurrence)
     if not order:
         return 0

@@ -1,4 +1,4 @@
-"""List, rank and sample the shuffles of the words of several automata without building their product automaton.
+"""Lists, ranks and samples of the shuffles of the words of several automata, without their product automaton.
 
 A state of the product consists of one state of each part. Its completions are the shuffles of completions of the parts:
 for n letters, their number is the sum, over all compositions of n into one length per part, of the multinomial
@@ -83,7 +83,7 @@ class ShuffledWords:
         yield from words_along(self._start, self._length, onward)
 
     def count(self, prefix: Sequence[Collection[int]]) -> int:
-        """Return the weight of the words whose first letters `prefix` allows."""
+        """Return the total weight of the words whose first letters `prefix` allows."""
         if not self.total or len(prefix) > self._length:
             return 0
         left = self._length - len(prefix)
@@ -205,7 +205,7 @@ def _move(state: State, edge: PartEdge) -> State:
 
 
 def _shuffle(first: Ways, second: Ways, length: int) -> Ways:
-    """Return, for each length up to `length`, the total weight of the shuffles of two words (binomial convolution)."""
+    """Return the total weight of shuffles of two words for each length up to `length` (binomial convolution)."""
     second = second + (0,) * (length + 1 - len(second))
     return tuple([sum(map(mul, map(mul, _binomials(n), first), reversed(second[: n + 1]))) for n in range(length + 1)])
 

@@ -1,4 +1,4 @@
-"""Build the automaton of skeletons: relabel edges, merge bisimilar states, and determinise.
+"""The automaton of skeletons: its edges are relabelled, bisimilar states merged, and the result determinised.
 
 Merging bisimilar states first keeps the subset construction small (Rabin and Scott 1959; partition refinement after
 Kanellakis and Smolka 1983).
@@ -69,7 +69,7 @@ def _distinct(*columns: NDArray[np.int64]) -> tuple[NDArray[np.int64], ...]:
 def _refine(
     blocks: NDArray[np.int64], sources: NDArray[np.int64], letters: NDArray[np.int64], targets: NDArray[np.int64]
 ) -> NDArray[np.int64]:
-    """Return the blocks, refined by comparing the k-th edges of all states, which are sorted, for each k."""
+    """Return the blocks, refined by comparing the k-th edges of all states for each k; edges are sorted."""
     starts = np.searchsorted(sources, np.arange(len(blocks) + 1))
     degrees = np.diff(starts)
     kinds = blocks.copy()

@@ -1,4 +1,4 @@
-"""Walk along the edges of states of any kind, to list words in order or to find the word with a given rank."""
+"""Walks along the edges of states of any kind, to list words in order or to find the word with a given rank."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ State = TypeVar("State")
 Letter = TypeVar("Letter")
 
 Choice = Callable[[int, Sequence[int]], int]
-"""Selects an edge, given the number of the step and the running totals of the weights through each edge."""
+"""A function that selects an edge, given the number of the step and the running totals of the edges' weights."""
 
 
 def words_along(

@@ -38,7 +38,7 @@ class Clause(Protocol):
 
 @dataclass(frozen=True)
 class Begins:
-    """The first actions are the given actions or have the given names."""
+    """The clause that the first actions are the given actions or have the given names."""
 
     prefix: tuple[str, ...]
     file: ClassVar[str] = "begins"
@@ -81,7 +81,7 @@ class Range:
 
 @dataclass(frozen=True)
 class Has:
-    """Matching actions, or pairs of consecutive action names, occur `times` times."""
+    """The clause that matching actions, or pairs of consecutive action names, occur `times` times."""
 
     pattern: str
     times: Range
@@ -117,7 +117,7 @@ class Has:
 
 @dataclass(frozen=True)
 class Uses:
-    """The actions use `number` entities with this name or of this class."""
+    """The clause that the actions use `number` entities with a given name or of a given class."""
 
     kind: str
     number: Range
@@ -135,7 +135,7 @@ class Uses:
 
 @dataclass(frozen=True)
 class Names:
-    """Some action, or no action, uses an entity of this kind: a special case of `Uses` that needs a smaller state."""
+    """The clause that some action, or no action, uses an entity of a kind: a case of `Uses` with a smaller state."""
 
     kind: str
     some: bool
@@ -158,7 +158,7 @@ class Names:
 
 @dataclass(frozen=True)
 class Matches:
-    """The sequence of action names matches a regular expression or, with `inverse`, does not match it."""
+    """The clause that the sequence of action names matches a regular expression or, with `inverse`, does not."""
 
     expression: str
     inverse: bool = False
@@ -177,10 +177,10 @@ class Matches:
 
 @dataclass(frozen=True)
 class Part:
-    """The skeleton belongs to one of the parts into which a random automaton divides all skeletons evenly.
+    """The clause that the skeleton is in one of the parts into which a random automaton divides skeletons evenly.
 
-    Each name stands for a random permutation, determined by `seed`, of the numbers below `modulus`; the class of a
-    skeleton is the image of 0 under its permutations.
+    Each action name stands for a random permutation, determined by `seed`, of the numbers below `modulus`; the class of
+    a skeleton is the image of 0 under the permutations of its names in order.
     """
 
     residues: tuple[int, ...]
@@ -217,7 +217,7 @@ class Part:
 
 @dataclass(frozen=True)
 class After:
-    """After `steps` actions (0: initially), fluents have these values; a value may also become known in hindsight."""
+    """The clause that fluents have given values after `steps` actions (0: initially), possibly known in hindsight."""
 
     steps: int
     formula: str
@@ -240,7 +240,7 @@ class After:
 
 @dataclass(frozen=True)
 class Ends:
-    """The final state satisfies a formula, together with the goal of the domain."""
+    """The clause that the final state satisfies a formula, together with the goal of the domain."""
 
     formula: str
     file: ClassVar[str] = "ends"
@@ -259,9 +259,9 @@ class Ends:
 
 @dataclass(frozen=True)
 class Achieves(Ends):
-    """The final state satisfies a formula that the initial state is not known to satisfy.
+    """The clause that the final state satisfies a formula that the initial state is not known to satisfy.
 
-    Several such clauses share one initial state, which may satisfy none of their formulas.
+    Several such clauses share one initial state, which must not be known to satisfy any of their formulas.
     """
 
     file: ClassVar[str] = "achieves"
@@ -301,7 +301,7 @@ SHORTEST = KeywordClause("shortest")
 
 
 def end_requests(number: int, conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
-    """Yield the requests of ``ends.lp`` for a final state that satisfies one of the given conjunctions."""
+    """Yield the request terms for ``ends.lp``: the final state satisfies one of the given conjunctions."""
     yield f"ends({number})"
     for which, conjunction in enumerate(conjunctions):
         yield f"either({number},{which})"
@@ -310,7 +310,7 @@ def end_requests(number: int, conjunctions: Iterable[Mapping[str, bool]]) -> Ite
 
 
 def start_requests(conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
-    """Yield the requests of ``achieves.lp`` for conjunctions that must not be known to hold initially."""
+    """Yield the request terms for ``achieves.lp``: none of the conjunctions is known to hold initially."""
     for which, conjunction in enumerate(conjunctions):
         yield f"known({which})"
         for fluent, value in conjunction.items():
@@ -318,7 +318,7 @@ def start_requests(conjunctions: Iterable[Mapping[str, bool]]) -> Iterator[str]:
 
 
 def language_requests(number: int, machine: Recogniser) -> Iterator[str]:
-    """Yield the requests of ``matches.lp`` for the words that an automaton accepts."""
+    """Yield the request terms for ``matches.lp``: an automaton accepts the skeleton."""
     yield f"language({number})"
     yield f"starts({number},0)"
     for state, row in enumerate(machine.moves):
@@ -335,7 +335,7 @@ def _bounds(which: int | str, expected: Range, lower: str, upper: str) -> Iterat
 
 
 def _counted(what: str, times: Range, counted: Iterable[object]) -> Iterator[str]:
-    """Yield the requests of ``has.lp``.
+    """Yield the request terms for ``has.lp``.
 
     A counter is part of the state. Its name contains the entities that it counts, so that renaming entities maps
     counters to counters.

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 LARGE = 100
-"""The largest upper bound on occurrences that is not reduced for shorter lengths, so that lengths share engines."""
+"""The largest upper bound on occurrences that is kept even for shorter plans, so that lengths share engines."""
 
 
 @dataclass(frozen=True)

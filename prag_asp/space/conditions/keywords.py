@@ -1,4 +1,4 @@
-"""Parse the clauses of conditions by their keywords."""
+"""The parser of the clauses of conditions, by keyword."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def parse_clause(text: str) -> Clause:
     """Return the clause that a text states, such as ``has at least 2 grasp`` or ``ends holding(panda,apple_1)``.
 
     Raises:
-        QueryError: the text is not a condition.
+        QueryError: the text is not a clause.
     """
     words = " ".join(text.split())
     keyword, _, rest = words.partition(" ")

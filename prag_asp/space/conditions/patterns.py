@@ -18,7 +18,7 @@ ANY = "_"
 
 @dataclass(frozen=True)
 class Pattern:
-    """An action, an action name, or an action with ``_`` as a wildcard; `arguments` is None for a mere name."""
+    """An action, an action name, or an action with ``_`` as a wildcard; `arguments` is None for a name alone."""
 
     name: str
     arguments: tuple[str, ...] | None = None

@@ -39,7 +39,7 @@ class OneOf:
 
 @dataclass(frozen=True)
 class Chain:
-    """A word of `first`, then a word of `rest`.
+    """The words that consist of a word of `first` followed by a word of `rest`.
 
     Its hash is cached because the hash of a long chain would otherwise be recomputed link by link.
     """
@@ -57,14 +57,14 @@ class Chain:
 
 @dataclass(frozen=True)
 class Choice:
-    """A word of any of `parts`."""
+    """The words of any of `parts`."""
 
     parts: frozenset[Expression]
 
 
 @dataclass(frozen=True)
 class Star:
-    """Any number of words of `part` in sequence."""
+    """The words that consist of any number of words of `part`, one after the other."""
 
     part: Expression
 
@@ -152,7 +152,7 @@ def nullable(expression: Expression) -> bool:
 
 @cache
 def derivative(expression: Expression, name: str) -> Expression:
-    """Return the expression for what may follow `name` in the words of an expression."""
+    """Return the expression for the words that, after `name`, complete a word of an expression."""
     if isinstance(expression, OneOf):
         return Empty() if expression.names is None or name in expression.names else Nothing()
     if isinstance(expression, Chain):
@@ -199,7 +199,7 @@ def parse_expression(text: str, names: Iterable[str]) -> Expression:
 
 
 class _ExpressionParser:
-    """Parse an expression by recursive descent."""
+    """A recursive-descent parser of an expression."""
 
     def __init__(self, text: str, names: frozenset[str]) -> None:
         self._text, self._names = text, names
@@ -208,7 +208,7 @@ class _ExpressionParser:
         while text[position:].strip():
             token = TOKEN.match(text, position)
             if token is None:
-                raise self._wrong(f"{text[position:].strip()[0]!r} is not part of it")
+                raise self._wrong(f"{text[position:].strip()[0]!r} cannot occur in one")
             self._tokens.append(token)
             position = token.end()
 
@@ -272,7 +272,7 @@ class _ExpressionParser:
                 raise self._wrong("a parenthesis is not closed")
             self._tokens.pop(0)
             return inside
-        raise self._wrong(f"nothing stands before {token[0].strip()!r}")
+        raise self._wrong(f"nothing precedes {token[0].strip()!r}")
 
     def _wrong(self, what: str) -> QueryError:
         return QueryError(

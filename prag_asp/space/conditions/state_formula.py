@@ -44,7 +44,7 @@ _Literals = frozenset[tuple[str, bool]]
 
 
 class _FormulaParser:
-    """Parse a formula by recursive descent, pushing negations down to the fluents."""
+    """A recursive-descent parser of a formula, which pushes negations down to the fluents."""
 
     def __init__(self, text: str, fluents: frozenset[str]) -> None:
         self._text, self._fluents = text, fluents

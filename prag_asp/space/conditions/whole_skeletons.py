@@ -1,4 +1,4 @@
-"""Divide a task space into parts that share no skeleton, with shares as close to the requested ones as possible."""
+"""The division of a task space into parts that share no skeleton, with shares close to the requested ones."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ SPELLABLE = re.compile(r"\w+")
 """The pattern of names that can be written in a regular expression."""
 
 Count = Callable[[Condition], int]
-"""Return the number of tasks that satisfy a condition."""
+"""A function that returns the number of tasks that satisfy a condition."""
 
 Skeletons = Mapping[tuple[str, ...], int]
 """The number of tasks with each skeleton."""
@@ -104,7 +104,7 @@ def _warn(shares: Mapping[str, Fraction], sizes: Sequence[int]) -> None:
     percentages = {name: float(Fraction(100 * size, total)) for name, size in zip(shares, sizes, strict=True)}
     actual = ", ".join(f"{name} has {share:.1f} %" for name, share in percentages.items())
     requested = ", ".join(f"{float(100 * share):.4g} %" for share in shares.values())
-    why = "no choice of whole skeletons comes nearer; choose other shares or lengths"
+    why = "no choice of whole skeletons comes closer; choose other shares or lengths"
     warnings.warn(f"{actual} of the tasks, not {requested}: {why}", SharesWarning, stacklevel=4)
 
 

@@ -1,4 +1,4 @@
-"""The engines; `select` returns the best one that can express a domain."""
+"""The engines, and their selection by name."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ PATIENCE = 2.0
 """Seconds for which clingo enumerates alone, at about 100,000 words per second."""
 
 EARLY, SURE = 64, 4
-"""A forecast is used once states take 1/`EARLY` of the memory limit, provided that it exceeds `SURE` times this limit.
+"""A forecast is used once states take 1/`EARLY` of the memory limit, if the forecast exceeds `SURE` times this limit.
 """
 
 
@@ -169,12 +169,12 @@ def searching_engine(
             words = word_formula(model, level, length)
             beginning = words.beginning(prefix)
             if beginning is None:
-                raise EngineError("no word begins so")
+                raise EngineError("no word begins with the prefix")
             return words.cnf, beginning
 
         def begins() -> None:
             if progress:
-                why = f"clingo has not found all words after {PATIENCE:g} s; the first that is done answers"
+                why = f"clingo has not found all words after {PATIENCE:g} s; the first to finish answers"
                 progress(Note(f"note: engine sharp as well, because {why}"))
 
         return CountBeside(formula, PATIENCE, begins)

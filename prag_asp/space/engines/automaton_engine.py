@@ -1,4 +1,4 @@
-"""The automaton engine: explore the states once, then count, rank and sample by dynamic programming."""
+"""The automaton engine, which explores the states once, then counts, ranks and samples by dynamic programming."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ class AutomatonEngine:
 
     `merge` determines whether states are merged up to renaming of interchangeable entities; with None, this depends on
     the number of states. Results are the same either way. `explorer` finds the states; by default, it lists them. If
-    `hopeless` forecasts that they will not fit into memory, queries raise `TooManyStates`.
+    `hopeless` forecasts that the states will not fit into memory, queries raise `TooManyStates`.
 
     Raises:
         EngineError: the step is not a function of the state and the action.
@@ -274,7 +274,7 @@ class AutomatonEngine:
         return Weighed(reach.completions, unit**length, ends, reach.merged_ranking(length), values)
 
     def _weigh_apart(self, length: int, weights: Weights, clock: LimitClock) -> Weighed | None:
-        """If the parts are independent, return the words, weighted by action, as shuffles of the words of the parts."""
+        """Return the words, weighted by action, as shuffles of words of independent parts, or None without parts."""
         words = self._parts.words(length, self._numbers, clock)
         if words is None:
             return None

@@ -1,4 +1,4 @@
-"""The clingo engine: unroll all steps and enumerate answer sets. It is the reference, and supports all rules."""
+"""The clingo engine, the reference: it unrolls all steps and enumerates answer sets, and supports all rules."""
 
 from __future__ import annotations
 
@@ -34,15 +34,15 @@ MOST_LISTED, REPORTED = 300_000, 2.0
 """
 
 Ask = Callable[[], "int | None"]
-"""Returns the count that another process computed, or None while it is still running."""
+"""A function that returns the count that another process computed, or None while that process is running."""
 
 Beside = Callable[[int, Letters], AbstractContextManager[Ask]]
-"""Starts counting, in parallel with clingo, the words of a given length that begin with a prefix; whichever finishes
-first answers."""
+"""A function that starts counting, in parallel with clingo, the words of a given length that begin with a prefix; the
+first of the two counts to finish is used."""
 
 
 class ClingoEngine:
-    """The search engine for one domain at one level; it caches the ground program for the latest length."""
+    """The clingo engine for one domain at one level; it caches the ground program for the latest length."""
 
     def __init__(
         self,
@@ -94,7 +94,7 @@ class ClingoEngine:
 
         def search() -> Iterator[Letters]:
             plans = self._plans(length)
-            stage("searching words")
+            stage("searching for words")
             beginning: Letters = ()
 
             def onward(word: Letters, _: int) -> Iterator[tuple[str, Letters]]:
@@ -222,7 +222,7 @@ class _UnrolledPlans:
         return assumptions is not None and self.satisfiable(assumptions)
 
     def satisfiable(self, assumptions: Sequence[int]) -> bool:
-        """Return whether some answer set satisfies the literals."""
+        """Return whether some answer set satisfies the assumptions."""
         return self._true_literals(assumptions, ()) is not None
 
     def following(self, word: Letters, prefix: Letters) -> Iterator[str]:
@@ -278,7 +278,7 @@ class _UnrolledPlans:
             return None if model is None else {literal for literal in literals if model.is_true(literal)}
 
     def models(self, check: Callable[[], None]) -> Iterator[Letters | None]:
-        """Yield all words in no particular order, or None for a word in which some step lacks exactly one letter.
+        """Yield all words in no particular order, or None for a word with a step that does not have exactly one letter.
 
         `check` is called regularly; an error that it raises ends the search.
         """
@@ -302,7 +302,7 @@ class _UnrolledPlans:
                 yield tuple(text for _, text in atoms) if steps == list(range(1, self._length + 1)) else None
 
     def count(self, assumptions: Sequence[int], clock: LimitClock, ask: Ask) -> tuple[int, StopReason | None]:
-        """Return the number of projected answer sets that satisfy the literals, and the limit that was reached, if any.
+        """Return the number of projected answer sets under assumptions, and the limit that was reached, if any.
 
         If a limit was reached, the number is a lower bound. If `ask` returns a count first, that count is the result.
         """

@@ -32,7 +32,7 @@ class Draw:
 
 
 class Engine(Protocol):
-    """Count, enumerate and sample the words of one domain at one level.
+    """An engine, which counts, enumerates and samples the words of one domain at one level.
 
     `prefix` holds, for each of the first steps, the text of a letter or a name that stands for several letters (see
     `name_in_prefix`). Words are in lexicographic order of their letters: actions in clingo's order of terms, names in
@@ -83,7 +83,7 @@ class Engine(Protocol):
 
 
 Progress = Callable[[str], None]
-"""Called with a short text about the progress of a long computation."""
+"""A function that is called with a short text about the progress of a long computation."""
 
 ALL = "(...)"
 """Suffix of a prefix item that stands for all actions with a name, even if the text of one action equals that name."""

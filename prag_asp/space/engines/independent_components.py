@@ -150,10 +150,10 @@ def _first_stop(reaches: Sequence[Reach]) -> StopReason | None:
 
 
 def count_shuffles(counts: Sequence[Sequence[int]], check: LimitCheck = lambda: None) -> tuple[int, StopReason | None]:
-    """Return the number of shuffles of total length n of one word from each part, and None.
+    """Return the number of shuffles of length n of one word from each part, and the limit that was reached, or None.
 
     `counts` has, for each part, the numbers of words of the lengths 0, 1, ..., n. If `check` reports a limit, the
-    result is a lower bound, computed from the parts shuffled so far, and the limit.
+    number is a lower bound, computed from the parts shuffled so far.
     """
     first, *others = counts
     whole, length = list(first), len(first) - 1

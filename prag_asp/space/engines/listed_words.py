@@ -96,7 +96,7 @@ class NoWords:
         return tuple(all_letters(self.model, self.level))
 
     def count(self, length: int, prefix: Letters = ()) -> int:
-        """Return the number of words of a given length."""
+        """Return 0, because there are no words."""
         return 0
 
     def following(self, length: int, prefix: Letters = ()) -> dict[str, int]:

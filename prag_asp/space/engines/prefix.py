@@ -1,4 +1,4 @@
-"""Parse levels, prefixes and plans as users write them."""
+"""Parsers of levels, prefixes and plans as users write them."""
 
 from __future__ import annotations
 

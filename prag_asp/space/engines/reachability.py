@@ -1,4 +1,4 @@
-"""Explore the automaton of one level of a domain, completely or up to a limit, with or without merged states."""
+"""The automaton of one level of a domain, explored completely or up to a limit, with or without merged states."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ if TYPE_CHECKING:
     from prag_asp.space.engines.engine import Level
 
 PATIENCE, WORDS, LARGE = 250_000, 4, 100
-"""Number of edges above which states are merged, the number of 64-bit words per state that it assumes, and the minimum
-number of renamings."""
+"""Number of edges above which states are merged, the number of 64-bit words per state for which it is meant, and the
+minimum number of renamings."""
 
 FEW_STATES, FEW_EDGES = 4096, 50_000
 """Maximum numbers of states and edges of an exploration that levels share."""
@@ -54,13 +54,13 @@ SIZE, HALT, FORECAST = StopReason(StopKind.SIZE), StopReason(StopKind.HALT), Sto
 """Reasons other than limits that end an exploration."""
 
 Halt = Callable[[Extent], bool]
-"""Returns whether to stop an exploration of a given extent."""
+"""A function that returns whether to stop an exploration of a given extent."""
 
 Forecast = Callable[[Extent, int], bool]
-"""Returns whether an exploration of a given extent is forecast to exceed the memory within a length."""
+"""A function that returns whether an exploration of a given extent is forecast to exceed the memory within a length."""
 
 Allow = Callable[[Rows], NDArray[np.bool_]]
-"""Returns, for each state, whether it is allowed; a state that is not allowed halts the exploration."""
+"""A function that returns, for each state, whether the state is allowed; any other state halts the exploration."""
 
 Groups = Sequence[Sequence[Unit]]
 
@@ -99,7 +99,7 @@ class Reach:
         return not self.stop and (horizon is None or horizon >= length)
 
     def count(self, length: int, prefix: Sequence[frozenset[int]]) -> int:
-        """Return the weight of the words of a given length whose first letters `prefix` allows."""
+        """Return the total weight of the words of a given length whose first letters `prefix` allows."""
         if not self.merged:
             return count_words(self.completions, length, [allowed.__contains__ for allowed in prefix])
         from prag_asp.space.automaton.merged_states import count_merged
@@ -151,7 +151,7 @@ class TooManyStates(Exception):
 class Explorer:
     """The exploration of one level of a domain; if `merge` is None, whether states are merged depends on their number.
 
-    Once this is settled, exploration stops if `hopeless` forecasts too many states.
+    Once the decision to merge is made, exploration stops if `hopeless` forecasts too many states.
     """
 
     model: DomainLogic
@@ -183,7 +183,7 @@ class Explorer:
         explored, merging = self._explore(transition, length, clock, Weights(), halt, allow)
         names = tuple(map(action_name, transition.actions))
         if self.level == "skeleton" and explored.stop not in {HALT, FORECAST}:
-            stage("merging plans of one skeleton")
+            stage("merging plans with the same skeleton")
             letters = tuple(sorted(set(names)))
             numbers = np.array([letters.index(name) for name in names], dtype=np.int64)
             automaton, stop = skeleton_automaton(explored.automaton, numbers, clock.reached_limit)
@@ -253,7 +253,7 @@ class Explorer:
     def _shared_exploration(
         self, transition: Transition, length: int, clock: LimitClock, halt: Halt | None
     ) -> Exploration | None:
-        """Return the same exploration by the engine of another level, if there is one and it is small.
+        """Return a small exploration of the same step function by the engine of another level, or None.
 
         With limits or progress reports, the exploration is repeated.
         """
@@ -279,7 +279,10 @@ class Explorer:
         patience: int | None = None,
         halt: Halt | None = None,
     ) -> Watch:
-        """Return the callback that reports progress and stops at a limit, at `patience` edges, or if `halt` says so."""
+        """Return the callback that reports progress and decides whether to stop.
+
+        It stops at a limit, at `patience` edges, or if `halt` returns true.
+        """
         names = [action_name(action) for action in transition.actions] if self.tell else []
         outlook = Outlook(self.tell, names, length, transition.initial.shape[1]) if self.tell else None
 

@@ -21,7 +21,7 @@ REPORTED = 1000
 
 
 class SatEngine:
-    """The search engine for one domain at one level; it caches the formula for the latest length.
+    """The sat engine for one domain at one level; it caches the formula for the latest length.
 
     Raises:
         EngineError: raised by each query if the program cannot be translated to clauses.
@@ -111,7 +111,7 @@ class SatEngine:
     def _searching(self, length: int) -> _WordSearch:
         if self._search is None or self._search.formula.length != length:
             self._search = _WordSearch(word_formula(self._model, self._level, length))
-            stage("searching words")
+            stage("searching for words")
         return self._search
 
 
@@ -151,7 +151,7 @@ class _WordSearch:
                 ways.append(self._ways(len(ways), word, prefix))
 
     def _ways(self, place: int, word: Letters, prefix: Letters) -> Iterator[Letters]:
-        """Yield a word for each letter that can stand at a given place of a word, in order of these letters."""
+        """Yield a word for each letter that can occur at index `place`, in order of these letters."""
         for letter in self.formula.letters:
             if letter == word[place]:
                 yield word

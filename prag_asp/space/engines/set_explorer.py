@@ -1,4 +1,4 @@
-"""Explore skeletons by a subset construction (Rabin and Scott 1959) in which each set of states is a diagram."""
+"""The exploration of skeletons by a subset construction (Rabin and Scott 1959) with sets of states as diagrams."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ class _Spent(Exception):
 
 @dataclass
 class _Watch:
-    """Check the limits; `stop` is the first limit that was reached."""
+    """A check of the limits; `stop` is the first limit that was reached."""
 
     clock: LimitClock
     stop: StopReason | None = None

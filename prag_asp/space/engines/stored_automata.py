@@ -1,4 +1,4 @@
-"""Cache explored automata for the next run of the same program."""
+"""The cache of explored automata for the next run of the same program."""
 
 from __future__ import annotations
 

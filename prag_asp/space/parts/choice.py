@@ -1,4 +1,4 @@
-"""Distribute whole pieces among parts so that the sizes of the parts come close to the requested shares."""
+"""The distribution of whole pieces among parts whose sizes come close to the requested shares."""
 
 from __future__ import annotations
 

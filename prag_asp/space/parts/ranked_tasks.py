@@ -26,15 +26,15 @@ class Ranks(Protocol):
         ...
 
     def __getitem__(self, place: int) -> int:
-        """Return the rank at a place from 0 to size - 1."""
+        """Return the rank at an index from 0 to size - 1."""
         ...
 
     def place(self, rank: int) -> int | None:
-        """Return the place of a rank, or None if it is not included."""
+        """Return the index of a rank, or None if the rank is not included."""
         ...
 
     def cut(self, places: range) -> Ranks:
-        """Return the ranks at the given places."""
+        """Return the ranks at the given indices."""
         ...
 
 
@@ -69,11 +69,11 @@ class RankRange:
         return self.ranks[place]
 
     def place(self, rank: int) -> int | None:
-        """Return the place of a rank, or None if it is not included."""
+        """Return the index of a rank, or None if the rank is not included."""
         return (rank - self.ranks.start) // self.ranks.step if rank in self.ranks else None
 
     def cut(self, places: range) -> RankRange:
-        """Return the ranks at the given places."""
+        """Return the ranks at the given indices."""
         step = self.ranks.step * places.step
         start = self.ranks.start + self.ranks.step * places.start
         return RankRange(range(start, start + step * size_of(places), step))
@@ -81,7 +81,7 @@ class RankRange:
 
 @dataclass(frozen=True)
 class ShuffledRanks:
-    """The ranks that a shuffle has at certain places."""
+    """The ranks at certain indices of a shuffle."""
 
     order: Shuffle
     places: RankRange
@@ -95,11 +95,11 @@ class ShuffledRanks:
         return self.order[self.places[place]]
 
     def place(self, rank: int) -> int | None:
-        """Return the place of a rank, or None if it is not included."""
+        """Return the index of a rank, or None if the rank is not included."""
         return self.places.place(self.order.place(rank)) if 0 <= rank < self.order.size else None
 
     def cut(self, places: range) -> ShuffledRanks:
-        """Return the ranks at the given places."""
+        """Return the ranks at the given indices."""
         return ShuffledRanks(self.order, self.places.cut(places))
 
 
@@ -115,7 +115,7 @@ def divided_ranks(count: int, shares: Mapping[str, Number | float], seed: int) -
 
 @dataclass(frozen=True)
 class RankedTasks:
-    """An ordered subset of the tasks of a space: counted, indexed, sliced, tested and sampled without listing them."""
+    """An ordered subset of the tasks of a space, which is counted, indexed, sliced and sampled without being listed."""
 
     ranks: Ranks
     space: Space
@@ -153,7 +153,7 @@ class RankedTasks:
             return False
 
     def index(self, task: Task) -> int:
-        """Return the place of a task.
+        """Return the index of a task in the subset.
 
         Raises:
             QueryError: the task is not in the subset.
@@ -186,10 +186,10 @@ class RankedTasks:
 
 
 def checked_place(place: int, size: int) -> int:
-    """Return a place from 0 to size - 1; a negative place counts from the end.
+    """Return an index from 0 to size - 1; a negative index counts from the end.
 
     Raises:
-        IndexError: there is no such place.
+        IndexError: the index is out of range.
     """
     if not -size <= place < size:
         raise IndexError(f"rank {place} of {size} tasks")

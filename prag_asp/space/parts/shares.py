@@ -33,7 +33,9 @@ def divided(total: int, shares: Mapping[str, Fraction]) -> dict[str, range]:
 
 
 def held_out(what: str, facts: Facts, groups: Sequence[Sequence[clingo.Symbol]]) -> tuple[str, str]:
-    """Return the conditions for tasks without and with `what`: an entity, a class, an action, a name or a pair.
+    """Return the conditions for tasks without `what` and for tasks with it.
+
+    `what` is an entity, a class, an action, a name or a pair of names.
 
     Raises:
         QueryError: `what` is ambiguous, or is an entity that is interchangeable with one in the tasks without it.

@@ -25,7 +25,7 @@ class Shuffle:
         return max(1, (max(self.size - 1, 1).bit_length() + 1) // 2)
 
     def __getitem__(self, place: int) -> int:
-        """Return the number at a place."""
+        """Return the number at an index."""
         while True:
             left, right = place >> self._half, place & self._mask
             for number in range(ROUNDS):
@@ -35,7 +35,7 @@ class Shuffle:
                 return place
 
     def place(self, number: int) -> int:
-        """Return the place of a number: the inverse of indexing."""
+        """Return the index of a number: the inverse of indexing."""
         while True:
             left, right = number >> self._half, number & self._mask
             for step in reversed(range(ROUNDS)):

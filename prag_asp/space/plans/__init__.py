@@ -1,1 +1,1 @@
-"""Turn plans into tasks: states, subgoals, canonical names and readings."""
+"""From plans to tasks: states, subgoals, canonical names and readings."""

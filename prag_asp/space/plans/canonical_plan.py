@@ -20,7 +20,7 @@ def canonical_names(plan: Iterable[clingo.Symbol], symmetries: Symmetries) -> di
 def canonical_prefix(
     prefix: Sequence[str], actions: Mapping[str, clingo.Symbol], symmetries: Symmetries
 ) -> tuple[str, ...]:
-    """Return the prefix of the tasks that begin with `prefix` up to renaming; its items are keys of `actions` or names.
+    """Return the canonical form of `prefix`, whose items are keys of `actions` or names of actions.
 
     Raises:
         QueryError: an action after a name without arguments is the first to use an interchangeable entity.

@@ -87,14 +87,14 @@ class Readings:
 
     @cached_property
     def _counts(self) -> Sequence[int]:
-        """For each place, the number of readings of the actions from that place to the end."""
+        """The number of readings of the actions from each index to the end."""
         counts = [0] * len(self.actions) + [1]
         for place in range(len(self.actions) - 1, -1, -1):
             counts[place] = sum(len(units) * counts[end] for end, units in self._units(place))
         return counts
 
     def _units(self, place: int) -> Iterator[tuple[int, tuple[Atom | Composite, ...]]]:
-        """Yield the ends of the units that begin at a place, each with the units that end there."""
+        """Yield the end indices of the units that begin at index `place`, each with the units that end there."""
         for length in self.hierarchy.lengths:
             if place + length > len(self.actions):
                 break
@@ -123,7 +123,7 @@ class Readings:
                 waiting.append(iter(self._branches(end)))
 
     def _branches(self, place: int) -> Iterator[tuple[int, Atom | Composite]]:
-        """Yield the units that lead to a reading, and the places where they end."""
+        """Yield the units at index `place` that lead to a reading, each preceded by its end index."""
         if self._counts[place]:
             for end, units in self._units(place):
                 if self._counts[end]:

@@ -1,7 +1,7 @@
 """The shortest plans from the initial state of a task to its goal, counted by a breadth-first search.
 
-A plan of the domain solves a task if it leads from the known facts of the initial state to the goal and makes nothing
-more known about the initial state. It can therefore be executed wherever the task can. The logic is in
+A plan of the domain solves a task if it leads from the known facts of the initial state to the goal and implies no
+further values of the initial state. It can therefore be executed wherever the task can. The logic is in
 ``encodings/rules/same_start.lp``.
 """
 
@@ -68,8 +68,8 @@ class PlanLayer:
     """The states that plans of `depth` actions reach but shorter plans do not.
 
     `numbers` holds the number of plans that lead to each state; `ends` states whether a plan may end there; `meets`
-    states, for each fluent and value, whether a goal may require it there, packed, shape (states, bytes). Each array
-    has one row per state.
+    states, for each fluent and value, whether a goal may require this value there, packed, shape (states, bytes). Each
+    array has one row per state.
     """
 
     depth: int
@@ -78,7 +78,7 @@ class PlanLayer:
     meets: Bits
 
     def solving(self, goal: Bits) -> NDArray[np.bool_]:
-        """Return which states satisfy a goal, which is packed like a row of `meets`."""
+        """Return which states satisfy a goal, shape (states,); the goal is packed like a row of `meets`."""
         solving: NDArray[np.bool_] = self.ends & ((self.meets & goal) == goal).all(axis=1)
         return solving
 
@@ -92,7 +92,7 @@ class Start:
 
     @classmethod
     def of(cls, program: Program, initial: Iterable[tuple[object, bool]]) -> Start:
-        """Return the initial state, for the plans of a program, in which fluents have these values.
+        """Return the initial state of a program's plans in which fluents have the given values.
 
         Raises:
             DomainError: clingo cannot ground the program.
@@ -205,7 +205,7 @@ class PlanSearch:
 
     @cached_property
     def _transition(self) -> Transition:
-        """The step function of plans that make nothing known about their initial state."""
+        """The step function of plans that imply no further values of their initial state."""
         return self._model.transition(tasks=False, labels=self._labels)
 
     def solve(self, initial: State, goal: State, at_most: int, clock: LimitClock) -> ShortestPlans | None:
@@ -235,7 +235,8 @@ class PlanSearch:
         """Return which goals can be reached from each initial state by a plan of at most `at_most` actions.
 
         ``goals[k]`` has one row, as returned by `goal_row`, for each goal to be reached from the k-th initial state;
-        the result has an array of as many truth values. The states of all searches are expanded together.
+        the result has, for each initial state, one truth value per goal. The states of all searches are expanded
+        together.
 
         Raises:
             EngineError: the step is not a function of the state and the action.
@@ -345,9 +346,10 @@ class PlanLayers:
 
 @dataclass(frozen=True)
 class PlanGraph:
-    """The states of several searches and the edges between them, by source; `offsets` is where each source begins.
+    """The states of several searches and the edges between them, sorted by source.
 
-    `ends` states whether a plan may end after the action of an edge, and `meets` what a goal may require there.
+    `offsets` holds the index of the first edge of each source. `ends` states whether a plan may end in each state after
+    an action, and `meets` which values a goal may require there, as in `PlanLayer`.
     """
 
     offsets: NDArray[np.int64]
@@ -382,7 +384,7 @@ class PlanGraph:
 
 
 def solved_by(meets: Bits, goals: Bits) -> NDArray[np.bool_]:
-    """Return which of `goals`, one per row, are contained in some row of `meets`."""
+    """Return which of `goals`, one per row, are contained in some row of `meets`, shape (goals,)."""
     exact = set(map(bytes, meets))
     solved = np.array([bytes(goal) in exact for goal in goals], dtype=np.bool_)
     if solved.all() or not len(meets):
@@ -413,7 +415,7 @@ def _check(clock: LimitClock, seen: Numbering) -> None:
 def _advance(
     transition: Transition, rows: Rows, numbers: NDArray[Any], seen: Numbering, clock: LimitClock
 ) -> tuple[Rows, NDArray[Any], Bits]:
-    """Return the new states after one more action, the number of plans to each, and what goals may require there."""
+    """Return the new states after one more action, the number of plans to each, and the values goals may require."""
     known = len(seen)
     targets, paths, meets = [], [], [np.zeros((0, -(-len(transition.labels) // 8)), dtype=np.uint8)]
     for first in range(0, len(rows), TOGETHER):

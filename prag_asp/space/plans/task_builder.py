@@ -1,4 +1,4 @@
-"""Build tasks from plans: the known fluents of each state, the subgoals and the goal."""
+"""The construction of tasks from plans: the known fluents of each state, the subgoals and the goal."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class _Action(NamedTuple):
 
 
 class TaskBuilder:
-    """Build the tasks of one domain from their plans; equal states, effects and goals share one object."""
+    """A builder of the tasks of one domain from their plans; equal states, effects and goals share one object."""
 
     def __init__(self, model: DomainLogic) -> None:
         self._model = model

@@ -1,1 +1,1 @@
-"""Sample many words at once, with exact probabilities."""
+"""Sampling of many words at once, with exact probabilities."""

@@ -26,7 +26,8 @@ GUIDE_CELLS = 1 << 15
 LARGEST = (1 << WORD) - 1
 Integers = NDArray[np.int64]
 Resolve = Callable[[int, int], int]
-"""Finds the edge from further bits, given the index of a draw in its batch and the slot of its state."""
+"""A function that finds the edge from further bits, given the index of a draw in its batch and the slot of its state.
+"""
 
 
 @dataclass(frozen=True)

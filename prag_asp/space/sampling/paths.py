@@ -1,4 +1,4 @@
-"""Sample paths of an automaton with probabilities exactly proportional to their weights."""
+"""Sampling of the paths of an automaton with probabilities exactly proportional to their weights."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class PathSampler:
         return edges
 
     def descend(self, states: Integers, words: Words, bits: Bits, first: int) -> NDArray[np.int64]:
-        """Return the edges, shape (length, paths), of paths from states, chosen by random words, shape (paths, length).
+        """Return the edges, shape (length, paths), of paths from `states`, chosen by `words`, shape (paths, length).
 
         If a path needs further random words, they are bits of its draw; `first` is the number of the first draw.
         """

@@ -29,7 +29,7 @@ KEPT_SUMS = 1 << 26
 """Maximum memory for the cached sums of skeletons, in bytes."""
 
 Sums = tuple[list[dict[int, list[int]]], int]
-"""For each step of a skeleton and each state, the running totals of the weights of its moves; and the total weight."""
+"""The running totals of the weights of the moves of each state, for each step of a skeleton; and the total weight."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ class GoalSampler:
 
     @property
     def count(self) -> int:
-        """The number of goals that words of positive weight have."""
+        """The number of goals of words of positive weight."""
         return len(self._starts)
 
     def groups(self) -> Iterator[Walks]:
@@ -186,7 +186,7 @@ def _reversed(automaton: Automaton, goals: NDArray[np.int64]) -> tuple[Automaton
 class SkeletonSampler:
     """A sampler that chooses a skeleton uniformly, and then a word with this skeleton by weight.
 
-    `count` is the number of skeletons that words of positive weight have.
+    `count` is the number of skeletons of words of positive weight.
     """
 
     def __init__(self, weighed: Weighed, length: int, names: NDArray[np.int64]) -> None:
@@ -203,7 +203,7 @@ class SkeletonSampler:
 
     @cached_property
     def _moves(self) -> list[dict[int, list[tuple[int, int, int]]]]:
-        """For each state and name: the edges, their targets and their weights."""
+        """The edges, their targets and their weights, for each state and name."""
         automaton = self._automaton
         weights = [1] * len(automaton.letters) if automaton.weights is None else automaton.weights.tolist()
         moves: list[dict[int, list[tuple[int, int, int]]]] = [{} for _ in range(automaton.states)]
@@ -274,8 +274,8 @@ class SkeletonSampler:
     ) -> tuple[list[int], int]:
         """Return the edges of a word with a skeleton, chosen by random bits, and the weight of all such words.
 
-        Sums are cached because short skeletons are sampled often. The cache is limited by an upper bound on their
-        memory, which follows from the last running total, because it is the largest.
+        Sums are cached because short skeletons are sampled often. The cache is limited by a bound on the memory of the
+        sums, computed from the last running totals, which are the largest.
         """
         known = self._known.get(skeleton)
         if known is None:

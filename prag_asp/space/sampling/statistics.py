@@ -154,7 +154,7 @@ def _mentions(facts: Facts, letters: Sequence[str]) -> tuple[dict[str, set[int]]
 
 
 def occurrences(completions: Completions, length: int, kinds: NDArray[np.int64], size: int) -> list[int]:
-    """Return, for each kind of edge, the total weight of all words, each counted once for every edge of that kind.
+    """Return, for each kind of edge, the sum over all words of the weight times the number of edges of that kind.
 
     `kinds` holds the kind of each edge, from 0 to `size` - 1, shape (edges,).
     """
@@ -169,7 +169,7 @@ def occurrences(completions: Completions, length: int, kinds: NDArray[np.int64],
 
 
 def consecutive(completions: Completions, length: int, names: NDArray[np.int64]) -> dict[tuple[int, int], int]:
-    """Return, for each pair of names, the total weight of all words, each counted once per occurrence of the pair.
+    """Return, for each pair of names, the sum over all words of the weight times the number of such pairs.
 
     `names` maps letters to numbers of names.
     """
@@ -256,7 +256,7 @@ def entropy(completions: Completions, length: int, total: int) -> Decimal:
 
 
 def _forward(automaton: Automaton, length: int) -> Iterator[tuple[int, Objects]]:
-    """Yield, for each step from 0 on, the weight of all paths that end with each edge."""
+    """Yield, for each step from 0 on, the weight of all paths that end with each edge, shape (edges,)."""
     row = np.zeros(automaton.states, dtype=object)
     row[0] = 1
     factors = _factors(automaton)
@@ -273,7 +273,7 @@ def _factors(automaton: Automaton) -> Objects:
 
 
 def _summed(values: Sequence[int] | Objects, places: NDArray[np.int64], size: int) -> list[int]:
-    """Return, for each place, the sum of the values there."""
+    """Return `size` sums: the i-th is the sum of the values whose entry in `places` is i."""
     sums = [0] * size
     for place, value in compress(zip(places.tolist(), values, strict=True), values):
         sums[place] += value

@@ -71,7 +71,7 @@ def make_sampler(
     if over is not None and over not in OVER:
         raise QueryError(f"cannot sample over {over!r}; there are {', '.join(OVER)}")
     if over and by == "skeleton":
-        raise QueryError(f"{over} are sampled first for tasks and plans alone; choose task or plan")
+        raise QueryError(f"{over} are sampled first only for tasks and plans; choose task or plan")
     weighed = weighed_words(engine, by, length, weights, goals=over == "goals" and length > 0, plain=over is not None)
     if over == "skeletons":
         names = {str(action): action_name(action) for action in facts.actions}

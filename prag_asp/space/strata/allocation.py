@@ -22,7 +22,7 @@ PROPORTIONAL, EQUAL = "proportional", "equal"
 
 
 class NamedSize(Protocol):
-    """What an allocation has to know about a stratum: its name and its size."""
+    """The data about a stratum that an allocation needs: its name and its size."""
 
     @property
     def name(self) -> str:
@@ -40,7 +40,7 @@ class Stratification:
     """The criterion that divides tasks into strata, and how a sample is allocated to them.
 
     `allocation` is ``proportional`` or ``equal``, or maps names of strata to the standard deviation of a result in
-    them; a stratum without one gets the largest of them.
+    each; a stratum without a standard deviation gets the largest one.
     """
 
     by: StratifiedBy
@@ -126,9 +126,9 @@ def allocate(sizes: Sequence[int], count: int, shares: Sequence[Fraction]) -> li
 def _quotas(
     fewest: Sequence[int], sizes: Sequence[int], count: int, shares: Sequence[Fraction]
 ) -> list[Fraction] | None:
-    """Return multiples of `shares`, each clipped to its bounds, that sum to `count`, or None if there are none.
+    """Return a multiple of `shares`, clipped to the bounds of each share, that sums to `count`, or None.
 
-    The sum grows with the multiple, and is linear between the multiples at which a share reaches a bound.
+    The sum grows with the factor, and is linear between the factors at which a share reaches a bound.
     """
     bounds = list(zip(fewest, shares, sizes, strict=True))
 

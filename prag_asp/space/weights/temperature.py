@@ -15,7 +15,8 @@ from prag_asp.space.weights.weights import Weights
 INFINITE = "inf"
 LARGEST_DENOMINATOR = 10_000
 DIGITS = 40
-"""Digits after the decimal point: far more than are needed to distinguish fractions with such denominators."""
+"""Digits after the decimal point: far more than are needed to distinguish fractions with denominators of at most
+`LARGEST_DENOMINATOR`."""
 
 LARGEST_EXPONENT = 1000
 """Largest decimal exponent of a weight."""
@@ -49,7 +50,7 @@ def tempered(weights: Weights, temperature: Temperature) -> Weights:
     if temperature != INFINITE:
         number = parse_number("temperature", temperature)
         if number <= 0:
-            raise QueryError(f"temperature {temperature}: it is above 0, or {INFINITE} for a uniform draw")
+            raise QueryError(f"temperature {temperature}: write a number above 0, or {INFINITE} for uniform sampling")
         exponent = 1 / number
 
     def powers(stated: Mapping[Key, Fraction]) -> dict[Key, Fraction]:

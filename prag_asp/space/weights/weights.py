@@ -29,9 +29,10 @@ from prag_asp.space.automaton.walks import Choice
 from prag_asp.wording import unknown
 
 MOST_BITS, FEW_BITS = 1 << 19, 64
-"""Maximum number of bits of an exact total, about 158,000 digits, unless weights take at most 64 bits per step.
+"""Maximum number of bits of an exact total; it does not apply to weights of at most `FEW_BITS` bits per step.
 
-Each state has a total for each number of remaining steps. In the domain `prag`, totals of this size take minutes.
+The maximum is about 158,000 digits. Each state has a total for each number of remaining steps. In the domain `prag`,
+totals of this size take minutes.
 """
 
 MANY_KINDS = 1 << 61
@@ -124,7 +125,7 @@ def parse_weight(key: str, number: Number) -> Fraction:
     """
     weight = parse_number(f"weight of {key!r}", number)
     if weight < 0:
-        raise QueryError(f"weight of {key!r}: {number} is below 0; weights start at 0, which means never")
+        raise QueryError(f"weight of {key!r}: {number} is below 0; the smallest weight is 0, which means never")
     return weight
 
 
@@ -170,7 +171,7 @@ def refuse_unequal(weights: Weights, groups: Sequence[Sequence[clingo.Symbol]]) 
             if weights.entities.get(entity, Fraction(1)) != first:
                 raise QueryError(
                     f"{group[0]} and {entity} are interchangeable, so a task cannot prefer one of them; "
-                    "weigh their class, or draw plans"
+                    "give a weight to their class, or sample plans"
                 )
         named = {str(entity) for entity in group}
         for action in weights.actions:
@@ -231,7 +232,7 @@ class Weighed:
 
 
 def edge_weights(actions: Sequence[clingo.Symbol], weights: Weights) -> tuple[list[Fraction], list[Fraction]]:
-    """Return the weight of an edge with a letter, and the factor for each true label of `weighing_facts`."""
+    """Return the weight of an edge for each action, and the factor for each true label of `weighing_facts`."""
     by_label = [weights.pairs[pair] for pair in sorted(weights.pairs)]
     by_label += [weights.entities[entity] for entity in sorted(weights.entities)]
     return [weights.of_action(action) for action in actions], by_label
@@ -242,7 +243,8 @@ def weigh(
 ) -> tuple[Automaton, int]:
     """Return the automaton with integer edge weights, and the factor by which these exceed the exact weights.
 
-    `actions` are its letters; the columns of `labels`, shape (edges, labels), are the atoms of `weighing_facts`.
+    `actions` are the letters of the automaton; the columns of `labels`, shape (edges, labels), are the atoms of
+    `weighing_facts`.
     """
     by_letter, by_label = edge_weights(actions, weights)
     kinds = automaton.letters.astype(np.int64)  # a kind is a letter with labels

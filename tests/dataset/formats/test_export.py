@@ -147,9 +147,9 @@ def test_wrong_cameras_are_reported(filmed: Dataset, tmp_path: Path) -> None:
     copy = Path(shutil.copytree(filmed.folder, tmp_path / "copy"))
     text = (copy / "dataset.json").read_text()
     for old, new, message in (
-        ('"front",', "", "the recording of task 0 of train: is not of the cameras"),
+        ('"front",', "", "the recording of task 0 of train: is not from the cameras"),
         ('"wrist"', '"wirst"', "the scene has no camera wirst"),
-        ('"rate": 5', '"rate": 0', "an episode has 20 frames a second"),
+        ('"rate": 5', '"rate": 0', "an episode has 20 frames per second"),
         ("\n    48,", "\n    4,", "16 to 2048 pixels"),
         ("\n    48,", "", "spec.staging.size: needs a list of 2"),
     ):

@@ -61,7 +61,7 @@ STACKED = ("pick(panda,can_1,table_1)", "insert(panda,can_1,bin_1)", "pick(panda
 def test_the_levels_say_what_they_are_for() -> None:
     words = writer("tabletop").instructions(task_of("tabletop", *STACKED), seed=0)
     assert words == Instructions(
-        vague="See to it that the gripper is holding the red cube, and the can is in the bin.",
+        vague="See to it that the gripper is holding the red cube and that the can is in the bin.",
         default="Take the can from the table. After that, put it into the bin. Then grab the red cube from the table.",
         exact="First, pick up the can from the table. "
         "Second, place the can in the bin. "
@@ -85,10 +85,9 @@ def test_an_action_that_restores_a_state_is_described_so() -> None:
 def test_an_action_whose_facts_already_hold_is_described_as_a_repetition() -> None:
     carried = "transform(panda,can_1,crate_1)", "move(panda,can_1,crate_1)"
     task = task_of("prag", *carried, "rotate(panda,can_1,straight)")
-    assert "once more to the crate" in writer("prag").instructions(task).default
-    assert "again" not in writer("prag").instructions(task).default
+    assert writer("prag").instructions(task).default.count("again") == 1
     turned = task_of("prag", *["rotate(panda,can_1,straight)"] * 2)
-    assert writer("prag").instructions(turned).default.count("once more to 0 degrees") == 1
+    assert writer("prag").instructions(turned).default.count("to the 0-degree position again") == 1
     assert writer("prag").read(turned, writer("prag").instructions(turned).default).actions == turned.actions
 
 
@@ -114,8 +113,11 @@ def test_a_phrase_that_names_the_source_of_an_action_replaces_it() -> None:
 def test_an_aim_that_the_sentence_of_the_action_states_is_not_repeated() -> None:
     turned = task_of("prag", "rotate(panda,can_1,straight)", "move(panda,can_1,crate_1)", "drop(panda,can_1)")
     for seed in range(6):
-        steps = writer("prag").instructions(turned, seed=seed).exact.split(" Second, ")
-        assert "so that" not in steps[0] and steps[1].count("so that") == 1, "only what drop brings about is new"
+        assert "so that" not in writer("prag").instructions(turned, seed=seed).exact
+    plan = "pick(left,bar_1,left_side) move(left,middle) move(right,middle) give(left,right,bar_1) move(left,left_side)"
+    given = task_of("two_arms", *plan.split(), "move(right,right_side)", "place(right,bar_1,right_side)")
+    exact = writer("two_arms").instructions(given).exact
+    assert exact.count("so that") == 1 and "so that the right arm is holding it. Fifth" in exact
     washed = space_at("examples/dishes", 1)
     exact = instruction_writer_of(washed.domain).instructions(washed[washed.index(["wash(panda,cup_1)"])]).exact
     assert exact == "Wash cup 1."
@@ -134,8 +136,8 @@ def test_a_phrase_that_is_no_longer_true_says_so() -> None:
     writer = instruction_writer_of(space.domain)
     words = writer.instructions(known)
     assert words.exact.startswith("First, take the cup on the table")
-    assert "Second, put the cup originally on the table" in words.exact
-    assert "the cup originally on the table is in the sink" in words.vague
+    assert "Second, put the cup that was originally on the table" in words.exact
+    assert "the cup that was originally on the table is in the sink" in words.vague
     assert_read_back(writer, known, words)
 
 
@@ -156,7 +158,7 @@ def test_some_sentences_are_only_for_arguments_of_one_class() -> None:
     assert all("auf das Tablett" in each.default or "auf dem Tablett" in each.default for each in words)
     plan = "open(panda,drawer_1) approach(panda,apple_1,drawer_1) grasp(panda,apple_1) move(panda,apple_1,table_1)"
     fetch = task_of("kitchen", *plan.split(), "drop(panda,apple_1)", "withdraw(panda,apple_1)", "close(panda,drawer_1)")
-    assert "is on or over the table" in writer("kitchen").instructions(fetch).vague
+    assert "has been brought to the table" in writer("kitchen").instructions(fetch).vague
 
 
 def test_names_of_several_words_are_spelled_as_words() -> None:
@@ -417,7 +419,7 @@ def test_facts_about_different_things_are_clauses_with_a_comma_or_share_their_pr
         assert "that both the cupboard and the drawer are open." in words.vague
         assert_read_back(writer("kitchen"), kitchen, words)
     held = writer("tabletop").instructions(task_of("tabletop", *STACKED))
-    assert "is holding the red cube, and the can is in" in held.vague
+    assert "is holding the red cube and that the can is in" in held.vague
     plan = "pick(panda,can_1,table_1) insert(panda,can_1,bin_1) pick(panda,cube_1,table_1) insert(panda,cube_1,bin_1)"
     both = task_of("tabletop", *plan.split())
     german = writer("tabletop", "de").instructions(both)
@@ -446,7 +448,8 @@ def test_an_object_comes_off_another_and_a_particle_precedes_all_but_pronouns() 
     plan = "pick(panda,can_1,brick_1) stack(panda,can_1,brick_2) pick(panda,can_1,brick_2)"
     for seed in range(6):
         words = writer("tabletop").instructions(task_of("tabletop", *plan.split()), seed)
-        assert "off the" in words.subgoals[0] and "from" not in words.default
+        assert "off the" in words.subgoals[0] or words.subgoals[0].startswith("Remove the can from")
+        assert "take the can from" not in words.default.casefold()
     stacked = task_of("blocks", "pick_up(a)", "put_down(a)", "pick_up(a)")
     texts = [writer("blocks").instructions(stacked, seed) for seed in range(8)]
     assert any("Pick up block A" in each.default for each in texts)
@@ -495,9 +498,9 @@ def test_the_motions_of_prag_have_verbs_and_angles_of_their_own() -> None:
     task = task_of("prag", *carried, "rotate(panda,can_1,quarter_turn)", "move(panda,can_1,bowl_1)")
     for seed in range(4):
         first, second, third, fourth = writer("prag").instructions(task, seed).subgoals
-        assert "along the preset path" in first and "along the guide" in second and "to 90 degrees" in third
+        assert "along the preset path" in first and "along the guide" in second and "to the 90-degree position" in third
         assert "along" not in fourth
-        assert "the can is at the bowl" in writer("prag").instructions(task, seed).vague
+        assert "the can has been brought to the bowl" in writer("prag").instructions(task, seed).vague
 
 
 def test_an_arm_is_moved_and_used() -> None:

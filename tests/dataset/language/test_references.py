@@ -56,7 +56,7 @@ def test_a_shorter_description_is_taken_before_a_longer_one() -> None:
     task = space[space.index([*plan, "put(panda,cube_2,tray_2)"])]
     told = instruction_writer_of(space.domain).instructions(task)
     assert "the small cube in the right tray" in told.default and "red" not in told.default
-    assert "the cube in the gripper" in told.subgoals[1] and "small" not in told.subgoals[1] and told.named == ()
+    assert "the cube held by the gripper" in told.subgoals[1] and "small" not in told.subgoals[1] and told.named == ()
 
 
 def test_what_is_kept_of_other_states_is_said_only_where_it_means_the_same(chance: Chance) -> None:

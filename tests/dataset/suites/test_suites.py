@@ -179,7 +179,7 @@ def edited(name: str, change: Callable[[str], str]) -> Callable[[Path], object]:
 
 FORGERIES: Mapping[str, tuple[Callable[[Path], object], str]] = {
     "a file more": (lambda folder: (folder / "more.txt").write_text("x"), "more.txt: is not a file of the suite"),
-    "the card": (edited("README.md", lambda text: text.replace("Apart", "Alike")), "README.md: does not match"),
+    "the card": (edited("README.md", lambda text: text.replace("Separation", "Alike")), "README.md: does not match"),
     "a size": (
         with_json("suite.json", lambda value: value["parts"][1].update(size="7")),
         "parts, objects: size is not what",

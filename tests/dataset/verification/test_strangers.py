@@ -65,11 +65,11 @@ FOUND: dict[str, tuple[Change, str]] = {
     "more draws than rows": (shard(end=10**18), "dataset.json: parts, train: shard 1 has too many draws for its rows"),
     "more tasks than a float holds": (
         said(lambda told: told["parts"][0]["shards"][0]["tally"][0].update(feasible=10**400)),
-        "dataset.json: parts, train: lengths is not what its shards add up to",
+        "dataset.json: parts, train: lengths is not what the shards add up to",
     ),
     "no files": (shard(files={}), "dataset.json: parts, train: the tally of shard 1 has 2 tasks; there are 0"),
     "no share": (said(lambda told: told.update(covered=None)), "dataset.json: covered is not the share"),
-    "no share of a part": (part(covered=None), "dataset.json: parts, train: covered is not what its shards add up to"),
+    "no share of a part": (part(covered=None), "dataset.json: parts, train: covered is not what the shards add up to"),
     "a share without an end": (
         said(lambda told: told["spec"].update(split={"train": "1e999999999"})),
         "dataset.json: what was requested cannot be drawn: share of 'train': 1e999999999 is out of range",

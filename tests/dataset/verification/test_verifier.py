@@ -98,7 +98,7 @@ def told_otherwise(words: list[dict[str, str]]) -> list[dict[str, str]]:
 
 
 FILES: dict[str, tuple[Change, str]] = {
-    "a changed byte": (with_bytes(TRAIN, flipped), rf"{TRAIN}: is not the file that was written"),
+    "a changed byte": (with_bytes(TRAIN, flipped), rf"{TRAIN}: differs from the file that was written"),
     "a file cut off": (with_bytes(TEST, lambda content: content[:-9]), rf"{TEST}: has [\d,]+ bytes; dataset.json says"),
     "a file missing": (lambda folder: (folder / TEST).unlink(), rf"{TEST}: cannot be read: No such file"),
     "a file too many": (
@@ -107,8 +107,8 @@ FILES: dict[str, tuple[Change, str]] = {
     ),
     "a link out of the folder": (linked, rf"{TEST}: leads out of the dataset"),
     "an edited domain": (with_bytes("domain/domain.lp", lambda text: text + b"\n"), r"domain/domain.lp: has"),
-    "an edited encoding": (with_bytes("encodings/step.lp", flipped), r"encodings/step.lp: is not the file"),
-    "another picture": (with_bytes("pictures/000.png", flipped), r"pictures/000.png: is not the file"),
+    "an edited encoding": (with_bytes("encodings/step.lp", flipped), r"encodings/step.lp: differs from the file"),
+    "another picture": (with_bytes("pictures/000.png", flipped), r"pictures/000.png: differs from the file"),
     "an edited card": (with_bytes("README.md", lambda text: text + b"more\n"), r"README.md: does not match"),
 }
 FIGURES: dict[str, tuple[Change, str]] = {
@@ -136,18 +136,18 @@ FIGURES: dict[str, tuple[Change, str]] = {
 
 ROWS: dict[str, tuple[Change, str]] = {
     "a dropped row": (forged(lambda rows: rows.pop(2)), rf"{TRAIN}: draw \d+ is missing"),
-    "a row twice": (forged(lambda rows: rows.append(rows[0])), rf"{TRAIN}: row 4: draw \d+ is there twice"),
-    "rows in another order": (forged(lambda rows: rows.reverse()), rf"{TRAIN}: row 1: draw \d+ stands after draw"),
+    "a row twice": (forged(lambda rows: rows.append(rows[0])), rf"{TRAIN}: row 4: draw \d+ occurs twice"),
+    "rows in another order": (forged(lambda rows: rows.reverse()), rf"{TRAIN}: row 1: draw \d+ comes after draw"),
     "another plan": (forged(lambda rows: rows[1].update(plan=rows[0]["plan"])), rf"{TRAIN}: row 1: its .*plan"),
     "no plan": (in_row(plan=lambda plan: plan[:1] * len(plan) + plan[:1]), rf"{TRAIN}: row 1: it is not a plan of"),
     "no text in a plan": (in_row(plan=lambda plan: ["(", *plan[1:]]), rf"{TRAIN}: row 1: "),
-    "words of another task": (in_row(instruction=told_otherwise), rf"{TRAIN}: row 1: its words"),
+    "words of another task": (in_row(instruction=told_otherwise), rf"{TRAIN}: row 1: its text"),
     "no value": (in_row(goal=lambda facts: [{**facts[0], "fluent": None}]), rf"{TRAIN}: row 1: has no value in goal"),
     "no verdict": (in_row(verdict=lambda _: None), rf"{TRAIN}: row 1: has no verdict"),
-    "no words": (in_row(instruction=lambda _: []), rf"{TRAIN}: row 1: has no words at the level default"),
-    "a sentence less": (in_row(subgoal_instructions=lambda told: told[1:]), rf"{TRAIN}: row 1: its words are not"),
-    "a name too many": (in_row(named=lambda _: ["cube_1"]), rf"{TRAIN}: row 1: its words are not"),
-    "a refused task": (refused_as_task, rf"{TRAIN}: row 0: is not_found, which belongs into another table"),
+    "no words": (in_row(instruction=lambda _: []), rf"{TRAIN}: row 1: has no text at the level default"),
+    "a sentence less": (in_row(subgoal_instructions=lambda told: told[1:]), rf"{TRAIN}: row 1: its texts are not"),
+    "a name too many": (in_row(named=lambda _: ["cube_1"]), rf"{TRAIN}: row 1: its texts are not"),
+    "a refused task": (refused_as_task, rf"{TRAIN}: row 0: is not_found, which belongs in another table"),
     "a task of two parts": (of_another_part, rf"{TEST}: row 0: has the same task as {TRAIN}, row 0"),
 }
 
@@ -162,7 +162,7 @@ VALUES: dict[str, tuple[Callable[[Any], Any], str]] = {
     "entities": (lambda known: known[1:], "its .*entities"),
     "domain": (lambda _: "blocks", "its .*domain"),
     "task": (lambda number: number + 1, "has the number 2, not 1"),
-    "verdict": (lambda told: {**told, "seed": 9, "budget": {**told["budget"], "samples": 9}}, "is of the seed 9"),
+    "verdict": (lambda told: {**told, "seed": 9, "budget": {**told["budget"], "samples": 9}}, "has the seed 9"),
 }
 """Changes of the values of columns, each of which is told by the name of the column."""
 
@@ -174,18 +174,18 @@ STARTS: dict[str, tuple[Change, str]] = {
     ),
     "a witness less": (forged(lambda rows: rows.pop(0), "witnesses"), rf"{TRAIN}: row 0: says that 2 initial states"),
     "a witness of another search": (
-        forged(lambda rows: rows[1].update(index=7), "witnesses"), rf"{WITNESSES}: row 1: is of the index 7"
+        forged(lambda rows: rows[1].update(index=7), "witnesses"), rf"{WITNESSES}: row 1: has the index 7"
     ),
     "a first state twice": (
         forged(lambda rows: rows[1].update(witness=rows[0]["witness"]), "witnesses"),
-        rf"{WITNESSES}: row 1: begins in an initial state that another",
+        rf"{WITNESSES}: row 1: has the same initial state as another",
     ),
     "a first state left out": (
-        forged(lambda rows: rows[1].update(start=2), "witnesses"), rf"{WITNESSES}: row 1: is of the initial state 2;"
+        forged(lambda rows: rows[1].update(start=2), "witnesses"), rf"{WITNESSES}: row 1: belongs to initial state 2,"
     ),
     "no witness": (forged(lambda rows: rows[1].update(witness="{"), "witnesses"), rf"{WITNESSES}: row 1: is not a wit"),
     "a witness for nothing": (
-        forged(lambda rows: rows[-1].update(task=99), "witnesses"), rf"{WITNESSES}: row \d: is of a task 99"
+        forged(lambda rows: rows[-1].update(task=99), "witnesses"), rf"{WITNESSES}: row \d: belongs to task 99"
     ),
 }  # fmt: skip
 
@@ -232,7 +232,7 @@ def test_each_wrong_value_is_reported_by_its_column(
     found = [str(finding) for finding in verify(copied, physics=False) if finding[:2] == (TRAIN, 1)]
     for name, (_, told) in VALUES.items():
         assert any(re.search(told, line) for line in found), (name, found)
-    assert any("its verdict is of another budget" in line for line in found)
+    assert any("its verdict has a different budget" in line for line in found)
 
 
 def test_nothing_is_found_on_clean_datasets(
@@ -257,7 +257,7 @@ def test_recordings_are_the_files_that_were_written_and_show_their_tasks(
     other.write_bytes(b"none")
     monkeypatch.setattr(row_checks.RowChecks, "wrong", lambda *_: iter(()))
     found = [str(finding) for finding in verify(folder)]
-    assert any("demonstrations/train/000001.npz: is not the file" in line for line in found)
+    assert any("demonstrations/train/000001.npz: differs from the file" in line for line in found)
     assert any("demonstrations/train/000002.npz: is not a recording" in line for line in found)
 
 
@@ -266,7 +266,7 @@ def test_a_command_prints_what_is_wrong_and_says_so_by_its_code(copied: Path, tm
     done = run("verify", str(copied), "--no-physics")
     assert (
         done.returncode == 1
-        and done.stdout == "pictures/000.png: is not the file that was written: its SHA-256 is another\n"
+        and done.stdout == "pictures/000.png: differs from the file that was written: its SHA-256 is different\n"
     )
     for folder, told in ((tmp_path, "is not a dataset"), (copied / "data", "is not a dataset")):
         done = run("verify", str(folder))

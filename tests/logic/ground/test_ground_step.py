@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from math import comb
+from typing import Any
 
 import pytest
 
@@ -153,3 +154,17 @@ def test_a_step_that_carries_only_the_state_is_ground_once(
     logic = DomainLogic(load_domain(text=f"{TWO}\n#program step(t).\n{rules}"))
     assert any(symbol.name == "used" for symbol in logic.ground.before) == (steps > 1)
     assert parts.count("step") == steps
+
+
+def test_of_a_step_that_grows_only_the_last_grounding_is_recorded(monkeypatch: pytest.MonkeyPatch) -> None:
+    given: list[bool] = []
+
+    class Counted(Grounder):
+        def __init__(self, program: Program, **options: Any) -> None:
+            given.append(options.get("observer") is not None)
+            super().__init__(program, **options)
+
+    monkeypatch.setattr("prag_asp.logic.ground.ground_step.Grounder", Counted)
+    grown = TaskSpace(domain_of(TWO), 2).where("nontrivial").engines.model.ground
+    assert not grown.obstacles and grown.rules["step"]
+    assert given[-2:] == [False, True]

@@ -17,8 +17,8 @@ from tests.physics.scenarios import stacking, with_arm
 LEAN = (math.sin(0.01), 0.0, 0.0, math.cos(0.01))
 PICK, STACK = "action 1, pick(panda,cube_1,table_1): ", "action 2, stack(panda,cube_1,brick_1): "
 NOT_HELD = "cube_1 is not where the gripper holds it"
-COMES_DOWN = "it does not come down by 10 cm straight onto the object"
-ON_ITS_WAY = "it takes or lets go of cube_1 on its way"
+COMES_DOWN = "it does not approach the object straight by 10 cm"
+ON_ITS_WAY = "it grasps or releases cube_1 in transit"
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +76,7 @@ BROKEN_STATES = {
     "bodies are within each other": (lambda w: _moved(w, (2,), "cube_1", z=-0.004), ["collides with"]),
     "a fact does not hold": (
         lambda w: _moved(w, (2,), "cube_1", z=0.004),
-        ["state 2: it does not hold that cube 1 is on brick 1"],
+        ["state 2: this fact does not hold: cube 1 is on brick 1"],
     ),
     "a false fluent holds": (
         lambda w: replace(w, moments=(w.moments[0], w.moments[0], w.moments[2])),
@@ -86,11 +86,11 @@ BROKEN_STATES = {
     "a body moves that nothing moved": (lambda w: _moved(w, (1,), "brick_1", x=0.002), [f"{PICK}brick_1 has moved"]),
     "a fixed body is elsewhere in all states": (
         lambda w: _moved(w, (0, 1, 2), "bin_1", y=-0.3),
-        ["bin_1 is not where the scene has it"],
+        ["bin_1 is not at its place in the scene"],
     ),
     "the joint angles are others": (
         lambda w: _with_moment(w, 1, joints=_joints(w, 1, 0, 0.01)),
-        [NOT_HELD, "its last waypoint is not the arm of the next state"],
+        [NOT_HELD, "its last waypoint differs from the arm in the next state"],
     ),
     "a joint angle is beyond its limits": (
         lambda w: _with_moment(w, 0, joints=_joints(w, 0, 5, 3.8)),
@@ -144,7 +144,7 @@ def test_an_object_that_leans_in_the_gripper_and_a_grip_that_is_not_from_above_a
 
 def test_a_held_object_wider_than_the_gripper_opens_is_caught_whichever_way_it_is_held(witness, tabletop):
     wide = replace(tabletop, shapes={**tabletop.shapes, "cube_1": Shape("box", (0.081, 0.081, 0.05))})
-    assert "state 1: cube_1 is wider than the gripper opens" in "\n".join(check_witness(stacking(), witness, wide))
+    assert "state 1: cube_1 is wider than the gripper can open" in "\n".join(check_witness(stacking(), witness, wide))
 
 
 def test_a_motion_that_does_not_grasp_and_release_straight_from_above_is_caught(witness, problems):
@@ -163,7 +163,7 @@ def test_a_motion_that_does_not_grasp_and_release_straight_from_above_is_caught(
         (((picking[0], *picking[2:]), placing), f"{PICK}at: {ON_ITS_WAY}"),
         ((picking, (*placing[:2], placing[3])), f"{STACK}retreat: {ON_ITS_WAY}"),
         ((picking[-1:], placing), f"{PICK}lift: {ON_ITS_WAY}"),
-        (((*picking[:3], placing[0]), placing), f"{PICK}it does not leave by 10 cm straight up"),
+        (((*picking[:3], placing[0]), placing), f"{PICK}it does not retreat straight by 10 cm"),
         (((above, *there, picking[3]), placing), f"{PICK}at: cube_1 is not where the gripper takes it"),
         ((picking, (placing[0], *back, placing[3])), f"{STACK}at: cube_1 is not where the gripper lets it go"),
         (((*picking[:2], open_hand, picking[3]), placing), "at: the gripper does not close"),
@@ -177,4 +177,4 @@ def test_no_name_of_a_waypoint_lets_an_arm_take_things_on_its_way(witness, probl
     hidden = tuple(replace(waypoint, name=TRANSIT) for waypoint in picking)
     for motion in (hidden, hidden[-1:], (*picking[:2], *hidden[2:3], picking[3])):
         found = problems(replace(witness, motions=(motion, placing)))
-        assert f"{PICK}it ends on its way" in found or f"{PICK}transit: {ON_ITS_WAY}" in found
+        assert f"{PICK}it ends in transit" in found or f"{PICK}transit: {ON_ITS_WAY}" in found

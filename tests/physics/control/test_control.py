@@ -140,7 +140,7 @@ def test_wrong_names_rates_and_motions_are_refused(chance: Chance, scenes: Mappi
     with pytest.raises(QueryError, match="no control 'ee_detla'; did you mean ee_delta"):
         Control.of("ee_detla", scene)
     for rate in (0, 7, 240, 2.5, True):
-        with pytest.raises(QueryError, match="a number of actions a second that divides 120"):
+        with pytest.raises(QueryError, match="a number of actions per second that divides 120"):
             Control.of("ee_delta", scene, rate)  # type: ignore[arg-type]
     commands = commands_of(scene, chance, 3)
     with pytest.raises(QueryError, match="ee_delta_upright cannot express recordings, in which tools tilt"):

@@ -100,7 +100,7 @@ def test_without_friction_the_object_stays_behind(performer, witness, tabletop, 
     monkeypatch.setattr(dynamics, "FINGER_FRICTION", 0.0)
     failed = performer.perform(physical_task(stacking(), tabletop), witness)
     assert failed.cause == LOST and len(failed.ends) == 2
-    assert failed.detail == ("after pick(panda,cube_1,table_1) it does not hold that cube 1 is held by the gripper")
+    assert failed.detail == "after pick(panda,cube_1,table_1), this fact does not hold: cube 1 is held by the gripper"
     assert failed.poses[-1, failed.objects.index("cube_1"), 2] < 0.05
 
 
@@ -184,7 +184,7 @@ def test_an_episode_that_was_changed_does_not_pass_the_check(stacked, tabletop):
     found = check_demonstration(stacking(), replace(stacked, poses=poses), tabletop)
     assert found == [  # what presses on a body that does not rest there does so unasked
         "action 2, stack(panda,cube_1,brick_1): brick_1 presses on cube_1 with 6.2 N",
-        "state 2: it does not hold that cube 1 is on brick 1",
+        "state 2: this fact does not hold: cube 1 is on brick 1",
     ]
     ends = stacked.ends.copy()
     ends[1] = 10_000

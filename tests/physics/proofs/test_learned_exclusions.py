@@ -37,7 +37,7 @@ impossible(inside(X,Y), inside(X,Y)) :- fluent(inside(X,Y)), is_a(X,crate).
 % X is larger than the cavity of Y
 impossible(inside(X,Y), inside(X,Y)) :- fluent(inside(X,Y)), is_a(X,rod).
 
-% it is impossible that X is on Y and X is within reach
+% X is on Y and X is within reach, but these facts cannot hold together
 impossible(on_top(X,shelf_2), reachable(Z,X)) :- fluent(on_top(X,shelf_2)), fluent(reachable(Z,X)).
 """
 
@@ -182,7 +182,7 @@ def test_an_action_that_is_ruled_out_is_explained(tmp_path: Path) -> None:
     explained = run("explain", str(folder), "pick(panda,crate_1,table_1)")
     assert explained.returncode == 1
     assert (
-        "holding(panda,crate_1) would have to be true, which is impossible together with what else is"
+        "holding(panda,crate_1) would have to be true, which contradicts the other conditions of that state"
         in explained.stdout
     )
 

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
+import json
 import math
 from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
+from prag_asp.dataset.jsonl import Record, write_line
 from prag_asp.physics import check_witness, validate_task
+from prag_asp.physics.predicates import PREDICATES
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.world.support import riders, unsupported
-from prag_asp.scene.geometry import Pose
-from prag_asp.scene.read import cavities
-from prag_asp.scene.read.cavities import cached_cavity, find_cavity
+from prag_asp.scene.geometry import Pose, yaw_quaternion
+from prag_asp.scene.read.cavities import flooding
+from prag_asp.scene.read.cavities.flooding import cached_cavity, find_cavity
 from prag_asp.scene.read.urdf import read_urdf
 from prag_asp.scene.scene import BodyModel, Scene, Shape, Solid
 from prag_asp.scene.surfaces import surface
+from tests.independent.check import problems
+from tests.independent.world import world_of
 from tests.physics.random_tasks import scene_with
 from tests.physics.scenarios import state, task
 
@@ -42,10 +48,79 @@ def read(folder, text: str) -> Shape:
 @pytest.mark.parametrize("handle", [0.0, 0.03])
 def test_the_cavity_of_a_cup_is_that_between_its_walls(tmp_path, handle):
     cavity = read(tmp_path, cup(handle=handle)).model.cavity
-    # Cells of the grid are 1.2 mm wide without a handle, 1.7 mm with it.
-    assert cavity.sides == pytest.approx((0.064, 0.064, 0.034), abs=0.004)
-    assert cavity.sides[2] == pytest.approx(0.034, abs=1e-6)
-    assert cavity.middle == pytest.approx((-handle / 2, 0.0, 0.006 - 0.02), abs=0.002)
+    assert cavity.sides == pytest.approx((0.064, 0.064, 0.034), abs=1e-6)
+    assert cavity.middle == pytest.approx((-handle / 2, 0.0, 0.006 - 0.02), abs=1e-6)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 30.0, -12.0, 45.0, 88.0])
+def test_the_cavity_of_a_box_that_is_turned_in_its_file_is_exact_and_turned(tmp_path, degrees):
+    long, wide, wall, height = 0.12, 0.092, 0.004, 0.06
+    turn = math.radians(degrees)
+    parts = [(0.0, 0.0, wall / 2, long + 2 * wall, wide + 2 * wall, wall)]
+    parts += [(side * (long + wall) / 2, 0.0, height / 2, wall, wide + 2 * wall, height) for side in (-1, 1)]
+    parts += [(0.0, side * (wide + wall) / 2, height / 2, long + 2 * wall, wall, height) for side in (-1, 1)]
+    text = "".join(
+        PART.format(x * math.cos(turn) - y * math.sin(turn), x * math.sin(turn) + y * math.cos(turn), z, turn, *size)
+        for x, y, z, *size in parts
+    )
+    shape = read(tmp_path, BODY.format(text))
+    cavity = shape.model.cavity
+    # Walls have no front: after a turn by more than 45 degrees, the long side is the second.
+    straight = abs(degrees) <= 45.0
+    assert cavity.sides == pytest.approx((long, wide, 0.056) if straight else (wide, long, 0.056), abs=1e-6)
+    assert cavity.yaw == pytest.approx(turn if straight else turn - math.pi / 2, abs=1e-6)
+    assert cavity.middle == pytest.approx((0.0, 0.0, wall - height / 2), abs=1e-6)
+    for side, feasible in ((0.0915, True), (0.0925, False)):
+        block = Shape("box", (side, side, 0.05))
+        shapes = {"panda": Shape("robot"), "table_1": Shape("table"), "box_1": shape, "cube_1": block}
+        scene = Scene(shapes, fixed={"box_1": (0.5, 0.1, 0.4)})
+        inside = task(state("inside(cube_1,box_1)"))
+        verdict = validate_task(inside, scene, seed=1)
+        assert verdict.feasible == feasible, verdict.reason
+        if feasible:
+            assert check_witness(inside, verdict.witness, scene) == []
+            record = json.loads(write_line(Record(inside, None, verdict.witness.to_json())))
+            assert problems(record, record["witness"], world_of(scene)) == []
+            # Along the axes of the body itself, which are not those of the cavity, the block is not inside.
+            first = verdict.witness.moments[0]
+            turned = Pose(first.poses["cube_1"].position, yaw_quaternion(0.4))
+            situation = Situation(scene, {**first.poses, "cube_1": turned})
+            assert PREDICATES["inside"].holds(situation, ("cube_1", "box_1")) == (degrees == 0.0)
+
+
+def test_a_box_with_rounded_edges_has_an_exact_cavity_and_one_with_a_step_in_it_is_measured_on_the_grid():
+    outline = [(sx * 0.04 + 0.01 * math.cos(a), sy * 0.03 + 0.01 * math.sin(a)) for sx, sy, a in rounded_corners()]
+    inner, outer = (np.array(outline) * scale for scale in (1.0, 1.2))
+    cavity = find_cavity(trough(inner, outer))
+    assert cavity.sides == pytest.approx((0.1, 0.08, 0.05), abs=1e-6)
+    step = trimesh.creation.box((0.03, 0.08, 0.05)).apply_translation((0.035, 0.0, 0.035))
+    stepped = find_cavity(np.concatenate([trough(inner, outer), step.triangles]))
+    assert stepped.sides == pytest.approx((0.07, 0.08, 0.05), abs=0.004)
+    assert stepped.yaw == 0.0
+
+
+def rounded_corners():
+    """Yield the quarter of each point of a rectangle with rounded corners, and its angle in the corner's circle."""
+    for quarter, (sx, sy) in enumerate(((1, 1), (-1, 1), (-1, -1), (1, -1))):
+        for a in np.linspace(0.0, math.pi / 2, 5):
+            yield sx, sy, quarter * math.pi / 2 + a
+
+
+def trough(inner, outer):
+    """Return the triangles of a container with given outlines (n, 2), a floor at 10 mm and a rim at 60 mm."""
+
+    def ring(outline, z):
+        return np.column_stack([outline, np.full(len(outline), z)])
+
+    rings = [ring(outer, 0.0), ring(outer, 0.06), ring(inner, 0.06), ring(inner, 0.01)]
+    triangles = []
+    for low, high in pairwise(rings):
+        for i in range(len(low)):
+            triangles += [(low[i - 1], low[i], high[i]), (low[i - 1], high[i], high[i - 1])]
+    for edge, z, sign in ((rings[0], 0.0, -1), (rings[-1], 0.01, 1)):
+        for i in range(len(edge)):
+            triangles.append((np.array([0.0, 0.0, z]), *((edge[i - 1], edge[i])[::sign])))
+    return np.array(triangles)
 
 
 @pytest.mark.parametrize(
@@ -193,9 +268,8 @@ def test_walls_thinner_than_a_cell_of_the_grid_hold_a_cavity(turn):
     shape = Shape("mesh", model=BodyModel(tuple(Solid("box", part[3:], part[:3]) for part in parts), 1.0))
     cosine, sine = math.cos(turn), math.sin(turn)
     cavity = find_cavity(surface(shape) @ np.array([(cosine, sine, 0), (-sine, cosine, 0), (0, 0, 1)]))
-    wide, long = 0.397 * cosine + 0.297 * sine, 0.397 * sine + 0.297 * cosine
-    # The walls take the cells at the corners of a turned cavity, which are 4 mm wide.
-    assert cavity.sides == pytest.approx((wide, long, 0.118), abs=0.016)
+    assert cavity.sides == pytest.approx((0.397, 0.297, 0.118), abs=1e-9)
+    assert cavity.yaw == pytest.approx(turn)
 
 
 @pytest.mark.parametrize("broken", [cracked, tangled])
@@ -217,7 +291,7 @@ def test_a_cavity_is_found_once_and_then_read_from_the_cache(tmp_path: Path, mon
         searches.append(len(triangles))
         return find_cavity(triangles)
 
-    monkeypatch.setattr(cavities, "find_cavity", search)
+    monkeypatch.setattr(flooding, "find_cavity", search)
     expected = find_cavity(bowl(0.08))
     assert expected is not None
     assert [cached_cavity(bowl(0.08)) for _ in range(3)] == [expected] * 3

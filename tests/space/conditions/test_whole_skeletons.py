@@ -55,7 +55,7 @@ def test_the_skeletons_of_a_part_are_those_that_engines_find(seed: int) -> None:
 def test_the_nearest_that_whole_skeletons_allow_comes_with_a_warning() -> None:
     space = TaskSpace(domain_of(LARGE), 1)
     said = (
-        r"^train has 97\.6 %, test has 2\.4 % of the tasks, not 80 %, 20 %: no choice of whole skeletons comes nearer"
+        r"^train has 97\.6 %, test has 2\.4 % of the tasks, not 80 %, 20 %: no choice of whole skeletons comes closer"
     )
     with pytest.warns(SharesWarning, match=said):
         parts = space.split_skeletons({"train": 0.8, "test": 0.2})

@@ -178,7 +178,9 @@ def test_too_many_skeletons_to_sample_the_remaining_tasks_is_an_error(monkeypatc
     monkeypatch.setattr(distinct_sampling, "MISSES", 1)
     monkeypatch.setattr(distinct_sampling, "MOST_GROUPS", 2)
     space = TaskSpace(domain_of(LETTERS), 2)
-    with pytest.raises(QueryError, match="over skeletons, 1 draws in a row had no new task, and there are more than 2"):
+    with pytest.raises(
+        QueryError, match="over skeletons, 1 draws in a row gave no new task, and there are more than 2"
+    ):
         list(space.stream(seed=0, over="skeletons", distinct=True))
 
 

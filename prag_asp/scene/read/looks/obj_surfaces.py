@@ -34,7 +34,7 @@ class ObjMaterial(NamedTuple):
 
 
 def read_obj(content: bytes, path: Path, folder: Path) -> tuple[Surface, ...]:
-    """Return the surfaces in an .obj file, one for each material; libraries and textures must be inside a folder.
+    """Return the surfaces in an .obj file, one for each material; libraries and textures must be inside `folder`.
 
     Raises:
         ValueError: the file is malformed.
@@ -69,7 +69,7 @@ def read_obj(content: bytes, path: Path, folder: Path) -> tuple[Surface, ...]:
 def read_materials(name: str, model: Path, folder: Path, needed: Container[str]) -> Mapping[str, ObjMaterial]:
     """Return the needed materials in a library that a model names.
 
-    There are none if the library is missing or outside a folder.
+    There are none if the library is missing or outside `folder`.
     """
     path = _beside(name, model, folder)
     if path is None:
@@ -100,7 +100,7 @@ def read_materials(name: str, model: Path, folder: Path, needed: Container[str])
 
 
 def read_texture(path: str, folder: Path) -> bytes:
-    """Return the content of a texture, or nothing if it is missing or outside a folder."""
+    """Return the content of a texture, or no bytes if it is missing or outside `folder`."""
     try:
         return read_bytes(path, within=folder, at_most=LARGEST_TEXTURE)
     except OSError:
@@ -108,7 +108,7 @@ def read_texture(path: str, folder: Path) -> bytes:
 
 
 def _beside(name: str, model: Path, folder: Path) -> Path | None:
-    """Return the file that a model or a library names, or None if there is no such file in a folder."""
+    """Return the path of a file that a model or a library names, or None if `folder` has no such file."""
     try:
         return find_asset(PureWindowsPath(name).as_posix(), model, folder) if name else None
     except SceneError:

@@ -14,8 +14,9 @@ class Surface(NamedTuple):
     """Triangles of the same material; without a colour or a texture, they have the colour of their entity.
 
     `corners` and `normals` have the shape (n, 3, 3); `places`, which are the texture coordinates of the corners, have
-    the shape (n, 3, 2) and range from 0 at the lower left to 1 at the upper right. They are None if the file has none.
-    `color` is ``#rrggbb``, `texture` the content of an image file, and `suffix` the suffix of its name.
+    the shape (n, 3, 2) and range from 0 at the lower left to 1 at the upper right. `normals` and `places` are None if
+    the file has none. `color` is ``#rrggbb``, `texture` the content of an image file, and `suffix` the suffix of its
+    name.
     """
 
     corners: Floats

@@ -56,7 +56,7 @@ def _with_material(surface: Surface, looks: Any, faces: NDArray[np.int64]) -> Su
 
 
 def _with_palette(surface: Surface, colors: NDArray[np.uint8]) -> Surface:
-    """Return a surface whose triangles have colours (n, 3), given as texture coordinates in an image of all colours.
+    """Return a surface with the colours (n, 3) of its triangles, as texture coordinates in an image of all colours.
 
     PyBullet does not draw face colours. If there are more than `MOST_COLOURS`, they are rounded.
     """

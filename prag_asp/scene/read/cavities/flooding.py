@@ -4,9 +4,11 @@ The heights of the surface, seen from above, are measured on a grid. Water runs 
 any other point, it rises to the lowest rim over which it can run off: the minimum, over all paths to the border, of the
 greatest height on the path (Barnes, Lehman and Mulla, "Priority-flood", 2014). Gaps and holes that are too narrow for
 objects to fall through are closed first, so a basket is a container, and cracks between the triangles of a mesh do not
-matter. If there is no cavity, walls that are thinner than a cell of the grid are added to it. Parts above a cavity that
-do not close it, such as the handle of a basket, are ignored: the surface is also measured from several heights, without
-the parts above each of them.
+matter. If no cavity is found, the search is repeated with walls that are thinner than a cell of the grid. Parts above a
+cavity that do not close it, such as the handle of a basket, are ignored: the surface is also measured from several
+heights, without the parts above each of them.
+
+The result is as exact as the grid, except for cavities between vertical walls, which are measured along the walls.
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from prag_asp.output.cache_files import cache_folder, read_cached, write_cached
+from prag_asp.scene.read.cavities.box_cavities import boxed_cavity
 from prag_asp.scene.read.scene_values import MAX_LENGTH
 from prag_asp.scene.scene import Cavity
 
@@ -52,14 +55,14 @@ UPRIGHT = 1e-12
 """Twice the projected area in square metres below which a triangle counts as vertical."""
 
 STEEP = 0.2
-"""The largest share of a triangle's area in its projection from above for which the triangle belongs to a wall (78
-degrees)."""
+"""The largest ratio of a triangle's projected area, seen from above, to its area for which the triangle belongs to a
+wall: its slope is then at least 78 degrees."""
 
-FORM = 1
+FORM = 2
 """The version of the search; cached cavities of other versions are not read."""
 
 LARGEST_FILE = 1_000
-"""The largest size in bytes of a file with a cavity."""
+"""The largest size in bytes of a cached cavity."""
 
 
 def cached_cavity(triangles: Floats) -> Cavity | None:
@@ -108,7 +111,8 @@ def find_cavity(triangles: Floats) -> Cavity | None:
                     surface = raised
                 found += _cavities(_closed(surface, round(GAP / 2 / cell)), heights[-1], float(low[2]), (xs, ys))
         if found:
-            return max(found, key=lambda row: row[0])[1]
+            cavity = max(found, key=lambda row: row[0])[1]
+            return boxed_cavity(triangles, cavity, cell, GAP) or cavity
     return None
 
 
@@ -158,10 +162,10 @@ def _raise(heights: Floats, solid: NDArray[np.int_], cuts: Floats, triangle: Flo
 
 
 class _Walls(NamedTuple):
-    """Points on steep triangles, over a grid: their heights in metres, shape (n,), and their places, shape (3, n).
+    """Points on steep triangles, over a grid: their `heights` in metres, shape (n,), and their `places`, shape (3, n).
 
-    The places are indices into the flattened grid: of the points a cell before the wall, on the wall, and a cell behind
-    it.
+    The places are indices into the flattened grid: of the grid point one cell in front of the wall, of the one on the
+    wall, and of the one a cell behind it.
     """
 
     heights: Floats
@@ -194,9 +198,9 @@ class _Walls(NamedTuple):
         return cls(points[:, 2], np.stack(places))
 
     def added(self, surface: Floats, cut: float) -> Floats:
-        """Return a surface, given by its heights on the grid, after adding parts of walls, below a cut, that it lacks.
+        """Return a surface after adding the parts of walls below the height `cut` that it lacks.
 
-        The surface is the same array as before if no part is missing.
+        The surface is given by its heights on the grid, in metres. If no part is missing, the same array is returned.
 
         A wall is missing at a point if the surface is lower there, and a cell away on either side of the wall.
         """
