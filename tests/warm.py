@@ -28,8 +28,8 @@ from tests.grasps import grasps_shared, shared_folder
 ROOT = Path(__file__).parent.parent
 SERVE = "import sys; from tests.warm import serve; serve(*sys.argv[1:])"
 
-OFTEN = ("prag", "tabletop")
-"""Domains that most commands refer to: what logic says of them is computed before the first fork, for all."""
+OFTEN = ("prag", "tabletop", "blocks", "hanoi")
+"""Domains that most commands refer to: they are loaded, and their logic is computed, once before the first fork."""
 
 PLACE = "place"
 """Where the process is asked, in the folder of the program: a whole path may be longer than sockets allow."""
@@ -72,7 +72,11 @@ def serve(folder: str, grasps: str = "") -> None:
 
     `grasps` is the folder with the grasps of bodies that tests have found, if they are shared.
     """
+    from tests.shared_domains import share_shipped_domains
+
+    share_shipped_domains()
     from prag_asp import TaskSpace, load_domain
+    from prag_asp.physics.filming.appearance_meshes import COARSE, FINE, MIDDLE, low_files
     from tests.fuzz.isolated import warm
     from tests.sharing import logic_shared, small_pictures
 
@@ -83,6 +87,8 @@ def serve(folder: str, grasps: str = "") -> None:
             shared.enter_context(each)
         for name in OFTEN:
             TaskSpace(load_domain(name), 1).sample(1, seed=0)
+        for fineness in (COARSE, MIDDLE, FINE):
+            low_files("panda", fineness)
         gc.collect()
         gc.freeze()
         os.chdir(folder)

@@ -14,7 +14,7 @@ import pytest
 from prag_asp import Dataset, Domain, TaskSpace, load_domain
 from prag_asp.dataset import generate
 from prag_asp.physics import Budget
-from tests.sharing import shared_logic, small_pictures  # noqa: F401 - one is a fixture
+from tests.sharing import automata_are_cached, shared_logic, small_pictures  # noqa: F401 - two are fixtures
 
 POOR = Budget(1, 1)
 """A budget with which some tasks are not found."""

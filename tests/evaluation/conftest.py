@@ -1,3 +1,3 @@
 from __future__ import annotations
 
-from tests.sharing import pictures_are_small, shared_logic  # noqa: F401 - fixtures
+from tests.sharing import automata_are_cached, pictures_are_small, shared_logic  # noqa: F401 - fixtures

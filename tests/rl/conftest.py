@@ -9,7 +9,7 @@ from prag_asp.dataset import generate
 from prag_asp.dataset.scenes import scene_of
 from prag_asp.physics import Witness, open_validator
 from prag_asp.scene.scene import Scene
-from tests.sharing import pictures_are_small, shared_logic  # noqa: F401 - fixtures
+from tests.sharing import automata_are_cached, pictures_are_small, shared_logic  # noqa: F401 - fixtures
 
 Given = tuple[Task, Witness]
 DOMAINS = ("tabletop", "prag", "kitchen", "two_arms")

@@ -28,13 +28,17 @@ NODES = """
 import os, sys
 from ray.cluster_utils import Cluster
 cluster = Cluster()
-nodes = [cluster.add_node(num_cpus=1) for _ in range(2)]
+soon = {"health_check_initial_delay_ms": 500, "health_check_period_ms": 500, "health_check_failure_threshold": 4}
+nodes = [cluster.add_node(num_cpus=1, include_dashboard=False, _system_config=config) for config in (soon, None)]
 print(cluster.address, flush=True)
 for line in sys.stdin:
     cluster.remove_node(nodes[1], allow_graceful=False)
 cluster.shutdown()
 """
-"""Starts a cluster, says where, kills a node for a line that it reads, and ends with its input."""
+"""Starts a cluster, prints its address, kills a node for each line of its input, and ends with its input.
+
+The cluster notices within two seconds that a node is lost.
+"""
 
 
 @pytest.fixture
