@@ -277,7 +277,7 @@ def _check_choice(
     cover: int | None, diverse: int | None, division: Division, part: str | None, apart: Sequence[ApartSpec],
     others: Sequence[str],
 ) -> None:  # fmt: skip
-    """Check that the options for choosing tasks do not conflict with each other or with `others`, the other given ones.
+    """Check that the options for choosing tasks conflict neither with each other nor with the given `others`.
 
     Raises:
         QueryError: two options exclude each other.

@@ -212,7 +212,7 @@ class _Handler(BaseHTTPRequestHandler):
         self._send_json(status, {"lines": lines})
 
     def _send_refusal(self, *lines: str) -> None:
-        """Answer a mistake of the user with status 200, because browsers report any other as an error of the page."""
+        """Answer a mistake of the user with status 200, because browsers report any other status as an error."""
         self._send_json(HTTPStatus.OK, {"refused": lines})
 
     def _send_json(self, status: HTTPStatus, value: Any) -> None:
