@@ -37,7 +37,7 @@ STRIPE = 1 << 23
 
 @dataclass(frozen=True)
 class Images:
-    """The images of all features under the renamings that matter to a group of rows; `starts` has the first of each."""
+    """Images of all features under the renamings that matter to a group of rows; `starts` separates the features."""
 
     numbers: Numbers
     starts: Numbers

@@ -1,9 +1,9 @@
 """Find all tasks of a space that are at least a given number of edits away from every task of another part.
 
-A row holds, for each state of the other part, the number of edits that turn a prefix of a plan into some prefix that
-leads to that state; numbers are capped at the required distance. Rows are states of a deterministic automaton for the
-neighbourhood of a whole regular language. Its product with the automaton of the space is an automaton of the tasks that
-remain, which are counted, ranked and sampled like other tasks.
+A row holds, for each state of the other part's automaton, the number of edits that turn a prefix of a plan into some
+prefix that leads to that state; numbers are capped at the required distance. Rows are states of a deterministic
+automaton for the neighbourhood of a whole regular language. Its product with the automaton of the space is an automaton
+of the tasks that remain, which are counted, ranked and sampled like other tasks.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def tasks_apart_from_all(space: TaskSpace, others: Iterable[tuple[TaskSpace, int
             plans = other.at(length)
             if space.symmetries != plans.symmetries:
                 raise QueryError(
-                    f"{space.title} and {plans.title} have different interchangeable entities; give parts of one"
+                    f"{space.title} and {plans.title} have different interchangeable entities; give parts of one space"
                 )
             stage("comparing the parts")
             automaton = words_apart(words, layered_words(plans, "plan"), distance, space.engines.limits.begin())

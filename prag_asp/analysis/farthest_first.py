@@ -91,7 +91,7 @@ def novelty(
         SimilarityMissingError: the metric needs rapidfuzz, which is not installed.
     """
     if not given:
-        raise QueryError("no given task, so that nothing can be near to one; give at least one")
+        raise QueryError("there is no given task to measure distances from; give at least one")
     pairs = pair_distances([*given, *tasks], metric, within, up_to)
     unit = float(pairs.denominator or 1)
     distances, nearest = np.zeros(len(tasks)), np.zeros(len(tasks), dtype=np.int64)

@@ -28,7 +28,7 @@ Objects = NDArray[np.object_]
 class LayerEdges:
     """The edges from one layer to the next, in order of source and letter; arrays have the shape (edges,).
 
-    `states` is the number of states in the layer; each state has an edge.
+    `states` is the number of states in the layer; each state has at least one edge.
     """
 
     states: int

@@ -97,7 +97,7 @@ def space_moments(space: TaskSpace, feature: Feature, by: Level = "task") -> Mom
     words = layered_words(space, by)
     if words.edges is None:
         raise QueryError(f"there is no {by} of {space.title}")
-    stage("counting pairs of places")
+    stage("counting pairs of positions")
     texts = texts_of(space, _single(feature), by, words.letters)
     different = tuple(sorted(set(texts)))
     numbers = np.array([different.index(text) for text in texts], dtype=np.int64)
@@ -181,7 +181,7 @@ def _some_places(places: int, space: TaskSpace) -> int:
 def _check_columns(number: int) -> None:
     if number > MOST_COLUMNS:
         raise QueryError(
-            f"{number:,} different values at all places, more than {MOST_COLUMNS:,}; "
+            f"{number:,} different values over all positions, more than {MOST_COLUMNS:,}; "
             "take a shorter length, or classes or names instead of actions"
         )
 

@@ -93,7 +93,7 @@ def count_neighbours(space: TaskSpace, task: Plan, up_to: int = 3, metric: Metri
         LimitReached: a limit was reached, or the rows of edits do not fit into memory.
     """
     if metric not in METRICS or not 0 <= up_to <= FARTHEST:
-        raise QueryError(f"{metric} up to {up_to}: there are {' and '.join(METRICS)}, up to 0 to {FARTHEST} edits")
+        raise QueryError(f"{metric} up to {up_to}: give {' or '.join(METRICS)}, with 0 to {FARTHEST} edits")
     plan, clock = _symbols(space, task), space.engines.limits.begin()
     totals = [0] * (up_to + 1)
     for words, target in _targets(space, plan, metric, up_to):
@@ -114,7 +114,7 @@ def nearest_task(space: TaskSpace, task: Plan, metric: Metric = "levenshtein") -
         LimitReached: a limit ended the exploration.
     """
     if metric not in METRICS:
-        raise QueryError(f"{metric}: there are {' and '.join(METRICS)}")
+        raise QueryError(f"{metric}: give {' or '.join(METRICS)}")
     plan = _symbols(space, task)
     best: NearestTask | None = None
     for words, target in _targets(space, plan, metric, None):
@@ -232,7 +232,7 @@ def _shortest(words: LayeredAutomaton, target: Target) -> NearestTask:
 
 
 def _place_before(row: NDArray[Any], edits: int, plan: NDArray[np.int64], letter: int, place: int) -> int:
-    """Return the length of the plan's prefix before a letter, given that of the prefix after it, `place`."""
+    """Return the length of the plan's prefix before a letter; `place` is the length of the prefix after this letter."""
     for skipped in count():
         after = place - skipped
         if after and row[after - 1] + (plan[after - 1] != letter) == edits - skipped:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 Progress = Callable[[str, int, int], None]
 
 LARGEST_DOMAIN = 1_000_000
-"""The largest product of the number of movable objects and the square of the number of objects to load a domain.
+"""The maximum of m n^2, for m movable objects among n objects, with which a domain is loaded.
 
 The number of facts in manipulation domains grows with this product; 500,000 take about a minute.
 """

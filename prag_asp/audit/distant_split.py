@@ -212,7 +212,7 @@ def _wrong_tasks(
         if row < len(part.ranks) and digits_of(rank) != part.ranks[row]:
             yield Finding(file, row, f"has rank {digits_of(rank)}; {NAME} says {part.ranks[row]}")
         if rank in seen:
-            yield Finding(file, row, "is a task that was there before")
+            yield Finding(file, row, "is the same task as an earlier one")
         seen.add(rank)
         if later is None and plan not in first:
             yield Finding(file, row, f"is not a task of {part.name}")

@@ -30,13 +30,13 @@ def body_lines(scene: Scene) -> Iterator[str]:
         room = "" if cavity is None else f"; cavity: {cavity_text(cavity)}"
         rest = f"; {rest_text(model)}" if model.settled > 0.0 else ""
         concave = not can_decompose() and any(s.mesh and is_concave(s.mesh, s.size) for s in model.solids)
-        hull = '; its mesh is not convex and stands for its hull: pip install "prag_asp[meshes]"' if concave else ""
+        hull = '; its mesh is not convex, so its hull is used: pip install "prag_asp[meshes]"' if concave else ""
         ways = f"; {grasps_text(scene, entities[0])}"
         yield f"{', '.join(entities)}: {size} mm, {model.mass:.3g} kg, {parts}{rest}{room}{ways}{hull}"
 
 
 def cavity_text(cavity: Cavity) -> str:
-    """Describe the size of a cavity, and how it is turned in its body."""
+    """Describe the dimensions of a cavity, and its rotation relative to the body."""
     turned = f", turned by {math.degrees(cavity.yaw):.1f} degrees" if cavity.yaw else ""
     return f"{' x '.join(f'{side * 1000:.3g}' for side in cavity.sides)} mm{turned}"
 
@@ -80,9 +80,7 @@ def tilted(domain: Domain, scene: Scene) -> Iterator[Problem]:
         model = shape.model
         assert model is not None
         if model.settled > FAR:
-            text = (
-                f"{', '.join(entities)} does not stand as its file has it and {rest_text(model)}; turn it in the file"
-            )
+            text = f"{', '.join(entities)} does not stand as in its file and {rest_text(model)}; rotate it in the file"
             yield Problem(domain.settings.path, _shape_line(domain, entities[0]), text, "tips-over")
 
 

@@ -70,7 +70,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
     state are left out. `part`, such as ``3/64``, selects every 64th draw from the third on; other machines generate the
     rest. `excluded` holds the length and rank of each task to leave out. With `over`, a skeleton or a goal is sampled
     uniformly before a task. With `strata`, the parts are the strata of a sample. With `cover`, the first tasks cover
-    all combinations of that many factors; all of these are included, even if `tasks` is smaller. With `candidates`,
+    all combinations of that many factors; all these tasks are included, even if `tasks` is smaller. With `candidates`,
     tasks that are far apart are chosen from that many sampled ones. With `apart`, all tasks are far from other sets of
     tasks.
 
@@ -136,15 +136,16 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         """Return the request for a dataset of `tasks` distinct feasible tasks from a domain; `fields` holds the others.
 
         Tasks are sampled without replacement, with `weights` or the weights of the domain; lengths occur in exact
-        proportion to their numbers of tasks, or in turn with `evenly`. With ``over="skeletons"`` (or ``"goals"``, at
-        one length), a skeleton (or a goal) is sampled uniformly first. With `split`, each part gets its share of the
-        tasks, and no two parts have a task (or, with `skeletons`, a skeleton) in common; with `hold_out`, only ``test``
-        has the held-out tasks. For each task, witnesses are searched for from `starts` initial states. Unless `trivial`
-        is set, tasks whose final state equals the initial state are excluded. With `demonstrate`, the robot executes
-        each task; `staging` specifies the cameras that record it and the properties that vary. Without `physics`, which
-        is the default if the domain has no scene, all sampled tasks are accepted. Instructions are in a `language` of
-        the domain, and use only some of the `phrasings`, such as ``1 of 2``. A shard has at most `shard` tasks. With
-        ``part="3/64"``, only every 64th draw from the third on is validated, to find a 64th of the tasks.
+        proportion to their numbers of tasks, or in turn with `evenly`. With ``over="skeletons"`` (or ``"goals"``, which
+        needs a single length), a skeleton (or a goal) is sampled uniformly first. With `split`, each part gets its
+        share of the tasks, and no two parts have a task (or, with `skeletons`, a skeleton) in common; with `hold_out`,
+        only ``test`` has the held-out tasks. For each task, witnesses are searched for from `starts` initial states.
+        Unless `trivial` is set, tasks whose final state equals the initial state are excluded. With `demonstrate`, the
+        robot executes each task; `staging` specifies the cameras that record it and the properties that vary. Without
+        `physics`, which is the default if the domain has no scene, all sampled tasks are accepted. Instructions are in
+        a `language` of the domain; `phrasings`, such as ``1 of 2``, restricts them to some of its phrasings. A shard
+        has at most `shard` tasks. With ``part="3/64"``, only every 64th draw from the third on is validated, to find a
+        64th of the tasks.
 
         `excluded` holds the tasks to leave out, as pairs of a length and a rank. With `strata`, `split` holds the
         share of each stratum in the sample, as `stratified_shares` returns it; strata are sampled uniformly.
@@ -202,8 +203,8 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
             require_demonstrated(self.staging, folder)
             if "colour" in self.staging.vary and self.starts > 1:
                 raise QueryError(
-                    f"the instructions of a task name the colours of one recording, but {self.starts} starts have "
-                    f"{self.starts}; request 1 start, or leave colour out of what varies"
+                    f"instructions name the colours in one recording, but {self.starts} starts have {self.starts}; "
+                    "request 1 start, or do not vary colour"
                 )
             from prag_asp.dataset.scenes import scene_of
 
@@ -245,7 +246,7 @@ class DatasetSpec(msgspec.Struct, frozen=True, kw_only=True):
         return ceil((self.candidates or 0) * share)
 
     def draws_of(self, share: Fraction, max_draws: int | None) -> int:
-        """Return the number of draws after which sampling for a part with a share stops."""
+        """Return the number of draws after which sampling stops for a part with the given share."""
         return max_draws or DRAWS_FOR_EACH * self.tasks_of(share)
 
     def fixed(self) -> dict[str, Any]:
@@ -261,7 +262,7 @@ def _number_of_tasks(tasks: int | None, cover: int | None, diverse: int | None, 
     """
     if diverse is None:
         if candidates is not None:
-            raise QueryError("candidates are those of tasks that are far apart; add diverse, the number of tasks")
+            raise QueryError("candidates are for tasks that are far apart; add diverse, the number of tasks")
         if tasks is None and cover is None:
             raise QueryError("the number of tasks is missing; give tasks, cover or diverse")
         return 1 if tasks is None else tasks
@@ -276,7 +277,7 @@ def _check_choice(
     cover: int | None, diverse: int | None, division: Division, part: str | None, apart: Sequence[ApartSpec],
     others: Sequence[str],
 ) -> None:  # fmt: skip
-    """Check that the options for choosing tasks conflict neither with each other nor with `others`, which are given.
+    """Check that the options for choosing tasks do not conflict with each other or with `others`, the other given ones.
 
     Raises:
         QueryError: two options exclude each other.
@@ -317,4 +318,4 @@ def require_demonstrated(staging: Staging, demonstrate: str | Path | None) -> No
     """
     if demonstrate is None and (staging.cameras or staging.vary):
         what = "cameras record" if staging.cameras else f"{staging.vary[0]} varies in"
-        raise QueryError(f"{what} demonstrations; ask for them by `demonstrate`, the folder of the recordings")
+        raise QueryError(f"{what} demonstrations; request them with `demonstrate`, the folder of the recordings")

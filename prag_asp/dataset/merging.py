@@ -39,9 +39,9 @@ def merge(
     """Merge all machine parts of a dataset, generated with ``part="1/N"`` to ``"N/N"``, into a folder, and open it.
 
     The bytes are the same as without `part` on a single machine. The parts may be given in any order, and are not
-    changed. Parts end at different draws; the few draws that no part has validated are validated here, by `workers` or
-    `on` the named cluster. The same call resumes an interrupted merge. With `trust`, physics may run Python files of
-    the domain.
+    changed. Parts end at different draws; the few draws that no part has validated are validated here, by `workers`, or
+    on the cluster that `on` names. The same call resumes an interrupted merge. With `trust`, physics may run Python
+    files of the domain.
 
     Raises:
         QueryError: a folder is not a part, parts belong to different datasets, a part is missing, or a file is damaged.

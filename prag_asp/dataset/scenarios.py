@@ -70,7 +70,7 @@ class Scenarios:
         engines = (whole if len(word) in whole.lengths else whole.at(len(word))).engines
         rank = WordSet(engines, "task", len(word)).engine.rank(word)
         if rank is None:
-            raise QueryError(f"{task} is not a task that the ranks of {space.title} number, so it has no scenario")
+            raise QueryError(f"{task} is not a task of {space.title}, so it has no rank and no scenario")
         return self.ranked(_clauses(space.whole), len(word), rank, start)
 
     def check(self, scenario: Scenario) -> None:
@@ -137,7 +137,7 @@ def searched(task: Task, start: SearchStart, validator: Validator) -> Record:
     verdict = verdict_of(task, start, validator)
     if verdict.witness is None:
         raise QueryError(
-            f"the search {start} finds no witness of {task}; use the versions of prag_asp and PyBullet that did"
+            f"the search {start} finds no witness of {task}; use the versions of prag_asp and PyBullet that found one"
         )
     values = verdict.to_json()
     witness = values.pop("witness")
@@ -196,8 +196,8 @@ def excluded_ranks(
     for scenario in scenarios:
         if scenario.where != clauses:
             what = " and ".join(clauses) or "no condition"
-            raise QueryError(f"scenario {scenario}: tasks of {space.title} ({what}) cannot exclude it; "
-                             "its conditions number other tasks")  # fmt: skip
+            raise QueryError(f"scenario {scenario}: cannot be excluded from {space.title} ({what}); "
+                             "the scenario has other conditions")  # fmt: skip
         here = here or Scenarios(space.domain, space)
         here.check(scenario)
         yield scenario.length, scenario.rank

@@ -165,7 +165,7 @@ def _find_domain(
     """
     files = list(dict.fromkeys([*names, *([] if text is None else [text_source("text", text)])]))
     if not files:
-        raise DomainError("no domain; give a shipped name, a folder, files that end in .lp, two of PDDL, or a text")
+        raise DomainError("no domain; give a shipped domain's name, a folder, .lp files, two PDDL files, or a text")
     named = [str(each) for each in names if not isinstance(each, Source) and not is_file_name(each)]
     if named and len(files) > 1:
         listing = " ".join(str(each.path if isinstance(each, Source) else each) for each in files)

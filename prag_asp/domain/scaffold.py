@@ -27,7 +27,7 @@ def write_new_domain(name: str, parent: Path = Path(), *, plain: bool = False, l
     """
     folder = parent / name
     if not NAME.fullmatch(Path(name).name) or name.endswith(("/", "\\")):
-        raise DomainError(f"{name!r} cannot name a domain; begin with a letter and go on with letters, digits, - and _")
+        raise DomainError(f"{name!r} cannot name a domain; use letters, digits, - and _, beginning with a letter")
     if folder.name in shipped_domains():
         raise DomainError(f"{folder.name}: a shipped domain has this name; choose another")
     if folder.exists():

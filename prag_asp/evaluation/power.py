@@ -27,7 +27,7 @@ MOST = 100_000
 """The maximum number of scenarios, which is more than any evaluation has; computing its power takes a second."""
 
 AHEAD = 30
-"""The number of following numbers of scenarios that must also reach the power, because exact power is not monotone.
+"""The number of next larger sample sizes that must also reach the power, because exact power is not monotone.
 
 Critical values are integers, so power drops where one of them changes. The fluctuation is largest if all results
 differ: for effects from 0.06 to 0.3, some numbers in a range of 7 to 39 numbers then reach a power of 0.8 and others do

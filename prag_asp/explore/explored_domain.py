@@ -86,7 +86,7 @@ class ExploredDomain:
         prefix = engine_prefix(state.chosen, state.by, state.length, self.domain, space.engines.model)
         for given, action in zip(state.chosen, prefix, strict=True):
             if action not in space.engines.actions:
-                raise QueryError(f"{given}: only the name of actions; choose one of them in full")
+                raise QueryError(f"{given}: only the name of an action; choose an action with its arguments")
         return prefix
 
     def following(self, state: PageState, prefix: Letters) -> dict[str, int]:

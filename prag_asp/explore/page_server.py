@@ -163,7 +163,7 @@ class _Handler(BaseHTTPRequestHandler):
             return HTTPStatus.FORBIDDEN, "the request comes from another page"
         token, path = self.server.token, urlsplit(self.path).path
         if not compare_digest(path.split("/")[1].encode() if path.startswith("/") else b"", token.encode()):
-            return HTTPStatus.FORBIDDEN, "the link is not of this run; open the link that prag-asp explore printed"
+            return HTTPStatus.FORBIDDEN, "the link is not from this run; open the link that prag-asp explore printed"
         if path.startswith(f"/{token}/api/") and site not in ("same-origin", "none"):
             return HTTPStatus.FORBIDDEN, "the request comes from another page"
         return None
@@ -192,7 +192,7 @@ class _Handler(BaseHTTPRequestHandler):
             self._send_refusal("the condition is nested too deeply; make it flatter")
         except Exception as error:  # an internal error ends one request, not the server
             self.server.report(f"{urlsplit(self.path).path.rpartition('/')[2]}: {type(error).__name__}: {error}")
-            self._send_problem(HTTPStatus.INTERNAL_SERVER_ERROR, "prag_asp made a mistake; see the terminal")
+            self._send_problem(HTTPStatus.INTERNAL_SERVER_ERROR, "an internal error occurred; see the terminal")
         else:
             if isinstance(found, Picture):
                 self._send(HTTPStatus.OK, found.kind, found.content)

@@ -205,7 +205,7 @@ def _task(explored: ExploredDomain, state: PageState) -> Task | None:
 
 
 def _tree(space: TaskSpace, chosen: Letters) -> Tree | None:
-    """Return the readings of the longest prefix that has one, or None if the domain has no composites."""
+    """Return the readings of the longest prefix that has any, or None if the domain has no composites."""
     hierarchy = space.engines.hierarchy
     if hierarchy.units is None:
         return None

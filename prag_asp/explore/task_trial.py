@@ -61,7 +61,7 @@ def trial_of(explored: ExploredDomain, fields: Mapping[str, str]) -> Trial:
     budget = replace(budget, tier=Tier(tier))
     state = replace(state, chosen=explored.chosen(state))
     if len(state.chosen) < state.length:
-        raise QueryError("physics judges whole tasks; choose the other actions first")
+        raise QueryError("physics validates only complete tasks; choose the other actions first")
     scene, space = scene_of(explored.domain), explored.space_of(state)
     task = next(space.tasks_of_plans([state.chosen]))
     rank = space.index(task) if state.by == "task" else None
@@ -73,7 +73,7 @@ def read_seed(fields: Mapping[str, str]) -> int:
     """Return the seed in a request.
 
     Raises:
-        QueryError: it is not a whole number, or too large.
+        QueryError: the seed is not a whole number, or is too large.
     """
     text = fields.get("seed", "0").strip()
     if not (text.isascii() and text.isdigit() and len(text) < 20 and int(text) <= LARGEST_SEED):

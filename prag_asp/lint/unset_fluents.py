@@ -66,7 +66,7 @@ def unset_fluents(
 
 
 def _is_set(rule: Statement, head: AtomNode, steps: Sequence[Statement]) -> bool:
-    """Return whether another rule gives the fluent a value whenever this rule changes it."""
+    """Return whether, whenever a rule changes a fluent, another rule gives the fluent a value."""
     fluent, literals = renamed_literals(head.arguments[0], rule)
     setting = (
         renamed_literals(atom.arguments[0], each)

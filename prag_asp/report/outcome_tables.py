@@ -43,7 +43,7 @@ def physics_tables(outcomes: Sequence[PhysicsOutcome]) -> Iterator[ReportTable]:
     yield ReportTable(
         "causes", "Causes of failed attempts", ("cause", "length", "failed attempts"),
         tuple((cause, length, count) for (cause, length), count in sorted(causes.items())),
-        "Failed attempts of all checked tasks, also of those that were found feasible in the end.",
+        "Failed attempts at all checked tasks, including those that were found feasible in the end.",
     )  # fmt: skip
     reasons = Counter((each.status, each.reason, each.length) for each in outcomes if each.status != "feasible")
     yield ReportTable(

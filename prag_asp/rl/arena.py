@@ -13,12 +13,12 @@ from prag_asp.physics.control.control import Control
 from prag_asp.physics.demonstration.acting import SQUEEZE
 from prag_asp.physics.demonstration.recording import FRAME_STEPS
 from prag_asp.physics.robot.kinematics import tool_pose
-from prag_asp.physics.situation import Situation
+from prag_asp.physics.situation import Body, Situation
 from prag_asp.physics.witness import Witness
 from prag_asp.physics.world.dynamics import ArmCommand, open_dynamics
 from prag_asp.physics.world.time_step import STEPS_A_SECOND
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.robots import Joints, robot_of
+from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 
 
@@ -65,20 +65,20 @@ class Arena:
     def act(self, action: NDArray[np.float64]) -> Situation:
         """Apply an action of the control for its duration."""
         assert self._situation is not None
-        ways = {}
+        targets, speeds, world = {}, {}, self._world
         values = self._control.values(action).reshape(len(self._motors), -1)
         for (robot, motors), own in zip(self._motors.items(), values, strict=True):
             last, command = motors.command, motors.follow(own, self._situation.arm(robot))
-            ways[robot] = [(a, b - a) for a, b in zip(_driven(last), _driven(command), strict=True)]
-        speeds = {robot: [by / self._period for _, by in way[:-1]] for robot, way in ways.items()}
-        for share in self._shares:
-            for robot, way in ways.items():
-                *joints, opening = [at + share * by for at, by in way]
-                self._world.drive(robot, ArmCommand(tuple(joints), opening), speeds[robot])
-            self._world.step()
-            self._steps += 1
+            way = [(a, b - a) for a, b in zip(last.motor_targets, command.motor_targets, strict=True)]
+            speeds[robot] = [by / self._period for _, by in way[:7]]
+            targets[robot] = [[at + share * by for at, by in way] for share in self._shares]
+        begin, end = 0, len(self._shares)
+        while begin < end:
+            now = min(end, begin + FRAME_STEPS - self._steps % FRAME_STEPS)
+            world.run({robot: rows[begin:now] for robot, rows in targets.items()}, speeds)
+            self._steps, begin = self._steps + now - begin, now
             if self._steps % FRAME_STEPS == 0:
-                self._world.settle()
+                world.settle()
         return self._observe()
 
     @property
@@ -98,28 +98,18 @@ class Arena:
 
     def _observe(self) -> Situation:
         """Return the current situation, and update the velocities of the tools."""
-        world = self._world
-        scene, arms = world.scene, world.arms()
+        world, last, measured = self._world, self._situation, dict[str, Body]()
+        scene, arms, poses, openings = world.scene, world.arms(), world.poses(), world.openings()
         tools = {name: tool_pose(robot_of(scene, name), arm.joints) for name, arm in arms.items()}
-        situation = _after(self._situation, Situation(scene, world.poses(), arms, world.openings(), tools))
+        if last is not None and last.scene is scene and last.openings == openings:
+            # keep the measurements of bodies that have not moved
+            stood, measured = last.poses, last.measured
+            poses = {entity: stood[entity] if stood.get(entity) == pose else pose for entity, pose in poses.items()}
+        self._situation = Situation(scene, poses, arms, openings, tools, measured)
         at = {name: tool.position for name, tool in tools.items()}
         self._speeds = {name: _speed(self._tools.get(name, here), here, self._period) for name, here in at.items()}
-        self._tools, self._situation = at, situation
-        return situation
-
-
-def _after(last: Situation | None, now: Situation) -> Situation:
-    """Return the situation `now`, with cached measurements from `last` for bodies that have not moved."""
-    if last is None or last.scene is not now.scene or last.openings != now.openings:
-        return now
-    stood = last.poses
-    poses = {entity: stood[entity] if stood.get(entity) == pose else pose for entity, pose in now.poses.items()}
-    return Situation(now.scene, poses, now.arms, now.openings, now.tools, last.measured)
-
-
-def _driven(command: ArmCommand) -> Joints:
-    """Return the targets of the motors of an arm: the joints in radians, and the opening in metres."""
-    return (*command.joints, command.opening)
+        self._tools = at
+        return self._situation
 
 
 def _speed(one: Sequence[float], two: Sequence[float], seconds: float) -> Vector:

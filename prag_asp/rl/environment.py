@@ -29,7 +29,7 @@ from prag_asp.rl.goal_env import GoalEnv, Observation, observation_space
 from prag_asp.rl.goals import PLACES, Subgoal, subgoals_of
 from prag_asp.rl.observations import Layout, ObservationKind, observe
 from prag_asp.rl.reward_annealing import RewardAnnealing
-from prag_asp.rl.rewards import Reward
+from prag_asp.rl.rewards import Reward, step_rewards
 from prag_asp.rl.state_checksum import verify_checksum, with_checksum
 from prag_asp.rl.tasks.episode_sampler import EpisodeSampler, EpisodeStart
 from prag_asp.rl.tasks.named_origin import Lengths, Shares, SplitOptions, named_origin
@@ -222,11 +222,11 @@ class TaskEnv(GoalEnv):
         self.situation = situation = arena.act(moves)
         self._moves.append(moves)
         measured, here = self._goal(situation)
-        if here[1:].max() <= 0.0 and self.stage < self._last:
+        if self.stage < self._last and max(here[1:].tolist()) <= 0.0:
             self.stage += 1
             measured, here = self._goal(situation)
         seen = self._observation(situation, here)
-        reward, ended = self.rewards(*self._goals(here))
+        reward, ended = step_rewards(self._before, here, self._desired(), discount=self.discount, share=self.share)
         self._before = here
         self._left -= 1
         done, late = bool(ended), self._left <= 0
@@ -286,7 +286,7 @@ class TaskEnv(GoalEnv):
         except (KeyError, TypeError) as error:
             raise QueryError(f"this is not a state of an episode ({error!r:.60}); give that of save_state") from None
         if kind != self._kind:
-            raise QueryError("the state is of another environment; make this one with the same arguments")
+            raise QueryError("the state belongs to another environment; make this one with the same arguments")
         self.__dict__.update(attributes)
         self._moves = moves
         self._resume(start)
@@ -326,7 +326,7 @@ class TaskEnv(GoalEnv):
             if self._annealing is not None:
                 self._annealing.load_state_dict(state["annealing"])
         except (AttributeError, KeyError, TypeError, ValueError) as error:
-            text = f"the state is of another environment ({error!r:.60})"
+            text = f"the state belongs to another environment ({error!r:.60})"
             raise QueryError(f"{text}; make this one with the same arguments") from None
         self._sampler.seeded = True
 
@@ -407,9 +407,14 @@ class TaskEnv(GoalEnv):
 
     def _goals(self, here: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
         """Return the achieved and the desired goal at a moment."""
-        desired = np.zeros(2 * PLACES, dtype=np.float32)
-        desired[::PLACES] = self._last
-        return np.concatenate([here, self._before]), desired
+        desired = self._desired()
+        return np.concatenate([here, self._before]), np.concatenate([desired, desired])
+
+    def _desired(self) -> NDArray[np.float32]:
+        """Return the goal vector of the end of the episode."""
+        desired = np.zeros(PLACES, dtype=np.float32)
+        desired[0] = self._last
+        return desired
 
     def _observation(self, situation: Situation, here: NDArray[np.float32]) -> Observation:
         """Return the observation at a moment."""

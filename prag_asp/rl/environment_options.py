@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from numbers import Real
 from typing import Any, Literal, TypeGuard, get_args
@@ -30,7 +31,7 @@ REAL = "biuf"
 
 
 def check_arguments(given: Mapping[str, Any], render_modes: Sequence[str]) -> None:
-    """Check the arguments of an environment that no part of the environment checks; `given` holds them by name.
+    """Check the arguments of an environment that are checked nowhere else; `given` holds all arguments by name.
 
     Raises:
         QueryError: an argument has a value that is not allowed.
@@ -100,11 +101,11 @@ def moves_of(action: object, control: Control) -> NDArray[np.float64]:
     """
     try:
         numbers = np.asarray(action)
-        real = numbers.dtype.kind in REAL and not np.ma.is_masked(action)
+        real = numbers.dtype.kind in REAL and not (isinstance(action, np.ma.MaskedArray) and np.ma.is_masked(action))
         moves = numbers.astype(np.float64) if real else np.array(np.nan)
     except (TypeError, ValueError, OverflowError):
         moves = np.array(np.nan)
-    if moves.shape != control.low.shape or not np.isfinite(moves).all():
+    if moves.shape != control.low.shape or not all(map(math.isfinite, moves.tolist())):
         raise QueryError(f"an action has the shape {control.low.shape} and finite numbers; got {action!s:.80}")
     clipped: NDArray[np.float64] = np.minimum(np.maximum(moves, control.low), control.high)
     return clipped

@@ -38,40 +38,47 @@ class Subgoal:
         about the gripper or about bodies that have moved since. For a fact that must not hold and has no element of its
         own in a goal vector, a distance below the largest one is replaced by an upper bound.
         """
-        facts = (*self.achieved, *self.unchanged)
-        last = None if before is None else before[0]
+        facts, bodies, last = self._facts, self._bodies, None if before is None else before[0]
         if before is None or last is None or last.scene is not situation.scene or last.openings != situation.openings:
-            measured = [0.0 if late else fact.way(situation) for fact, late in zip(facts, self._late, strict=True)]
+            measured, stale = [0.0] * len(facts), self._exact
         else:
-            stood = last.poses
+            measured, stood = before[1].copy(), last.poses
             moved = {entity for entity, pose in situation.poses.items() if stood.get(entity) is not pose}
             moved.update(stood.keys() - situation.poses.keys())
-            measured = [
-                0.0 if late else distance if bodies is not None and moved.isdisjoint(bodies) else fact.way(situation)
-                for fact, bodies, distance, late in zip(facts, self._bodies, before[1], self._late, strict=True)
-            ]
+            stale = tuple([i for i in self._exact if (about := bodies[i]) is None or not moved.isdisjoint(about)])
+        for number in stale:
+            measured[number] = facts[number].way(situation)
         own = min(len(self.achieved), BROUGHT)
-        exact = zip(measured[own:], self._late[own:], strict=True)
-        largest = max((distance for distance, late in exact if not late), default=-math.inf)
-        for number, late in enumerate(self._late):
-            if late:
-                measured[number] = distance = facts[number].distance_up_to(situation, largest)
-                largest = max(largest, distance)
+        largest = max([measured[number] for number in self._exact if number >= own], default=-math.inf)
+        for number in self._late:
+            measured[number] = distance = facts[number].distance_up_to(situation, largest)
+            largest = max(largest, distance)
         return measured
 
     @cached_property
-    def _late(self) -> tuple[bool, ...]:
-        """For each fact, whether its distance is needed only in the maximum, and is therefore computed last."""
-        places, facts = min(len(self.achieved), BROUGHT), (*self.achieved, *self.unchanged)
+    def _facts(self) -> tuple[Fact, ...]:
+        """The facts in the order of `names`."""
+        return (*self.achieved, *self.unchanged)
+
+    @cached_property
+    def _exact(self) -> tuple[int, ...]:
+        """The numbers of the facts whose distance is computed exactly."""
+        return tuple(number for number in range(len(self._facts)) if number not in self._late)
+
+    @cached_property
+    def _late(self) -> tuple[int, ...]:
+        """The numbers of the facts whose distance is needed only in the maximum, and is therefore computed last."""
+        places = min(len(self.achieved), BROUGHT)
         return tuple(
-            number >= places and not fact.value and bodies is None
-            for number, (fact, bodies) in enumerate(zip(facts, self._bodies, strict=True))
+            number
+            for number, (fact, bodies) in enumerate(zip(self._facts, self._bodies, strict=True))
+            if number >= places and not fact.value and bodies is None
         )
 
     @cached_property
     def _bodies(self) -> tuple[tuple[str, ...] | None, ...]:
         """For each fact, the entities whose poses determine its distance, or None if other bodies or arms matter."""
-        kinds = [(fact.predicate, fact.arguments) for fact in (*self.achieved, *self.unchanged)]
+        kinds = [(fact.predicate, fact.arguments) for fact in self._facts]
         return tuple([None if kind.of_gripper or kind.looks_around else entities for kind, entities in kinds])
 
     def placed(self, measured: list[float]) -> list[float]:

@@ -10,7 +10,8 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal, get_args
+from operator import itemgetter
+from typing import Any, Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,7 @@ from prag_asp.errors import QueryError
 from prag_asp.physics.situation import Situation
 from prag_asp.rl.goals import BROUGHT
 from prag_asp.scene.boxes import Vector
-from prag_asp.scene.geometry import Pose, rotate, yaw_of
+from prag_asp.scene.geometry import rotate, yaw_of
 from prag_asp.scene.scene import Scene
 
 ObservationKind = Literal["relative", "poses"]
@@ -32,9 +33,10 @@ BODY = (
     "is there", *"xyz", "dx", "dy", "dz", "cos yaw", "sin yaw", "cos turn", "sin turn", "up", "half x", "half y",
     "half z", "opening",
 )  # fmt: skip
-"""The features of a body, or of its moving part, in metres and radians; dx is relative to the tool of the acting arm.
+"""The features of a body, or of its moving part, in metres and radians.
 
-The turn is twice the yaw of the body relative to that tool, because a gripper is symmetric under half a turn.
+The position dx, dy, dz is relative to the tool of the acting arm. The turn is twice the yaw of the
+body relative to that tool, because a gripper is symmetric under half a turn.
 """
 
 ARM = (*(f"joint {i}" for i in range(1, 8)), *"xyz", "vx", "vy", "vz", "cos yaw", "sin yaw", "width", "asked width")
@@ -114,15 +116,31 @@ class Layout:
 
     def arranged(self, values: Sequence[float]) -> NDArray[np.float32]:
         """Assemble an observation from the values of all features."""
-        places, scales = self._columns
-        chosen: NDArray[np.float32] = (np.array(values)[places] * scales).astype(np.float32)
+        choose, scales = self._columns
+        chosen = np.empty(len(scales), dtype=np.float32)
+        np.multiply(choose(values), scales, out=chosen)
         return chosen
 
     @cached_property
-    def _columns(self) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
-        """The indices of the observed features among all features, and their scale factors."""
+    def _columns(self) -> tuple[itemgetter[Any], NDArray[np.float64]]:
+        """A function that chooses the observed features from all features, and their scale factors."""
         scales = np.array([scale for _, scale in self._all_scales])
-        return np.flatnonzero(scales), scales[np.flatnonzero(scales)]
+        places = np.flatnonzero(scales)
+        return itemgetter(*places.tolist()), scales[places]
+
+    def words_of(self, action: Atom, scene: Scene) -> tuple[list[str], list[float]]:
+        """Return the bodies and surfaces that an action names, and its skill as a one-hot vector."""
+        words = self._words.get(action)
+        if words is None:
+            one_hot = [0.0] * len(self.skills)
+            one_hot[self.skills[skill(action, scene)]] = 1.0
+            words = self._words[action] = named_bodies(action, scene), one_hot
+        return words
+
+    @cached_property
+    def _words(self) -> dict[Atom, tuple[list[str], list[float]]]:
+        """The results of `words_of` for the actions so far."""
+        return {}
 
     @property
     def _all_scales(self) -> list[tuple[str, float]]:
@@ -176,28 +194,30 @@ def observe(
     for robot in layout.robots:
         (at, quaternion), arm = situation.tool(robot), situation.arm(robot)
         values += [*arm.joints, *at, *speeds[robot], *_direction(yaw_of(quaternion)), arm.width, commanded[robot]]
-    tool = situation.tool(acting)
-    named = named_bodies(action, scene)
+    position, quaternion = situation.tool(acting)
+    yaw = yaw_of(quaternion)
+    named, one_hot = layout.words_of(action, scene)
     for entity in named:
-        values += _body(situation, entity, tool)
+        values += _body(situation, entity, position, yaw)
     values += [0.0] * (len(BODY) * (layout.arguments - len(named)))
     for entity in layout.bodies:
-        values += _body(situation, entity, tool)
-    values += (missed if layout.kind == "poses" else np.clip(missed, *FACT_BOUNDS)).tolist()
-    one_hot = [0.0] * len(layout.skills)
-    one_hot[layout.skills[skill(action, scene)]] = 1.0
+        values += _body(situation, entity, position, yaw)
+    if layout.kind == "relative":
+        missed = np.minimum(np.maximum(missed, FACT_BOUNDS[0]), FACT_BOUNDS[1])
+    values += missed.tolist()
     return layout.arranged(values + one_hot)
 
 
-def _body(situation: Situation, entity: str, tool: Pose) -> Sequence[float]:
-    """Return the features of a body, or zeros if it is not in the situation."""
-    if situation.shape(entity).traits.body and entity not in situation.poses:
+def _body(situation: Situation, entity: str, tool: Vector, tool_yaw: float) -> Sequence[float]:
+    """Return the features of a body relative to a tool with a position and yaw, or zeros if the body is not there."""
+    shape = situation.shape(entity)
+    if shape.traits.body and entity not in situation.poses:
         return [0.0] * len(BODY)
     at, quaternion = situation.part(entity)
-    (x, y, z), (tx, ty, tz), yaw = at, tool.position, yaw_of(quaternion)
-    turned = (*_direction(yaw), *_direction(2.0 * (yaw - yaw_of(tool.quaternion))))
+    (x, y, z), (tx, ty, tz), yaw = at, tool, yaw_of(quaternion)
+    turned = (*_direction(yaw), *_direction(2.0 * (yaw - tool_yaw)))
     up = rotate(quaternion, (0.0, 0.0, 1.0))[2]
-    half = situation.half(entity) if situation.is_table(entity) else situation.shape(entity).half
+    half = situation.half(entity) if shape.kind == "table" else shape.half
     return [1.0, x, y, z, x - tx, y - ty, z - tz, *turned, up, *half, situation.opening(entity)]
 
 

@@ -51,7 +51,7 @@ Flags = NDArray[np.bool_]
 
 
 def goal_distance(achieved: Floats, desired: Floats) -> Floats:
-    """Return the distances of moments from goals, summed over facts (metres, radians); the last axis is the vector."""
+    """Return distances from goals, summed over facts in metres or radians; the last axis is the goal vector."""
     distance: Floats = np.add.reduce(np.maximum(0.0, achieved[..., 1:] - desired[..., 1:]), axis=-1)
     return distance
 
@@ -78,9 +78,11 @@ def step_rewards(
     `share` is the weight of the dense reward: 0 is sparse, and 1 is dense. The sparse reward is 1 for each reached
     subgoal.
     """
-    done = reached(after, desired)
-    sparse = np.minimum(after[..., 0], desired[..., 0]) - np.minimum(before[..., 0], desired[..., 0]) + done
+    done, both = reached(after, desired), np.array([before, after])
+    stages = np.minimum(both[..., 0], desired[..., 0])
+    sparse = stages[1] - stages[0] + done
     if share == 0.0:
         return sparse, done
-    nearer = discount * potential(after, desired) - potential(before, desired)
+    potentials = potential(both, desired)
+    nearer = discount * potentials[1] - potentials[0]
     return sparse + share * (WORTH * nearer - STEP_COST), done

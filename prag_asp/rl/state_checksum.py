@@ -22,8 +22,8 @@ def verify_checksum(state: object, spec: str) -> None:
         QueryError: the state is damaged, or belongs to another environment.
     """
     if not isinstance(state, Mapping) or state.get("spec") != spec:
-        of = repr(state["spec"]) if isinstance(state, Mapping) and "spec" in state else "nothing that is known"
-        raise QueryError(f"the state is of another environment, made of {of}; this one is made of {spec}")
+        of = repr(state["spec"]) if isinstance(state, Mapping) and "spec" in state else "unknown arguments"
+        raise QueryError(f"the state belongs to another environment, made of {of}; this one is made of {spec}")
     try:
         whole = state.get("checksum") == _checksum({key: each for key, each in state.items() if key != "checksum"})
     except (TypeError, ValueError):

@@ -28,9 +28,9 @@ Pairs = Mapping[tuple[str, str], Fraction]
 class AuthorCosts:
     """Costs of edits of actions.
 
-    Inserting or deleting an action costs `insert`. Replacing an action costs as much as the pair of names plus all
-    pairs of different arguments, but at most `replace`, which is also the cost of an unlisted pair. A pair of arguments
-    is looked up by the arguments first, then by their classes.
+    Inserting or deleting an action costs `insert`. Replacing an action costs the sum of the costs of the pair of names
+    and of all pairs of different arguments, but at most `replace`, which is also the cost of an unlisted pair. A pair
+    of arguments is looked up by the arguments first, then by their classes.
     """
 
     insert: Fraction

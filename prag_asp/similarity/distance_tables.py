@@ -157,7 +157,7 @@ class PlaceTable:
         """Return the table for the given features.
 
         Raises:
-            QueryError: their lengths differ.
+            QueryError: the features have different lengths.
         """
         check_lengths({len(each) for each in features})
         symbols, codes = coded(features)

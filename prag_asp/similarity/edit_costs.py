@@ -57,9 +57,10 @@ def effect_cost(background: Background) -> Cost:
 
 
 def state_cost(one: Symbol, other: Symbol) -> Fraction:
-    """Return the number of (fact, value) pairs in only one state; inserting or deleting a state costs 1 + its facts.
+    """Return the number of (fact, value) pairs that only one of two states has, or the cost of inserting a state.
 
     A fact that is true in one state and false in the other costs 2, and a fact that is unknown in one of them costs 1.
+    Inserting or deleting a state with n known facts costs 1 + n.
 
     This is a metric, because a state can be regarded as the set of its pairs and one more element, and a missing state
     as the empty set.
@@ -105,9 +106,9 @@ class CostTable:
         costs = self.costs
         spell = [str(symbol) for symbol in self.symbols] + ["nothing"]
         for text, wrong in (
-            ("{0} costs {d} to replace by itself", np.argwhere(np.diag(costs) != 0).repeat(2, axis=1)),
-            ("{0} costs nothing to replace by {1}", np.argwhere((costs == 0) & ~np.eye(len(costs), dtype=np.bool_))),
-            ("{0} costs {d} to replace by {1}, but the reverse costs {e}", np.argwhere(costs != costs.T)),
+            ("replacing {0} by itself costs {d}", np.argwhere(np.diag(costs) != 0).repeat(2, axis=1)),
+            ("replacing {0} by {1} costs nothing", np.argwhere((costs == 0) & ~np.eye(len(costs), dtype=np.bool_))),
+            ("replacing {0} by {1} costs {d}, but the reverse costs {e}", np.argwhere(costs != costs.T)),
         ):
             if len(wrong):
                 i, j = wrong[0]
@@ -117,5 +118,5 @@ class CostTable:
             wrong = np.argwhere(costs > costs[:, middle, None] + costs[middle])
             if len(wrong):
                 i, j = wrong[0]
-                return f"{spell[i]} costs more to replace by {spell[j]} than by way of {spell[middle]}"
+                return f"replacing {spell[i]} by {spell[j]} costs more than by way of {spell[middle]}"
         return ""

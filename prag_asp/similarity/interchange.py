@@ -78,7 +78,7 @@ class Interchange(Generic[Entity]):
     def _images(
         self, rest: tuple[Entity, ...], free: Interchange[Entity], renaming: dict[Entity, Entity]
     ) -> Iterator[Mapping[Entity, Entity]]:
-        """Yield each renaming of `rest` by this object, followed by `renaming`; one for each class under `free`.
+        """Yield renamings of `rest`, each followed by `renaming`: one for each class of those that `free` identifies.
 
         The stabilizers of the entities chosen so far form a chain on both sides (Sims 1970).
         """

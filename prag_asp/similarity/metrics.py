@@ -104,7 +104,7 @@ METRICS = {
             "Wagner and Fischer 1974, Jaccard 1901", features.effects, edits_by(effect_cost),
         ),
         Metric(
-            "hamming", "Number of places with different actions, for tasks of one length",
+            "hamming", "Number of positions with different actions, for tasks of the same length",
             "Hamming 1950", features.actions, places_by(unit_cost),
         ),
         Metric(

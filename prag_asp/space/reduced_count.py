@@ -36,7 +36,7 @@ Group = tuple[clingo.Symbol, ...]
 
 @dataclass
 class ReducedCounter:
-    """A counter of the words of a domain that uses its small-model reduction; `engine` is the name of an engine."""
+    """A counter of a domain's words that uses the domain's small-model reduction; `engine` is the name of an engine."""
 
     domain: Domain
     reduction: Reduction

@@ -86,9 +86,9 @@ def test_the_nearest_task_of_a_part_certifies_its_distance() -> None:
 def test_requests_without_an_answer_are_refused() -> None:
     space = TaskSpace(load_domain("blocks"), 2)
     plan = ["pick_up(a)", "stack(a,b)"]
-    with pytest.raises(QueryError, match="there are levenshtein and hamming"):
+    with pytest.raises(QueryError, match="give levenshtein or hamming"):
         count_neighbours(space, plan, metric="cosine")  # type: ignore[arg-type]
-    with pytest.raises(QueryError, match="up to 0 to 100 edits"):
+    with pytest.raises(QueryError, match="with 0 to 100 edits"):
         count_neighbours(space, plan, -1)
     with pytest.raises(QueryError, match="no action"):
         nearest_task(space, ["fly(a)"])

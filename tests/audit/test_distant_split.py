@@ -68,7 +68,7 @@ def with_size(folder: Path) -> None:
             with_lines(lambda lines: [*lines[:-1], near_task()]),
             "test.txt: row 19: is 1 edit from the first part, not 2",
         ),
-        (with_lines(lambda lines: [*lines, lines[0]]), "test.txt: row 20: is a task that was there before"),
+        (with_lines(lambda lines: [*lines, lines[0]]), "test.txt: row 20: is the same task as an earlier one"),
         (
             with_lines(lambda lines: [*lines, "fly(a)"]),
             "test.txt: row 20: is not a task: no action 'fly(a)'",

@@ -70,7 +70,7 @@ def test_an_unknown_camera_is_told_before_tasks_of_a_file_are_filmed(folder):
 
 def test_in_python_cameras_without_demonstrations_are_refused_at_once():
     space = TaskSpace(load_domain("tabletop"), 1)
-    with pytest.raises(QueryError, match="cameras record demonstrations; ask for them by `demonstrate`"):
+    with pytest.raises(QueryError, match="cameras record demonstrations; request them with `demonstrate`"):
         feasible(space, staging=Staging(("front",)))
     with pytest.raises(QueryError, match="mass varies in demonstrations"):
         next(recheck([], staging=Staging(vary=("mass",))))

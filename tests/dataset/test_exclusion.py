@@ -94,7 +94,7 @@ def test_all_of_a_space_can_be_excluded_step_by_step_and_by_machines(space: Task
     assert (merged.folder / "dataset.json").read_bytes() == (whole.folder / "dataset.json").read_bytes()
     done = run("generate", *arguments, "--except", str(tmp_path / "rest"), "--tasks", "1", "-o", str(tmp_path / "none"))
     assert done.returncode == 2 and "there are no tasks to sample" in done.stderr
-    with pytest.raises(QueryError, match="its conditions number other tasks"):
+    with pytest.raises(QueryError, match="the scenario has other conditions"):
         generate(space.where("nontrivial"), tmp_path / "x", tasks=1, excluded=read_earlier(ids))
     with pytest.raises(NotFound, match="the whole space"):
         generate(space, tmp_path / "y", tasks=rest + 1, trivial=True, excluded=read_earlier(ids))

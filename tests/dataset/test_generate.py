@@ -130,7 +130,7 @@ def test_instructions_name_the_colours_of_the_recording(spaces: TaskSpace, tmp_p
         assert teller.read(entry.task, entry.instruction["exact"]).actions == entry.task.actions
         other += usual.instructions(entry.task, seed=3).default != entry.instruction["default"]
     assert other and [*verify(tmp_path / "data")] == []
-    with pytest.raises(QueryError, match="2 starts have 2; request 1 start, or leave colour out"):
+    with pytest.raises(QueryError, match="2 starts have 2; request 1 start, or do not vary colour"):
         generate(spaces, tmp_path / "none", tasks=1, demonstrate=True, staging=staging, starts=2)
     assert not (tmp_path / "none").exists()
 
@@ -225,7 +225,7 @@ def test_a_resumed_run_does_not_validate_draws_of_the_journal_again(
     with pytest.raises(KeyboardInterrupt):
         make()
     assert (tmp_path / "broken" / JOURNAL).is_file()
-    with pytest.raises(QueryError, match="has not ended; resume it by"):
+    with pytest.raises(QueryError, match="has not ended; resume it with"):
         Dataset.open(tmp_path / "broken")
     make()
     assert content(tmp_path / "broken") == content(small.folder)
@@ -284,7 +284,7 @@ def test_a_wrong_request_is_refused_in_one_line(kitchen: TaskSpace, numbers: Pat
     refused("add up to 1", split={"train": 0.5})
     refused("need physics", starts=2)
     refused("need physics", demonstrate=True)
-    refused("cameras record demonstrations; ask for them", staging=Staging(("front",)))
+    refused("cameras record demonstrations; request them", staging=Staging(("front",)))
     refused("has no sentences in", language="xx")
     refused("shard 0: give a number from 1 to 20000", shard=0)
     refused("shard 1000000: give a number from 1 to 20000", shard=10**6)
@@ -296,7 +296,7 @@ def test_a_wrong_request_is_refused_in_one_line(kitchen: TaskSpace, numbers: Pat
     refused("nosuch", hold_out="nosuch")
     assert not (tmp_path / "none").exists()
     refused("is a dataset made with a different value of seed .1.; give", numbers, tasks=6, seed=2, weights=None)
-    refused("has 6 tasks already; ask for at least as many", numbers, seed=1, shard=4, weights=None)
+    refused("has 6 tasks already; request at least as many", numbers, seed=1, shard=4, weights=None)
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("dear")
     refused("holds letter.txt, and is not a dataset; give a new folder", tmp_path / "mine")

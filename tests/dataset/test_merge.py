@@ -117,7 +117,9 @@ def test_recordings_come_along_with_the_numbers_of_the_whole(spaces: TaskSpace, 
     merged = merge(parts, tmp_path / "merged")
     assert content(merged.folder) == content(make(tmp_path / "whole"))
     (parts[0] / "demonstrations" / "train" / "000001.npz").write_bytes(b"")
-    with pytest.raises(QueryError, match=r"000001.npz: is not the file that was written; make the dataset anew"):
+    with pytest.raises(
+        QueryError, match=r"000001.npz: differs from the file that was written; generate the dataset again"
+    ):
         merge(parts, tmp_path / "damaged")
 
 

@@ -107,7 +107,7 @@ def test_mistakes_are_reported_with_the_file_and_the_line(folder: Path, monkeypa
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ((), "no domain; give a shipped name, a folder, files that end in .lp, two of PDDL, or a text"),
+        ((), "no domain; give a shipped domain's name, a folder, .lp files, two PDDL files, or a text"),
         (("prag", "lamps.lp"), "prag lamps.lp: prag is not a file that ends in .lp; give one name or folder, or files"),
         (("lamps.lp", "hanoi", "prag"), "lamps.lp hanoi prag: hanoi is not a file that ends in .lp; give one name"),
         (("missing.lp",), "missing.lp:1: cannot be read: No such file or directory"),

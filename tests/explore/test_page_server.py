@@ -207,7 +207,7 @@ def test_the_server_listens_on_the_loopback_address_only(server: PageServer) -> 
 def test_the_command_refuses_wrong_conditions_and_prefixes_before_it_serves() -> None:
     for options, problem in (
         (("--where", "usess"), "did you mean uses"),
-        (("--prefix", "pick_up"), "choose one of them in full"),
+        (("--prefix", "pick_up"), "choose an action with its arguments"),
         (("--length", "2..3"), "2..3"),
         (("--port", "99999"), "99999"),
     ):

@@ -90,7 +90,7 @@ def _far_away(scene: Any) -> Any:
 @pytest.mark.parametrize(
     ("fields", "problem"),
     [
-        ({"state": "length=2&do=pick(panda,brick_1,bin_1)"}, "whole tasks"),
+        ({"state": "length=2&do=pick(panda,brick_1,bin_1)"}, "complete tasks"),
         ({"state": FIRST.query, "seed": "-1"}, "seed"),
         ({"state": FIRST.query, "budget": "0x1"}, "RESTARTSxSAMPLES"),
         ({"state": FIRST.query, "budget": "many"}, "RESTARTSxSAMPLES"),

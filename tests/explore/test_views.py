@@ -158,7 +158,7 @@ def test_composites_are_trees() -> None:
         ("length=2&by=word", "choose task or plan"),
         ("length=2&color=red", "no field of a link"),
         ("length=1&do=pick_up(a)&do=put_down(a)", "undo some"),
-        ("length=1&do=pick_up", "choose one of them in full"),
+        ("length=1&do=pick_up", "choose an action with its arguments"),
         ("length=1&do=pick_up(z)", "pick_up"),
         ("length=1&where=usess", "did you mean uses"),
         (f"length=1{'&where=uses+a' * 600}", "more than 500 fields"),

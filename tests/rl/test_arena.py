@@ -5,6 +5,7 @@ from contextlib import ExitStack
 from dataclasses import replace
 
 import numpy as np
+import pybullet
 import pytest
 
 from prag_asp.physics import physical_task
@@ -12,9 +13,10 @@ from prag_asp.physics.control.control import FINGERS, STRIDE, Control
 from prag_asp.physics.control.names import CONTROLS, USUAL_RATE, ControlName
 from prag_asp.physics.situation import Situation
 from prag_asp.physics.witness import Witness
-from prag_asp.physics.world.dynamics import Dynamics
+from prag_asp.physics.world.bodies import mass_frame
+from prag_asp.physics.world.dynamics import ArmCommand, Dynamics, open_dynamics
 from prag_asp.rl.arena import Arena
-from prag_asp.scene.geometry import rotate
+from prag_asp.scene.geometry import compose, rotate
 from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 from tests.chance import Chance
@@ -143,3 +145,34 @@ def test_an_arm_that_is_blocked_by_the_table_is_free_at_once(
             low = arena.act(down).tool("panda").position[2]
         high = arena.act(up).tool("panda").position[2]
     assert low > 0.005 and high - low > STRIDE / SECOND / 3
+
+
+@pytest.mark.parametrize("name", DOMAINS)
+def test_motor_targets_in_a_row_move_the_world_as_single_commands_do_and_all_poses_are_read(
+    name: str, scenes: Mapping[str, Scene], given: Mapping[str, list[Given]]
+) -> None:
+    _, witness = given[name][0]
+    moment, scene = witness.moments[0], scenes[name].with_sizes(witness.sizes)
+    rng = np.random.default_rng(0)
+    speeds = {robot: rng.uniform(-1.0, 1.0, 7).tolist() for robot in moment.arms}
+    commands = {
+        robot: [ArmCommand(tuple(rng.normal(arm.joints, 0.05).tolist()), rng.uniform(0.0, 0.08)) for _ in range(40)]
+        for robot, arm in moment.arms.items()
+    }
+    with open_dynamics(scene) as one, open_dynamics(scene) as two:
+        for world in one, two:
+            world.begin(tuple(moment.poses), moment, scene)
+            world.restore(moment)
+        one.run({robot: [each.motor_targets for each in row] for robot, row in commands.items()}, speeds)
+        for number in range(40):
+            for robot, row in commands.items():
+                two.drive(robot, row[number], speeds[robot])
+            two.step()
+        assert (one.arms(), one.poses(), one.openings()) == (two.arms(), two.poses(), two.openings())
+        assert one.arms() != dict(moment.arms)
+        bodies = range(pybullet.getNumBodies(physicsClientId=one.client))
+        places = [pybullet.getBasePositionAndOrientation(body, physicsClientId=one.client)[0] for body in bodies]
+        for entity, pose in one.poses().items():
+            frame = mass_frame(scene, entity)
+            at = pose.position if frame is None else compose(pose, frame).position
+            assert min(np.abs(np.subtract(places, at)).max(axis=1)) < 1e-12, entity

@@ -96,7 +96,7 @@ def test_tasks_come_from_the_part_alone(chance: Chance) -> None:
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        ({"domain": "tabletop"}, "length="), ({"length": 2}, "give it with a domain"), ({}, "one place"),
+        ({"domain": "tabletop"}, "length="), ({"length": 2}, "give it with a domain"), ({}, "one origin"),
         ({"domain": "table", "length": 2}, "no such domain"), ({"domain": "tabletop", "length": "x"}, "length"),
         ({"domain": "tabletop", "length": 2, "where": "uses can"}, "a list of conditions"),
         ({"domain": "tabletop", "length": 2, "where": ["uses cn"]}, "cn"),
@@ -148,7 +148,7 @@ def test_an_episode_is_saved_and_restored_bit_for_bit(chance: Chance, env: TaskE
 def test_the_state_of_an_environment_with_other_arguments_is_refused(env: TaskEnv, options: dict[str, Any]) -> None:
     env.reset(seed=0)
     other = TaskEnv(domain="tabletop", length=2, **options)
-    with pytest.raises(QueryError, match="the state is of another environment"):
+    with pytest.raises(QueryError, match="the state belongs to another environment"):
         other.restore_state(env.save_state())
     other.close()
 

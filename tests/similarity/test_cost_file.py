@@ -53,9 +53,7 @@ def test_costs_that_are_no_metric_name_the_actions_that_show_it(tmp_path: Path) 
              for name in ("move", "follow", "transform")]  # fmt: skip
     metric = read(tmp_path, COSTS, *tasks)
     assert not metric.axioms
-    assert (
-        "costs more to replace by transform(panda,apple_1,bowl_1) than by way of move(panda,apple_1" in metric.summary
-    )
+    assert "by transform(panda,apple_1,bowl_1) costs more than by way of move(panda,apple_1" in metric.summary
     fits = COSTS + "[actions.follow]\ntransform = 0.5\n"
     assert read(tmp_path, fits, *tasks).axioms
     both = COSTS + "[actions.follow]\nmove = 0.3\ntransform = 0.5\n"

@@ -119,10 +119,10 @@ def test_the_costs_are_metrics_and_do_not_change_with_a_renaming(chance: Chance)
 @pytest.mark.parametrize(
     ("cost", "reason"),
     [
-        (lambda a, b: Fraction(1), "p costs 1 to replace by itself"),
-        (lambda a, b: Fraction(0), "p costs nothing to replace by q"),
-        (lambda a, b: Fraction(int(a != b) * (2 if a == "q" else 1)), "p costs 1 to replace by q, but"),
-        (lambda a, b: Fraction(int(a != b) * (5 if {a, b} == {"p", "q"} else 1)), "p costs more to replace by q than"),
+        (lambda a, b: Fraction(1), "replacing p by itself costs 1"),
+        (lambda a, b: Fraction(0), "replacing p by q costs nothing"),
+        (lambda a, b: Fraction(int(a != b) * (2 if a == "q" else 1)), "replacing p by q costs 1, but"),
+        (lambda a, b: Fraction(int(a != b) * (5 if {a, b} == {"p", "q"} else 1)), "replacing p by q costs more than"),
     ],
 )  # fmt: skip
 def test_costs_that_are_no_metric_are_reported_with_a_reason(cost: Callable[[Any, Any], Fraction], reason: str) -> None:

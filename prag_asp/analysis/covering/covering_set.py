@@ -91,7 +91,7 @@ class _Choice:
         return layers
 
     def _bounds(self, rest: int) -> list[NDArray[np.int64]]:
-        """Return, for each layer and state, an upper bound on the combinations in `rest` that a suffix covers."""
+        """Return, for each layer and state, an upper bound on how many combinations in `rest` a suffix covers."""
         gains = np.array([(mask & rest).bit_count() for mask in self.masks], dtype=np.int64)
         bounds = [np.zeros(1, dtype=np.int64)]
         for step in reversed(self.words.edges or ()):
@@ -139,7 +139,7 @@ class _Choice:
         return chosen
 
     def _best(self, rest: int) -> tuple[Word, int]:
-        """Return a word that covers many combinations in `rest`, but at least one, and these combinations as bits."""
+        """Return a word that covers many (at least one) of the combinations in `rest`, and the covered ones as bits."""
         bounds = self._bounds(rest)
         beam: dict[tuple[int, int], Word] = {(0, 0): ()}
         for place, edges in enumerate(self._edges):

@@ -17,7 +17,7 @@ LINES, TABLE = Path("meta", "tasks.jsonl"), Path("meta", "tasks.parquet")
 """The files with the texts in versions 2 and 3 of the format."""
 
 SCENE = re.compile(r"^(?:[A-Z]+_)+SCENE\d+_")
-"""The scene at the beginning of a file name in LIBERO."""
+"""The pattern of the scene at the beginning of a file name in LIBERO."""
 
 
 @dataclass(frozen=True)

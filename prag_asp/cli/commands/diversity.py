@@ -84,9 +84,9 @@ def diversity(
                 raise QueryError("give --near or --tasks, with or without --coverage or --complexity")
             found = _near(space, split_actions(plan), 3 if radius is None else radius)
         elif radius is not None:
-            raise QueryError("--radius is that of a given task; give --near 'A B ...'")
+            raise QueryError("--radius is for --near; give --near 'A B ...'")
         elif (strength is not None or with_complexity) and file is None:
-            raise QueryError(f"--{'coverage' if strength else 'complexity'} is that of given tasks; give --tasks FILE")
+            raise QueryError(f"--{'coverage' if strength else 'complexity'} is for given tasks; give --tasks FILE")
         elif file is not None and with_complexity:
             found = complexities(*_given(file, space), space)
         else:

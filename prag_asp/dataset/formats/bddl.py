@@ -40,7 +40,7 @@ Region = tuple[str, tuple[float, float, float, float], float]
 
 @dataclass(frozen=True)
 class Bddl:
-    """The format of a folder with a file for each task, ``PART-NUMBER.bddl``."""
+    """The format with one file per task, ``PART-NUMBER.bddl``."""
 
     def write(self, source: EpisodeSource, target: Path, progress: Progress) -> None:
         """Write the folder; the files have regions if the domain has a scene.

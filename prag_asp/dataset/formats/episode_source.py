@@ -87,7 +87,7 @@ class ExportEpisode:
 
     @property
     def subgoal(self) -> NDArray[np.int64]:
-        """The index of the current action at each step, shape (N,): the first one that has not ended before it."""
+        """The index of the current action at each step, shape (N,): the first action that has not ended before."""
         over = np.searchsorted(self.demonstration.ends[1:], self.frames)
         return np.minimum(over, max(0, len(self.demonstration.ends) - 2))
 
@@ -186,7 +186,7 @@ class EpisodeSource:
             QueryError: the dataset was generated without recordings.
         """
         if not self.data.manifest.spec.demonstrate:
-            hint = "make a dataset that has, with prag-asp generate --demonstrate"
+            hint = "generate a dataset with recordings: prag-asp generate --demonstrate"
             raise QueryError(f"{self.data.folder}: has no recordings; {hint}")
 
     def episodes(self) -> Iterator[ExportEpisode]:
@@ -203,12 +203,12 @@ class EpisodeSource:
             unknown = [entity for entity in entities if entity not in self.legend]
             if demonstration.robots != self.robots or unknown:
                 what = unknown[0] if unknown else ", ".join(demonstration.robots)
-                raise QueryError(f"{name}: has {what}, which the scene does not contain; copy the dataset once more")
+                raise QueryError(f"{name}: has {what}, which the scene does not contain; copy the dataset again")
             if len(demonstration.ends) != len(entry.task) + 1 or len(entry.subgoals) != len(entry.task):
-                raise QueryError(f"{name}: does not show the states of its task; copy the dataset once more")
+                raise QueryError(f"{name}: does not show the states of its task; copy the dataset again")
             sizes = {camera: video.size for camera, video in footage.videos.items()} if footage else {}
             if sizes != dict(self.cameras):
-                raise QueryError(f"{name}: is not from the cameras in dataset.json; copy the dataset once more")
+                raise QueryError(f"{name}: is not from the cameras in dataset.json; copy the dataset again")
             frames = footage.frames if footage else np.arange(len(demonstration.times))
             yield ExportEpisode(entry, start, self.instruction(entry), demonstration, frames.astype(np.int64))
         if empty:

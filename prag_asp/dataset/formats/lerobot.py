@@ -299,7 +299,7 @@ def _features(form: LeRobot, source: EpisodeSource) -> dict[str, Any]:
 
 
 def has_statistics(name: str) -> bool:
-    """Return whether a feature has statistics; depth images have none, because those per pixel would fill an image."""
+    """Return whether a feature has statistics; depth images have none, because they would be as large as an image."""
     return not name.startswith(DEPTH)
 
 

@@ -93,7 +93,7 @@ def _observed(source: EpisodeSource, episode: ExportEpisode) -> Iterator[tuple[s
 
 
 def _environment(source: EpisodeSource) -> dict[str, Any]:
-    """Return a description of an environment that cannot be created; its arguments hold the metadata."""
+    """Return a description of the environment, which robomimic cannot create; its arguments hold the metadata."""
     control = source.control
     values = {
         **provenance_of(source, "robomimic"),

@@ -1,8 +1,8 @@
 """The visible properties of the objects of a scene: kind, colour, size, and the position of fixed objects.
 
-Each property is known to fit an object, known not to fit it, or in doubt: for a shade between orange and red, the
-nearer word fits, and the farther one is in doubt: it neither describes the object nor distinguishes another object from
-it.
+Each property is known to fit an object, known not to fit it, or in doubt. For a shade between orange and red, for
+example, the nearer word fits, and the farther one is in doubt. A word in doubt neither describes the object nor
+distinguishes another object from it.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ PLACE = 1
 
 
 class ClauseJoiner:
-    """Joins the sentences of a language into texts that a reader parses back."""
+    """A joiner of the sentences of a language into texts that a reader parses back."""
 
     def __init__(self, reader: InstructionReader, phrasings: Phrasings) -> None:
         self._reader, self._words, self._phrasings = reader, reader.lexicon.words, phrasings
@@ -25,8 +25,8 @@ class ClauseJoiner:
     def in_order(self, clauses: Sequence[ClearSentence], rng: PhraseRng) -> str:
         """Return the sentences for actions joined into one text.
 
-        Within a sentence, joints occur in the order of their list, and do not repeat the word with which it begins. No
-        word occurs in three joints in a row.
+        Within a sentence, joints occur in the order of their list, and do not repeat the first word of the sentence. No
+        word occurs in three consecutive joints.
         """
         joints, latest, begun = self._phrasings.of(self._words.joints("sentences")), -1, set[str]()
         text, before, last = clauses[0].text, set[str](), set[str]()
@@ -56,9 +56,9 @@ class ClauseJoiner:
         return f"{between.join(merged[:-1])}{last}{merged[-1]}"
 
     def entailed(self, facts: Sequence[str]) -> set[str]:
-        """Return the sentences for facts that another one entails.
+        """Return those of the sentences for facts that another sentence entails.
 
-        What is "on the left side of the table" is "on the table".
+        For example, "on the left side of the table" entails "on the table".
         """
         words, within = self._words, str(self._words.table.get("within", ""))
         found = set[str]()
@@ -99,7 +99,7 @@ class ClauseJoiner:
         return self._pairs(merged, plural)
 
     def _pairs(self, merged: list[str], plural: Mapping[str, Sequence[str]]) -> list[str]:
-        """Return sentences in which those of two subjects with the same predicate, here in the plural, are merged."""
+        """Merge the sentences of two subjects with the same predicate; `plural` maps plural predicates to subjects."""
         words = self._words
         for predicate, subjects in plural.items() if words.both else ():
             if len(subjects) == SEVERAL:

@@ -316,8 +316,8 @@ class InstructionReader:
                     things = self.lexicon.phrases.fitting(view, word)
                     if things is not None and not self.phrase(view, word, None)[0]:
                         if not things:
-                            return f"{word!r} fits nothing that there is; name another thing"
-                        return f"{word!r} may be {' or '.join(things)}; say its colour, its size or where it is"
+                            return f"{word!r} fits no object that is present; name another one"
+                        return f"{word!r} may be {' or '.join(things)}; state its colour, size or place"
         return None
 
 
@@ -366,7 +366,7 @@ def capital(text: str) -> str:
 
 
 def shortened(text: str, most: int = 60) -> str:
-    """Return a text shortened to fit into a message."""
+    """Return a text, shortened if it is too long for a message."""
     return text if len(text) <= most else f"{text[:most]}..."
 
 
@@ -387,7 +387,7 @@ def _frame(text: str) -> Template:
 
 
 def _occurrences(joints: Sequence[re.Pattern[str]], text: str) -> int:
-    """Return the number of occurrences of joints in a text that has other texts around it."""
+    """Return the number of occurrences of joints in a text, which is part of a longer text."""
     return sum(len(joint.findall(f" {text} ")) for joint in joints)
 
 

@@ -49,8 +49,8 @@ class Instructions:
     """The instructions of a task.
 
     `vague` states the goal, `default` the actions, and `exact` also the purpose of each action; all refer to objects as
-    they are in the initial state. `subgoals` holds a sentence for each action, which refers to the state before it.
-    `named` holds the entities that are referred to by name, because nothing visible distinguishes them.
+    they are in the initial state. `subgoals` holds a sentence for each action, written for the state before that
+    action. `named` holds the entities that are referred to by name, because nothing visible distinguishes them.
     """
 
     vague: str
@@ -200,7 +200,7 @@ class InstructionWriter:
         return self._without_entailed(task, facts)
 
     def _without_entailed(self, task: Task, facts: Mapping[Atom, bool]) -> Mapping[Atom, bool]:
-        """Return facts without those that the words of another one entail."""
+        """Return facts without those that the sentence for another fact entails."""
         if len({fluent.arguments[:1] for fluent in facts}) == len(facts):
             return facts
         view = self.lexicon.view(context_of(task))

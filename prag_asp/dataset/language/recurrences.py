@@ -1,4 +1,4 @@
-"""How the actions of a task relate to the past: whether they restore, repeat or vary what was done before."""
+"""The relation of each action of a task to earlier ones: whether it restores, repeats or varies what they did."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ REPETITIONS = frozenset(["repeated", "varied"])
 def recurrences(task: Task, grammar: Grammar) -> list[Recurrence]:
     """Return, for each action, whether its facts are new, held in an earlier state, or hold already.
 
-    An action that changes nothing repeats an earlier action if it is the same, and varies it if it has the same aim and
-    a verb in common: "carry the can to the bowl, then carry it to the bowl again, this time along the guide".
+    An action that changes nothing repeats an equal earlier action, and varies an earlier action with the same aim and a
+    verb in common: "carry the can to the bowl, then carry it to the bowl again, this time along the guide".
     """
     states, found = [task.initial, *task.states], list[Recurrence]()
     for number, (action, subgoal) in enumerate(zip(task.actions, task.subgoals, strict=True)):
@@ -40,7 +40,7 @@ def _aim(facts: State) -> dict[Atom, bool]:
 
 
 def _verbs(grammar: Grammar, action: Atom) -> set[str]:
-    """Return the first words of the sentences for an action, those that it is given or else the default ones."""
+    """Return the first word of each sentence for an action: of the given ones or, without any, the default ones."""
     signature = (action.name, len(action.arguments))
     templates = grammar.actions.get(signature) or [each.template for each in grammar.plain.get(signature, ())]
     return {template.texts[0].partition(" ")[0] for template in templates}

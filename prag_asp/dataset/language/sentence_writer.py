@@ -173,7 +173,7 @@ class SentenceWriter:
     ) -> tuple[ClearSentence | None, bool]:
         """Return the first unambiguous sentence, and whether the choice depends on the state.
 
-        The choice may depend on the descriptions of the objects without depending on the state in this sense.
+        Dependence on the descriptions of the objects alone does not count.
         """
         (atom, value, fact), of_state, phrases = meaning, False, self._lexicon.phrases
         for variant in VARIANTS:

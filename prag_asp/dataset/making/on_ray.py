@@ -122,8 +122,8 @@ def answers(messages: Iterator[Any]) -> Iterator[int | bytes | None]:
         try:
             results, error, seconds = ray.get(reference)
         except ray.exceptions.RayError as failure:
-            problem = f"the Ray cluster gave tasks up: {_line(failure)}"
-            raise WorkerError(f"{problem}; see its nodes, and run it again") from None
+            problem = f"the Ray cluster gave up tasks: {_line(failure)}"
+            raise WorkerError(f"{problem}; check its nodes, and run the command again") from None
         if error is not None:
             raise error
         target = int(number * SECONDS / max(seconds, 1e-6))
@@ -143,7 +143,7 @@ def _begin(ray: Any) -> None:
             socket.create_connection((place[1], int(place[2])), timeout=PATIENCE).close()
         ray.init(address=address, log_to_driver=False, **options)
     except Exception as error:  # Ray has no common error class for this
-        remedy = "see RAY_ADDRESS, and give all nodes and this run one RAY_AUTH_TOKEN if the cluster asks for a token"
+        remedy = "check RAY_ADDRESS and, if the cluster requires a token, RAY_AUTH_TOKEN on all nodes and in this run"
         raise WorkerError(f"no Ray cluster at {address}: {_line(error)}; {remedy}") from None
 
 
@@ -152,7 +152,7 @@ def _processors(ray: Any) -> int:
     until = monotonic() + PATIENCE
     while not (number := int(ray.cluster_resources().get("CPU", 0))):
         if monotonic() > until:
-            raise WorkerError("the Ray cluster has no processor; start a node of it: ray start --address=HOST:PORT")
+            raise WorkerError("the Ray cluster has no processor; start a node: ray start --address=HOST:PORT")
         sleep(POLL)
     return number
 

@@ -154,7 +154,7 @@ class DatasetRun:
             rows = note.rows("tasks") + (note.tail.rows("tasks") if note.tail else 0)
             enough = spec.cover and spec.tasks >= manifest.spec.tasks
             if rows > spec.tasks_of(shares[note.name]) and not enough:
-                has = f"has {plural(manifest.rows('tasks'), 'task')} already; ask for at least as many"
+                has = f"has {plural(manifest.rows('tasks'), 'task')} already; request at least as many"
                 raise QueryError(f"{self._folder}: {has}, or give a new folder")
         for note in manifest.parts:
             note.requested = spec.tasks_of(shares[note.name])
@@ -328,7 +328,7 @@ class DatasetRun:
         except OSError as error:
             raise QueryError(f"{path}: cannot be read: {error.strerror or error}; {MEND}") from None
         if sha256(content).hexdigest() != row["sha256"]:
-            raise QueryError(f"{path}: is not the file that was written; {MEND}")
+            raise QueryError(f"{path}: differs from the file that was written; {MEND}")
         return {**row, "file": self._write_recording(writer, row["start"], content)}
 
 
@@ -351,7 +351,7 @@ def too_few(part: PartManifest, available: TaskOrder, limit: int, candidates: in
         if 2 * proved > part.draws:
             return f"{summary}, {proved} of them proved infeasible; see prag-asp learn, which excludes such tasks"
         return f"{summary}; raise --max-draws" if part.tasks else f"{summary}; raise --budget or --max-draws"
-    ends = "; those left weigh next to nothing: give other weights, or --uniform"
+    ends = "; the other tasks have almost no weight: give other weights, or --uniform"
     if candidates:
         few = candidates < available.size
         ends = f", all nontrivial {'candidates; raise --candidates' if few else 'tasks of the space'}"

@@ -64,7 +64,7 @@ class Dataset:
                 f"{path}: is not a dataset, because it has no {NAME}; make one with prag-asp generate -o {path}"
             )
         if not manifest.complete:
-            raise QueryError(f"{path}: the run that makes it has not ended; resume it by the same command")
+            raise QueryError(f"{path}: the run that writes it has not ended; resume it with the same command")
         return cls(path, manifest, trust, tuple(part.name for part in manifest.parts))
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -345,7 +345,7 @@ class Dataset:
 
         path = self.folder / name
         if not is_inside(path, self.folder):
-            raise QueryError(f"{path}: leads out of the dataset; copy it once more")
+            raise QueryError(f"{path}: leads out of the dataset; copy it again")
         return Demonstration.load(path)
 
     @cached_property

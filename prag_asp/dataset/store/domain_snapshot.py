@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 DOMAIN, ENCODINGS = "domain", "encodings"
 """The folders in a dataset that hold the domain and the encodings with which it was loaded."""
 
-MEND = "make the dataset anew, or copy it once more"
+MEND = "generate the dataset again, or copy it again"
 """The remedy for a damaged file."""
 
 BLOCK = 1 << 20

@@ -157,7 +157,7 @@ class Manifest(msgspec.Struct):
     def __post_init__(self) -> None:
         names = [part.name for part in self.parts]
         if not names or sorted(names) != sorted(self.spec.split):
-            raise QueryError("parts: are not those of spec.split; copy the dataset once more")
+            raise QueryError("parts: are not those of spec.split; copy the dataset again")
 
     @property
     def strata(self) -> list[StratumFigures]:

@@ -19,7 +19,7 @@ Contents = TypeVar("Contents", bound=msgspec.Struct)
 
 @dataclass(frozen=True)
 class ManifestFile(Generic[Contents]):
-    """A kind of file that describes a folder: its `name`, format and version; errors call the folder a `what`."""
+    """A kind of file that describes a folder: its `name`, format and version; `what` names such a folder in errors."""
 
     name: str
     contents: type[Contents]
@@ -50,17 +50,17 @@ class ManifestFile(Generic[Contents]):
         except FileNotFoundError:
             return None
         except UnicodeDecodeError:
-            raise QueryError(f"{path}: it is not UTF-8; copy the {self.what} once more") from None
+            raise QueryError(f"{path}: it is not UTF-8; copy the {self.what} again") from None
         except OSError as error:
             why = error.strerror or error
-            raise QueryError(f"{path}: cannot be read: {why}; name a folder of a {self.what}") from None
+            raise QueryError(f"{path}: cannot be read: {why}; name the folder of a {self.what}") from None
         try:
             values = decoded(text)
             if not isinstance(values, dict) or values.get("format") != self.format:
                 raise QueryError(f"is not a {self.what} of prag_asp: it has no format {self.format!r}")
             if values.get("version") != self.version:
                 other = values.get("version")
-                raise QueryError(f"has version {other!r}, not {self.version}; use the prag_asp that made it")
+                raise QueryError(f"has version {other!r}, not {self.version}; use the prag_asp version that wrote it")
             return read(values, self.contents, "")
         except QueryError as error:
             raise QueryError(f"{path}: {error}") from None

@@ -126,7 +126,7 @@ class _SuiteCounter:
     def by_length(
         self, what: str, clauses: Sequence[str], lengths: Sequence[int], parts: Sequence[SuitePart]
     ) -> dict[int, int]:
-        """Return the number of tasks of each length that satisfy the conditions and the distances of `parts`."""
+        """Return, for each length, the number of tasks that satisfy `clauses` and the distances required by `parts`."""
         self._progress(f"counting {what}", self._done, self._total)
         self._done += 1
         conditions = frozenset(clauses)

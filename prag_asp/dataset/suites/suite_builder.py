@@ -66,10 +66,10 @@ def generate_suite(
     before = SUITE.read(path)
     if before is not None:
         if before.identity != identity or {part.name for part in before.parts} != {*suite.parts}:
-            raise OutputError(f"{path}: is another suite, or one of another state of its domain; give a new folder")
+            raise OutputError(f"{path}: is a different suite, or its domain has changed; give a new folder")
         for part in before.parts:
             if part.tasks > suite.parts[part.name].tasks:
-                problem = f"has {plural(part.tasks, 'task')} already; ask for at least as many, or give a new folder"
+                problem = f"has {plural(part.tasks, 'task')} already; request at least as many, or give a new folder"
                 raise QueryError(f"{path / part.name}: {problem}")
     figures = count_suite(suite, limits=limits, progress=progress)
     refuse_leaks(suite, figures)

@@ -62,10 +62,10 @@ class SuiteManifest(msgspec.Struct):
     def __post_init__(self) -> None:
         names = [part.name for part in self.parts]
         if not names or len({*names}) < len(names):
-            raise QueryError("parts: needs some, each once; copy the suite once more")
+            raise QueryError("parts: needs some, each once; copy the suite again")
         for name in names:
             if not name or name.startswith(".") or Path(name).name != name:
-                raise QueryError(f"parts: {name!r} is not a valid name of a part; copy the suite once more")
+                raise QueryError(f"parts: {name!r} is not a valid name of a part; copy the suite again")
 
 
 SUITE = ManifestFile(NAME, SuiteManifest, "prag_asp suite", 1, "suite")

@@ -64,7 +64,7 @@ def _wrong_suite(path: Path, trust: bool, physics: bool, workers: int, progress:
     """Yield findings about a suite, as `verify` does."""
     note = SUITE.read(path)
     if note is None or not note.complete:
-        what = f"is not a suite, because it has no {NAME}" if note is None else "the run that makes it has not ended"
+        what = f"is not a suite, because it has no {NAME}" if note is None else "the run that writes it has not ended"
         raise QueryError(f"{path}: {what}; prag-asp suite generates or continues it")
     yield from _wrong_files(path, note)
     try:
@@ -72,7 +72,7 @@ def _wrong_suite(path: Path, trust: bool, physics: bool, workers: int, progress:
         try:
             text = read_bytes(path / SPELLED, within=path).decode()
         except (OSError, UnicodeDecodeError) as error:
-            raise DomainError(f"{path / SPELLED}: cannot be read: {error}; copy the suite once more") from None
+            raise DomainError(f"{path / SPELLED}: cannot be read: {error}; copy the suite again") from None
         suite = read_suite(Source(path / SPELLED, text), domain=first.domain, trust=trust)
         yield from _wrong_note(suite, note, progress)
     except PragError as error:
@@ -87,7 +87,7 @@ def _wrong_suite(path: Path, trust: bool, physics: bool, workers: int, progress:
         try:
             data, own = Dataset.open(path / part.name, trust=trust), suite.parts[part.name]
             if data.manifest.request != request_of(space_of(suite, own), suite.dataset_spec(own)):
-                yield Finding(f"{part.name}/dataset.json", None, f"was made by another request than {SPELLED} says")
+                yield Finding(f"{part.name}/dataset.json", None, f"does not belong to the request in {SPELLED}")
             report = progress_of_part(part.name, progress)
             for finding in wrong_dataset(path / part.name, trust, physics, workers, report):
                 yield finding._replace(file=f"{part.name}/{finding.file}")
@@ -121,14 +121,14 @@ def _wrong_note(suite: Suite, note: SuiteManifest, progress: Progress) -> Iterat
     right.name = note.name  # the original name of the file, which is a copy named suite.toml here
     for name in ("identity", "title", "description", "domain", "source", "shared", "unseen"):
         if getattr(note, name) != getattr(right, name):
-            yield Finding(NAME, None, f"{name} is not what {SPELLED} says, counted again")
+            yield Finding(NAME, None, f"{name} differs from a new count for {SPELLED}")
     if [part.name for part in note.parts] != [part.name for part in right.parts]:
         yield Finding(NAME, None, f"parts are not those of {SPELLED}")
         return
     for part, right_part in zip(note.parts, right.parts, strict=True):
         for field_ in ("about", "of", "unseen", "where", "language", "phrasings", "spaces", "size", "distance"):
             if getattr(part, field_) != getattr(right_part, field_):
-                yield Finding(NAME, None, f"parts, {part.name}: {field_} is not what {SPELLED} says, counted again")
+                yield Finding(NAME, None, f"parts, {part.name}: {field_} differs from a new count for {SPELLED}")
         if part.requested > right_part.requested:
             yield Finding(NAME, None, f"parts, {part.name}: has a request for more tasks than {SPELLED} says")
     for leak in figures.leaks:
@@ -168,11 +168,11 @@ class _OverlapChecks:
             key = (entry.task.actions, entry.task.initial)
             other = self.tasks.setdefault(key, (name, row))
             if other[0] != name and not part.declares(parts[other[0]]):
-                yield Finding(name, row, f"has the task of {other[0]}, row {other[1]}")
+                yield Finding(name, row, f"has the same task as {other[0]}, row {other[1]}")
             instructions = [text for level, text in entry.instruction.items() if level != PLAIN]
             for text in (*instructions, *(entry.subgoals if instructions else ())):
                 for before, place in self.texts.get(text, {}).items():
                     if before != name and part.apart(parts[before]):
-                        yield Finding(name, row, f"has words of {before}, row {place}: {text}")
+                        yield Finding(name, row, f"has the same text as {before}, row {place}: {text}")
                 if text:
                     self.texts.setdefault(text, {}).setdefault(name, row)

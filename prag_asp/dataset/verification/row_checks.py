@@ -101,7 +101,7 @@ class RowChecks:
             tasks += shard.rows("tasks")
             yield from self._wrong_draws(shard, passed, rejected, draws)
             if shard.tally != tally_of(passed, rejected, [row for _, row in starts]):
-                problem = f"the tally of shard {shard.number} of {note.name} is not what its rows say"
+                problem = f"the tally of shard {shard.number} of {note.name} does not match its rows"
                 yield Finding(NAME, None, problem)
             self.done += shard.rows("tasks")
             self.progress("rows", self.done, self.manifest.rows("tasks"))

@@ -60,13 +60,13 @@ def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progre
     """Yield findings about sizes and rows; sizes are counted again, and rows are sampled again."""
     spec, lengths = manifest.spec, manifest.lengths
     if [space.length for space in manifest.spaces] != lengths:  # counting other lengths might never end
-        yield Finding(NAME, None, "spaces are not of the lengths requested, so no task was checked")
+        yield Finding(NAME, None, "spaces do not have the requested lengths, so no task was checked")
         return
     try:
         space = TaskSpace(domain, lengths).where(*manifest.where)
         parts = requested_parts(space, spec)
     except PragError as error:
-        yield Finding(NAME, None, f"what was requested cannot be drawn: {error}")
+        yield Finding(NAME, None, f"the request cannot be sampled: {error}")
         return
     yield from wrong_sizes(manifest, {length: space.at(length) for length in lengths}, parts)
     rows, figures = RowChecks(manifest, domain, tables, progress), deepcopy(manifest)
@@ -85,4 +85,4 @@ def _wrong_tasks(manifest: Manifest, domain: Domain, tables: TableReader, progre
         if choice is not None:
             record_figures(figures, note.name, choice.figures(passed))
     if (manifest.cover, manifest.diverse) != (figures.cover, figures.diverse):
-        yield Finding(NAME, None, f"{'cover' if spec.cover else 'diverse'} is not what the tasks reach")
+        yield Finding(NAME, None, f"{'cover' if spec.cover else 'diverse'} does not match the tasks")

@@ -55,7 +55,7 @@ class Watch:
 
 @dataclass(frozen=True)
 class AtomNumbers:
-    """The number of answer sets with an atom and, if computed, by how much choosing or excluding it narrows them."""
+    """The number of answer sets with an atom and, if computed, how much each choice about the atom reduces this set."""
 
     count: int
     chosen: Narrowing | None
@@ -108,8 +108,8 @@ class ExploredProgram:
     def result(self, literals: tuple[str, ...]) -> ModelsResult:
         """Return the counts under the given literals.
 
-        All choices share the diagram of the whole program. If it takes too long, the program under the choices is
-        compiled, which may be easier.
+        All choices share the diagram of the whole program. If compiling this diagram takes too long, the program under
+        the choices is compiled, which may be easier.
 
         Raises:
             QueryError: a text is not a literal, or no answer set can show its symbol.

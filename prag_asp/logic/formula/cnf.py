@@ -80,7 +80,7 @@ def _unroll(program: Program, length: int) -> tuple[list[Rule], dict[clingo.Symb
 
 
 def _variables(literals: Mapping[clingo.Symbol, Literal], shown: EncodingPredicate) -> tuple[int, ...]:
-    """Return the variables of the atoms of a predicate; clingo's own lookup is slow, and most atoms are facts."""
+    """Return the variables of the atoms of a predicate, sorted; facts have no variables."""
     return tuple(sorted(v for symbol, v in literals.items() if abs(v) != TRUE and symbol.match(*shown)))
 
 

@@ -110,7 +110,7 @@ def _restricts(statement: Statement) -> bool:
 
 
 def _under(statement: Statement, kept: str) -> Iterator[str]:
-    """Yield a statement under the atom `kept`, and its lifted form under the negation of this atom."""
+    """Yield a statement that applies if the atom `kept` is true, and its lifted form, which applies otherwise."""
     head, body = statement.node.head, "".join(f"{text}; " for _, text in statement.literals)
     yield f"{head} :- {body}{kept}."
     if any(atom.signature == EFFECT for atom in statement.heads):

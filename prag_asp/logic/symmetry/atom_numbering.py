@@ -41,7 +41,7 @@ INSIDE = 0
 """The placeholder for an atom of a component before its rules are unfolded."""
 
 START, COMPONENT = 2**32, 2**33
-"""The bound that marks rules for initial values, and the bound that marks placeholders for atoms of a component."""
+"""Impossible sums that mark the bodies of rules for initial values, and of placeholders for atoms of a component."""
 
 
 class SpelledRule(NamedTuple):

@@ -27,7 +27,7 @@ def outcomes(source: PddlSource, effect: Expression) -> list[Expression]:
         DomainError: there are too many outcomes, or their number depends on objects or on the state.
     """
     if _number(source, effect) > MOST_OUTCOMES:
-        text = f"this effect has more than {MOST_OUTCOMES:,} outcomes; write fewer into one action"
+        text = f"this effect has more than {MOST_OUTCOMES:,} outcomes; divide them among several actions"
         source.refuse(effect.line, text)
     return [*_outcomes(effect)]
 

@@ -56,7 +56,7 @@ def parse(path: Path, kind: str) -> Definition:
         name = each.parts[1] if len(each.parts) > 1 else None
         if each.head == "define" and isinstance(name, Expression) and name.head in KINDS:
             if name.head in found:
-                raise DomainError(f"{path}:{each.line}: a second {name.head}; write it into another file")
+                raise DomainError(f"{path}:{each.line}: a second {name.head}; move it to another file")
             found[name.head] = each
     if kind in found:
         return _definition(path, found[kind], kind)

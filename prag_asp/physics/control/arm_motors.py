@@ -6,6 +6,7 @@ Actions are clipped to the speeds and ranges of the robot's joints, so none is r
 from __future__ import annotations
 
 from collections.abc import Callable
+from operator import truediv
 
 import numpy as np
 
@@ -16,7 +17,7 @@ from prag_asp.physics.robot.kinematics import nudge_joints, track_joints
 from prag_asp.physics.witness import Arm
 from prag_asp.physics.world.dynamics import ArmCommand
 from prag_asp.scene.geometry import matrix, rotate
-from prag_asp.scene.robots import Robot
+from prag_asp.scene.robots import Joints, Robot
 
 LEASH = 0.1
 """The maximum difference between a motor's target and its joint, in radians; it bounds the force of a blocked arm."""
@@ -40,27 +41,27 @@ class ArmMotors:
         self._aim = AIMS[control.name]
         self._goal: Floats | None = None
         self._base, self._to_base = matrix(robot.base), np.linalg.inv(matrix(robot.base))
-        self._farthest = np.array(robot.speeds) / control.rate
-        self._lower, self._upper = np.array(robot.lower), np.array(robot.upper)
+        self._farthest = [speed / control.rate for speed in robot.speeds]
 
     def follow(self, values: Floats, arm: Arm) -> ArmCommand:
         """Return the command of the arm until the next action.
 
         `values` are the robot's numbers in an action, in their units; `arm` is the actual state of the arm.
         """
-        joints, here = np.array(self.command.joints), np.array(arm.joints)
-        step = self._aim(self, joints, values) - joints
-        joints += step / max(1.0, float((np.abs(step) / self._farthest).max()))
-        for least, most in ((here - LEASH, here + LEASH), (self._lower, self._upper)):
-            np.maximum(joints, least, out=joints)
-            np.minimum(joints, most, out=joints)
-        self._limit_goal(joints)
+        joints = np.array(self.command.joints)
+        steps = (self._aim(self, joints, values) - joints).tolist()
+        excess = max(1.0, *map(truediv, map(abs, steps), self._farthest))
+        limits = zip(self.command.joints, steps, arm.joints, self._robot.lower, self._robot.upper, strict=True)
+        targets = tuple(
+            [_clipped(last + step / excess, here, lower, upper) for last, step, here, lower, upper in limits]
+        )
+        self._limit_goal(targets)
         change = float(values[-1])
         if self._control.name != "ee_delta_upright":
             farthest = FINGERS / self._control.rate
             change = min(max(change - self.command.opening, -farthest), farthest)
         opening = min(max(self.command.opening + change, 0.0), self._robot.opening)
-        self.command = ArmCommand(tuple(joints.tolist()), opening)
+        self.command = ArmCommand(targets, opening)
         return self.command
 
     def joint_position(self, joints: Floats, values: Floats) -> Floats:
@@ -92,14 +93,26 @@ class ArmMotors:
         leaning, rolling, _ = rotate(robot.base.quaternion, (-float(here[1, 2]), float(here[0, 2]), 0.0))
         return nudge_joints(robot, joints, here, np.array((x, y, max(z, lowest), leaning, rolling, yaw)))
 
-    def _limit_goal(self, joints: Floats) -> None:
+    def _limit_goal(self, joints: Joints) -> None:
         """Discard the target pose of the tool if the targets of the motors are too far from it."""
         if self._goal is None:
             return
-        at = self._base @ self._robot.solver.forward(joints)
+        at = self._base @ self._robot.solver.forward(np.array(joints))
         cosine = (float(np.trace(self._goal[:3, :3].T @ at[:3, :3])) - 1.0) / 2
         if np.abs(self._goal[:3, 3] - at[:3, 3]).max() > LEAD or cosine < np.cos(LEAD_TURN):
             self._goal = None
+
+
+def _clipped(target: float, here: float, lower: float, upper: float) -> float:
+    """Return the target of a motor in radians, clipped to the surroundings of its joint and to the joint's limits.
+
+    Comparisons are faster than arrays, or `min` and `max`.
+    """
+    if target < here - LEASH:
+        target = here - LEASH
+    elif target > here + LEASH:
+        target = here + LEASH
+    return lower if target < lower else upper if target > upper else target
 
 
 AIMS: dict[ControlName, Callable[[ArmMotors, Floats, Floats], Floats]] = {

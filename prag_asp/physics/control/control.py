@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from math import pi
 from typing import NamedTuple
 
@@ -118,12 +119,12 @@ class Control:
         """The unit of each number."""
         return self.convention.units * len(self.robots)
 
-    @property
+    @cached_property
     def low(self) -> Floats:
         """The lower bounds of an action, shape (N,)."""
         return self.lower if self.convention.absolute else np.full(len(self.lower), -1.0)
 
-    @property
+    @cached_property
     def high(self) -> Floats:
         """The upper bounds of an action, shape (N,)."""
         return self.upper if self.convention.absolute else np.full(len(self.upper), 1.0)
@@ -138,12 +139,22 @@ class Control:
 
     def from_unit(self, shares: Floats) -> Floats:
         """Return numbers in their units, given numbers between -1 and 1, which stand for `lower` and `upper`."""
-        return (self.lower + self.upper) / 2 + (self.upper - self.lower) / 2 * shares
+        return self._middle + self._half * shares
 
     def to_unit(self, values: Floats) -> Floats:
         """Return numbers between -1 and 1, which stand for `lower` and `upper`, given numbers in their units."""
-        result: Floats = (values - (self.lower + self.upper) / 2) / ((self.upper - self.lower) / 2)
+        result: Floats = (values - self._middle) / self._half
         return result
+
+    @cached_property
+    def _middle(self) -> Floats:
+        """The middle of the range of each number, in its unit."""
+        return (self.lower + self.upper) / 2
+
+    @cached_property
+    def _half(self) -> Floats:
+        """Half the range of each number, in its unit."""
+        return (self.upper - self.lower) / 2
 
 
 def _bounds(name: str, robot: Robot, rate: int) -> tuple[Floats, Floats]:

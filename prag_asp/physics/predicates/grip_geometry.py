@@ -64,7 +64,8 @@ def is_flat(robot: Robot, height: float) -> bool:
 
 def rise_over_flat(robot: Robot, height: float) -> float:
     """Return the maximum height in metres of the tool above the top of a grasped object, or 0 if it is not flat."""
-    return max(0.0, min(TIP_ROOM + robot.fingertip - height, robot.fingertip - PAD_OVERLAP))
+    rise = TIP_ROOM + robot.fingertip - height
+    return min(rise, robot.fingertip - PAD_OVERLAP) if rise > 0.0 else 0.0
 
 
 def lowest_body() -> float:

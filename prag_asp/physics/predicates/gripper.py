@@ -24,7 +24,18 @@ from prag_asp.physics.predicates.grip_geometry import (
 from prag_asp.physics.predicates.predicate import Arguments, Gripper, Predicate, states, words
 from prag_asp.physics.predicates.volume import Ring, Volume, over_polygon, over_rectangle
 from prag_asp.physics.situation import Situation
-from prag_asp.scene.geometry import Pose, Quaternion, compose, heading, inside_by, invert, to_local, turn_between
+from prag_asp.scene.geometry import (
+    Pose,
+    Quaternion,
+    compose,
+    heading,
+    inside_by,
+    invert,
+    rotate,
+    to_local,
+    turn_between,
+    width_along,
+)
 from prag_asp.scene.robots import robot_of
 from prag_asp.scene.scene import Scene
 from prag_asp.scene.solids import weight
@@ -66,22 +77,32 @@ def _tool_violations(situation: Situation, arguments: Arguments, even: bool) -> 
     its end.
     """
     robot, entity = arguments
-    shape, body = situation.shape(entity), situation.body(entity)
-    x, y, z = situation.tool(robot).position
-    if shape.model is not None:
-        beyond = pad_reach(situation.robot(robot))
-        yield from (
-            abs(at - middle) - half - beyond for at, middle, half in zip((x, y, z), body.centre, body.half, strict=True)
-        )
+    if situation.shape(entity).model is not None:
+        beyond, body = pad_reach(situation.robot(robot)), situation.body(entity)
+        sides = zip(situation.tool(robot).position, body.centre, body.half, strict=True)
+        yield from (abs(at - middle) - half - beyond for at, middle, half in sides)
         return
-    yield z - body.high[2] - rise_over_flat(situation.robot(robot), body.high[2] - body.low[2])
-    yield body.low[2] - BELOW - z
+    yield from _heights(situation, robot, entity)
+    yield _aside(situation, robot, entity, even)
+
+
+def _heights(situation: Situation, robot: str, entity: str) -> tuple[float, float]:
+    """Return how far in metres the tool is above and below the heights at which it can grip an object without a model.
+
+    An environment needs these numbers for each object in each step.
+    """
+    body, z = situation.body(entity), situation.tool(robot).position[2]
+    low, high = body.low[2], body.high[2]
+    return z - high - rise_over_flat(situation.robot(robot), high - low), low - BELOW - z
+
+
+def _aside(situation: Situation, robot: str, entity: str, even: bool) -> float:
+    """Return the horizontal distance in metres of the tool from the places where it can grip an object."""
+    (x, y, _), pose = situation.tool(robot).position, situation.body(entity).pose
     if even:
-        (dx, dy), (half_x, half_y, _) = to_local(body.pose, x, y), shape.half
-        yield max(abs(dx) - max(CENTRE_TOLERANCE, half_x - EDGE), abs(dy) - max(CENTRE_TOLERANCE, half_y - EDGE))
-    else:
-        cx, cy, _ = body.pose.position
-        yield math.hypot(x - cx, y - cy) - CENTRE_TOLERANCE
+        (dx, dy), (half_x, half_y, _) = to_local(pose, x, y), situation.shape(entity).half
+        return max(abs(dx) - max(CENTRE_TOLERANCE, half_x - EDGE), abs(dy) - max(CENTRE_TOLERANCE, half_y - EDGE))
+    return math.hypot(x - pose.position[0], y - pose.position[1]) - CENTRE_TOLERANCE
 
 
 def _contact_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
@@ -96,11 +117,6 @@ def _contact_violations(situation: Situation, arguments: Arguments) -> Iterator[
     friction = pad_friction(situation.scene, entity)
     for cosine in contact.cosines(friction):
         yield math.acos(max(-1.0, min(1.0, cosine))) - math.atan(friction)
-
-
-def _grip_violations(situation: Situation, arguments: Arguments) -> Iterator[float]:
-    """Yield the distances in metres of the tool from the places where it can grip the object."""
-    return _tool_violations(situation, arguments, situation.shape(arguments[1]).traits.even)
 
 
 def _at_volume(situation: Situation, arguments: Arguments, quaternion: Quaternion) -> Volume:
@@ -120,7 +136,7 @@ def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[
     The width is not computed if the tool is so far away that the error of the width cannot be the largest error.
     """
     robot, entity = arguments
-    shape, width = situation.shape(entity), situation.arm(robot).width
+    shape = situation.shape(entity)
     if shape.model is not None:
         beyond = list(_tool_violations(situation, arguments, even=False))
         yield from beyond
@@ -128,16 +144,28 @@ def _holding_violations(situation: Situation, arguments: Arguments) -> Iterator[
             return
         yield from _contact_violations(situation, arguments)
         return
-    places = []
-    for missed in _grip_violations(situation, arguments):
-        places.append(missed)
-        yield missed
-    if max(places) < max(width, 2 * math.hypot(*shape.half)):
-        tool = situation.tool(robot) if max(places) <= 0.0 else _nearest_tool(situation, arguments)
+    over, under = _heights(situation, robot, entity)
+    yield over
+    yield under
+    beside = _aside(situation, robot, entity, shape.traits.even)
+    yield beside
+    farthest, tool = max(over, under, beside), situation.tool(robot)
+    width = situation.arm(robot).width
+    # both of these bounds exceed the largest error; the first one is cheaper
+    if farthest < max(width, 2 * math.hypot(*shape.half)) and farthest < max(
+        width, min(shape.size), _whole_width(situation, entity, tool)
+    ):
+        tool = tool if farthest <= 0.0 else _nearest_tool(situation, arguments)
         between = grip_width(situation, entity, robot, tool)
         yield abs(width - between) - GRIP_TOLERANCE
         # Pads at a corner, or at the upper half of a ball, do not hold opposite sides.
         yield min(shape.size) - between - GRIP_TOLERANCE
+
+
+def _whole_width(situation: Situation, entity: str, tool: Pose) -> float:
+    """Return the width in metres of an object without a model along the axis on which the fingers open."""
+    opening = rotate(tool.quaternion, (0.0, 1.0, 0.0))
+    return width_along(situation.shape(entity), situation.pose(entity).quaternion, opening)
 
 
 def _nearest_tool(situation: Situation, arguments: Arguments) -> Pose:
@@ -169,7 +197,8 @@ def _holding_way(situation: Situation, arguments: Arguments) -> float:
     robot, entity = arguments
     if situation.shape(entity).model is not None:
         return _way_to_grasp(situation, robot, entity)
-    over, under, beside = _grip_violations(situation, arguments)
+    over, under = _heights(situation, robot, entity)
+    beside = _aside(situation, robot, entity, situation.shape(entity).traits.even)
     aside, height = max(0.0, beside), over + under
     least = min(RISE, AJAR * aside + height)
     tool = aside + max(0.0, least - over) + max(0.0, over, least)

@@ -8,8 +8,8 @@ the coarse sweep finds nothing.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
-from functools import lru_cache
+from collections.abc import Callable, Iterator, Sequence
+from functools import cache, lru_cache
 from operator import mul
 
 import numpy as np
@@ -32,6 +32,9 @@ CAUTION, POSTURE_GAIN = 1e-3, 0.02
 posture."""
 DAMPED = CAUTION * np.eye(6)
 
+INVERSE: Callable[[NDArray[np.float64]], NDArray[np.float64]] = getattr(np.linalg, "_umath_linalg", np.linalg).inv
+"""`numpy.linalg.inv` without its checks, which take longer than the inversion of a small matrix."""
+
 TRACKING, TRACKING_DAMPED = 8, 1e-5 * np.eye(6)
 """The maximum number of steps towards a target pose, and their damping, which is lower because steps are repeated."""
 
@@ -50,7 +53,7 @@ def tool_matrix(robot: Robot, joints: Joints) -> Rows:
 @lru_cache(maxsize=1 << 8)
 def tool_pose(robot: Robot, joints: Joints) -> Pose:
     """Return the pose of a robot's tool."""
-    at = tool_matrix(robot, joints)
+    at: list[list[float]] = robot.solver.forward(joints).tolist()
     pose = Pose((at[0][3], at[1][3], at[2][3]), quaternion_of(at))
     return pose if robot.base is ORIGIN else compose(robot.base, pose)
 
@@ -124,10 +127,11 @@ def nudge_joints(
     if robot.base is not ORIGIN:
         turn = matrix(robot.base)[:3, :3].T
         twist = np.concatenate([turn @ twist[:3], turn @ twist[3:]])
-    inverse = jacobian.T @ np.linalg.inv(jacobian @ jacobian.T + DAMPED)
-    posture_step = POSTURE_GAIN * (np.array(robot.posture) - joints)
+    across = jacobian.T  # dot() is faster than @ for such small arrays
+    inverse = across.dot(INVERSE(jacobian.dot(across) + DAMPED))
+    posture_step = POSTURE_GAIN * (_posture(robot) - joints)
     posture_step[0] = 0.0
-    result: NDArray[np.float64] = joints + posture_step + inverse @ (twist - jacobian @ posture_step)
+    result: NDArray[np.float64] = joints + posture_step + inverse.dot(twist - jacobian.dot(posture_step))
     return result
 
 
@@ -136,7 +140,7 @@ def track_joints(robot: Robot, joints: NDArray[np.float64], target: NDArray[np.f
 
     `target` is a homogeneous matrix in the frame of the base. The method repeats the step that `nudge_joints` takes.
     """
-    posture_step = POSTURE_GAIN * (np.array(robot.posture) - joints)
+    posture_step = POSTURE_GAIN * (_posture(robot) - joints)
     posture_step[0] = 0.0
     for _ in range(TRACKING):
         here = robot.solver.forward(joints)
@@ -148,6 +152,12 @@ def track_joints(robot: Robot, joints: NDArray[np.float64], target: NDArray[np.f
         joints = np.clip(joints + posture_step + inverse @ (twist - jacobian @ posture_step), robot.lower, robot.upper)
         posture_step = np.zeros_like(joints)
     return joints
+
+
+@cache
+def _posture(robot: Robot) -> NDArray[np.float64]:
+    """Return the preferred posture of a robot, shape (7,)."""
+    return np.array(robot.posture)
 
 
 def _jacobian(robot: Robot, joints: NDArray[np.float64], here: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from itertools import combinations
 from typing import NamedTuple
 
@@ -13,13 +14,13 @@ from prag_asp.physics.bullet import STDOUT, mute_output, pybullet
 from prag_asp.physics.predicates.grip_friction import FINGER_FRICTION, finger_force
 from prag_asp.physics.robot.robot_files import robot_file
 from prag_asp.physics.witness import ROBOT_PARTS, Arm, Moment
-from prag_asp.physics.world.bodies import body_pose, make_body, make_table, parking_place, put_body
+from prag_asp.physics.world.bodies import make_body, make_table, mass_frame, parking_place, put_body
 from prag_asp.physics.world.collisions import BASE_LINK
 from prag_asp.physics.world.furniture_bodies import JOINT, UPRIGHT, read_opening, set_opening
 from prag_asp.physics.world.simulated_arm import load_robot_files, set_joints
 from prag_asp.physics.world.simulator import open_client, read_pose, start_world
 from prag_asp.physics.world.time_step import TIME_STEP
-from prag_asp.scene.geometry import Pose
+from prag_asp.scene.geometry import Pose, compose, invert
 from prag_asp.scene.robots import Joints, Robot, robot_of
 from prag_asp.scene.scene import Scene
 
@@ -61,6 +62,12 @@ class ArmCommand(NamedTuple):
     joints: Joints
     opening: float
 
+    @property
+    def motor_targets(self) -> list[float]:
+        """The target of each motor: seven joint angles in radians, and the place of each finger in metres."""
+        finger = self.opening / 2
+        return [*self.joints, finger, finger]
+
 
 class Pressing(NamedTuple):
     """The contact of two bodies: the sum of their normal forces in newtons, and the depth in metres."""
@@ -76,12 +83,14 @@ NO_PRESSING = Pressing(0.0, 0.0)
 class LoadedArm:
     """An arm in a simulation: its robot, its body, and the joints of the arm and gripper that motors drive.
 
-    `base` is the pose of the arm in PyBullet: the pose of the centre of mass of its first link.
+    `forces` are the largest forces of these motors, in newton metres, and in newtons for the fingers. `base` is the
+    pose of the arm in PyBullet: the pose of the centre of mass of its first link.
     """
 
     robot: Robot
     body: int
     driven: Sequence[int]
+    forces: Sequence[float]
     base: Pose
 
 
@@ -94,6 +103,8 @@ class Dynamics:
         self._arms: dict[str, LoadedArm] = {}
         self._bodies: dict[str, int] = {}
         self._furniture: dict[str, int] = {}
+        self._from_mass: dict[str, Pose | None] = {}
+        self._fixed: dict[str, Pose] = {}
         self._quiet: dict[str, int] = {}
         self._gentle: dict[str, dict[str, float]] = {}
         self._parts: dict[tuple[int, int], int] = {}
@@ -115,6 +126,8 @@ class Dynamics:
             entity: make_body(self.client, self.scene, entity, moment.poses[entity].position) for entity in objects
         }
         self._furniture = {entity: self._bodies[entity] for entity in moment.openings}
+        frames = {entity: mass_frame(self.scene, entity) for entity in objects}
+        self._from_mass = {entity: None if frame is None else invert(frame) for entity, frame in frames.items()}
         for body in self._bodies.values():
             pybullet.changeDynamics(
                 body,
@@ -162,6 +175,10 @@ class Dynamics:
             loaded = self._arms[name]
             set_joints(self.client, loaded.body, loaded.robot, arm.joints, arm.width)
         self._quiet = dict.fromkeys(self._bodies, 0)
+        # nothing moves a fixed body in between
+        self._fixed = {
+            entity: read_pose(self.client, body) for entity, body in self._bodies.items() if entity in self.scene.fixed
+        }
 
     def drive(self, robot: str, command: ArmCommand, speeds: Sequence[float] = STILL) -> None:
         """Set the targets of the motors of an arm for the next step.
@@ -169,29 +186,51 @@ class Dynamics:
         `speeds` are the target speeds of the joints in rad/s. An opening smaller than the width of an object between
         the fingers squeezes it with `finger_force`.
         """
+        self._motors(robot, speeds)(targetPositions=command.motor_targets, forces=self._forces(robot))
+
+    def run(self, targets: Mapping[str, Sequence[Sequence[float]]], speeds: Mapping[str, Sequence[float]]) -> None:
+        """Simulate one `TIME_STEP` for each of the motor targets of a robot; all robots have equally many.
+
+        `speeds` are the target speeds of the joints in rad/s. Little is computed between the time steps, because
+        PyBullet displaces everything else from the caches of the processor.
+        """
+        client, simulate, gentle = self.client, pybullet.stepSimulation, self._gentle
+        motors = [
+            (robot, self._motors(robot, speeds[robot]), rows, self._arms[robot].forces)
+            for robot, rows in targets.items()
+        ]
+        for number in range(len(motors[0][2])):
+            for robot, motor, rows, most in motors:
+                motor(targetPositions=rows[number], forces=self._forces(robot) if gentle[robot] else most)
+            simulate(physicsClientId=client)
+
+    def _motors(self, robot: str, speeds: Sequence[float]) -> partial[None]:
+        """Return the function of PyBullet that sets the targets and forces of an arm's motors for the next step."""
         arm = self._arms[robot]
-        squeeze = self._squeeze(robot)
-        pybullet.setJointMotorControlArray(
+        return partial(
+            pybullet.setJointMotorControlArray,
             arm.body,
             arm.driven,
             pybullet.POSITION_CONTROL,
-            targetPositions=[*command.joints, command.opening / 2, command.opening / 2],
             targetVelocities=[*speeds, 0.0, 0.0],
-            forces=[*arm.robot.torques, squeeze, squeeze],
             positionGains=POSITION_GAINS,
             physicsClientId=self.client,
         )
 
-    def _squeeze(self, robot: str) -> float:
-        """Return the largest force of each finger in newtons, which depends on the bodies between both fingers."""
+    def _forces(self, robot: str) -> Sequence[float]:
+        """Return the largest force of each motor; that of the fingers depends on the bodies between them.
+
+        The unit is newton metres, and newtons for the fingers.
+        """
         arm, forces = self._arms[robot], self._gentle[robot]
-        most = arm.robot.grip_force
         if not forces:
-            return most
+            return arm.forces
+        most = arm.robot.grip_force
         light = [entity for entity, force in forces.items() if force < most]
         if not any(self._is_between(arm, entity) for entity in light):
-            return most
-        return max(force for entity, force in forces.items() if self._is_between(arm, entity))
+            return arm.forces
+        squeeze = max(force for entity, force in forces.items() if self._is_between(arm, entity))
+        return (*arm.robot.torques, squeeze, squeeze)
 
     def _is_between(self, arm: LoadedArm, entity: str) -> bool:
         """Return whether both fingers are close to a body."""
@@ -210,13 +249,20 @@ class Dynamics:
         arms = {}
         for name, arm in self._arms.items():
             states = pybullet.getJointStates(arm.body, arm.driven, physicsClientId=self.client)
-            *joints, left, right = (state[0] for state in states)
+            *joints, left, right = [state[0] for state in states]
             arms[name] = Arm(tuple(joints), left + right)
         return arms
 
     def poses(self) -> dict[str, Pose]:
         """Return the poses of the objects."""
-        return {entity: body_pose(self.client, self.scene, entity, body) for entity, body in self._bodies.items()}
+        client, fixed, poses = self.client, self._fixed, dict[str, Pose]()
+        for entity, from_mass in self._from_mass.items():
+            pose = fixed.get(entity)
+            if pose is None:
+                pose = Pose(*pybullet.getBasePositionAndOrientation(self._bodies[entity], physicsClientId=client))
+                pose = pose if from_mass is None else compose(pose, from_mass)
+            poses[entity] = pose
+        return poses
 
     def openings(self) -> dict[str, float]:
         """Return the opening of furniture, in metres or radians."""
@@ -235,11 +281,12 @@ class Dynamics:
         still, client, quiet = True, self.client, self._quiet
         for entity, body in self._bodies.items():
             if entity in self._furniture:
-                speed = turn = abs(pybullet.getJointState(body, JOINT, physicsClientId=client)[1])
+                resting = abs(pybullet.getJointState(body, JOINT, physicsClientId=client)[1]) < RESTING
+            elif entity in self._fixed:
+                resting = True
             else:
                 velocity, spin = pybullet.getBaseVelocity(body, physicsClientId=client)
-                speed, turn = math.hypot(*velocity), math.hypot(*spin)
-            resting = speed < RESTING and turn < RESTING_TURN
+                resting = math.hypot(*velocity) < RESTING and math.hypot(*spin) < RESTING_TURN
             still = still and resting
             quiet[entity] = quiet[entity] + 1 if resting else 0
             if quiet[entity] == SLEEP_FRAMES:
@@ -301,7 +348,8 @@ class Dynamics:
         )
         for link in robot.finger_links:
             pybullet.changeDynamics(body, link, lateralFriction=FINGER_FRICTION, physicsClientId=client)
-        return LoadedArm(robot, body, robot.driven, read_pose(client, body))
+        forces = (*robot.torques, robot.grip_force, robot.grip_force)
+        return LoadedArm(robot, body, robot.driven, forces, read_pose(client, body))
 
 
 @contextmanager

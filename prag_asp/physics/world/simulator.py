@@ -181,8 +181,7 @@ def move(client: int, body: int, pose: Pose) -> None:
 
 def read_pose(client: int, body: int) -> Pose:
     """Return the pose of a body's inertial frame."""
-    position, quaternion = pybullet.getBasePositionAndOrientation(body, physicsClientId=client)
-    return Pose(tuple(position), tuple(quaternion))
+    return Pose(*pybullet.getBasePositionAndOrientation(body, physicsClientId=client))
 
 
 @contextmanager

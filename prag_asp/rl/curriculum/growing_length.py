@@ -46,7 +46,7 @@ class LengthSampler:
         self.seed(0)
 
     def seed(self, seed: int) -> None:
-        """Reset the sampler."""
+        """Reset the sampler, with a new seed."""
         self._seed, self._reached, self._drawn = seed, 0, 0
         self._taken = [0] * len(self._lengths)
         self._proposals: dict[int, Iterator[Proposal]] = {}

@@ -36,8 +36,8 @@ RARE = Fraction(1, 16)
 """The share of samples with a due name or pair below which the weights of due names or pairs are increased."""
 
 EMPHASIS, HALF = 64, Fraction(1, 2)
-"""The factor for these weights, which is applied repeatedly until at least the share `HALF` of the samples have a due
-name or pair.
+"""The factor that increases the weights of due names or pairs; it is applied repeatedly until at least the share `HALF`
+of the samples have one of them.
 """
 
 
@@ -188,7 +188,7 @@ class CoverageSampler:
             figures = pool.at(length).statistics()
             names |= set(figures.expected_names) if what == "names" else set(map(">".join, figures.expected_pairs))
         if not names:
-            raise QueryError(f"no task of the space has {what}; give one of another length, or another novelty")
+            raise QueryError(f"no task of the space has {what}; give a space of another length, or another curriculum")
         self._all = tuple(sorted(names))
         self._base = dict(pool.space.domain.settings.weights)
         self.seed(0)

@@ -91,7 +91,7 @@ class TaskPool:
 
     def __post_init__(self) -> None:
         if not any(self.space.lengths):
-            raise QueryError("tasks of no action have no subgoal; give a space of another length")
+            raise QueryError("tasks without actions have no subgoals; give a space of another length")
         if self.part is not None and not self.part.size:
             raise QueryError("the part has no task; give another one")
 
@@ -104,7 +104,7 @@ class TaskPool:
         """
         lengths = sorted(length for length in self.space.lengths if length and self.at(length).count())
         if not lengths:
-            raise QueryError("there is no task to draw; give a space of other lengths, or of fewer conditions")
+            raise QueryError("there is no task to draw; give a space with other lengths or fewer conditions")
         return lengths
 
     def at(self, length: int) -> TaskSpace:
@@ -133,7 +133,7 @@ class TaskPool:
     def draws(
         self, *, seed: int, weights: Mapping[str, Number] | Weights | None = None, length: int | None = None
     ) -> Iterator[Proposal]:
-        """Yield tasks like `proposals`, whether or not they are in the pool; `TaskSpace.draw` explains `weights`.
+        """Yield independent samples endlessly, including tasks outside the pool; `TaskSpace.draw` explains `weights`.
 
         Raises:
             QueryError: there is no task, or a weight matches nothing.

@@ -36,7 +36,7 @@ class Split:
             QueryError: there is no such part, or the space has a task without actions.
         """
         if not all(space.lengths):
-            raise QueryError("tasks of no action have no subgoal; split a space of lengths from 1")
+            raise QueryError("tasks without actions have no subgoals; split a space of lengths from 1")
         return space_part(space, self.division, self.part, seed=self.seed)
 
 
@@ -60,7 +60,7 @@ class TaskOrigin:
 
     def __post_init__(self) -> None:
         if sum(each is not None for each in (self.space, self.dataset, self.task)) != 1:
-            raise QueryError("tasks come from one place: give a space, a dataset, or a task")
+            raise QueryError("tasks have one origin; give a space, a dataset, or a task")
         for value, kinds, example in (
             (self.space, TaskSpace, 'TaskSpace(load_domain("tabletop"), length=2)'),
             (self.dataset, Dataset, 'Dataset.open("DIR")'),
@@ -70,18 +70,18 @@ class TaskOrigin:
             if value is not None and not isinstance(value, kinds):
                 raise QueryError(f"{value!r:.80} is not an origin of tasks; give {example}")
         if self.part is not None and self.space is None:
-            raise QueryError("a part is one of a space; give the space, too")
+            raise QueryError("a part needs its space; give the space, too")
         if self.part is not None and isinstance(self.space, TaskSpace) and not self.space.same_tasks(self.part.space):
-            raise QueryError(f"the part is one of {self.part.space!r}, and not of {self.space!r}; give a part of that")
+            raise QueryError(f"the part belongs to {self.part.space!r}, not {self.space!r}; give a part of the latter")
         if self.split is not None and (self.space is None or self.part is not None):
-            raise QueryError("a split divides a whole space; give that alone, or a part of it without a split")
+            raise QueryError("a split divides a whole space; give the space alone, or a part of it without a split")
         for each in self._curricula:
             if isinstance(each, type) or not (hasattr(each, "task_sampler") or hasattr(each, "subgoal_sampler")):
                 raise QueryError(
                     f"{each!r:.80} is not a curriculum; give one of prag_asp.rl, such as LengthCurriculum()"
                 )
         if self.space is None and self._curriculum_with("task_sampler"):
-            raise QueryError("a curriculum of tasks needs a space; give that, or ReverseCurriculum() alone")
+            raise QueryError("a curriculum of tasks needs a space; give a space, or ReverseCurriculum() alone")
         self._curriculum_with("subgoal_sampler")
 
     def domain(self, requested: Domain | str | None) -> Domain:

@@ -112,7 +112,7 @@ class WitnessFinder:
         """
         witness = self.witness(task)
         if witness is None:
-            raise QueryError(f"no witness is found for the task {task}; choose another, or give a larger budget")
+            raise QueryError(f"no witness was found for the task {task}; choose another, or give a larger budget")
         return witness
 
 
@@ -162,7 +162,7 @@ def assign_witness(task: Task, witness: Witness, scene: Scene) -> Assignment:
     """
     states, moments = physical_task(task, scene).states, witness.moments
     if len(states) != len(moments):
-        raise QueryError(f"the witness has {len(moments)} states, the task {len(states)}; give that of the task")
+        raise QueryError(f"the witness has {len(moments)} states, the task {len(states)}; give a witness of the task")
     sized = scene.with_sizes(witness.sizes)
     for number, (facts, moment) in enumerate(zip(states, moments, strict=True)):
         situation = Situation(sized, moment.poses, moment.arms, moment.openings)

@@ -9,7 +9,7 @@ inverse kinematics is the analytic solution of He and Liu ("Analytical inverse k
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from types import ModuleType
 
@@ -36,6 +36,13 @@ def _frankik() -> ModuleType:
     return needed("frankik")
 
 
+@cache
+def _forward_kinematics() -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    """Return the function that computes the pose of the tool."""
+    fk: Callable[[NDArray[np.float64]], NDArray[np.float64]] = _frankik().fk
+    return fk
+
+
 class PandaSolver:
     """The kinematics of the Panda; the free parameter is the angle of joint 7."""
 
@@ -44,7 +51,7 @@ class PandaSolver:
 
     def forward(self, joints: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the pose of the tool as a homogeneous matrix."""
-        pose: NDArray[np.float64] = _frankik().fk(np.asarray(joints))
+        pose: NDArray[np.float64] = _forward_kinematics()(np.asarray(joints))
         return pose
 
     def solutions(

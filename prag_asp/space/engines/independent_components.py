@@ -71,7 +71,7 @@ class IndependentParts:
 
     @property
     def finds(self) -> bool:
-        """Whether words may be searched part by part: true as long as no part is known to be large."""
+        """Whether words may be searched for part by part: true as long as no part is known to be large."""
         return self.counts and not self._large
 
     def falls_apart(self, extent: Extent) -> bool:

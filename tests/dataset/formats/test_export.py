@@ -94,7 +94,9 @@ def test_a_dataset_without_recordings_or_without_such_a_task_is_refused(
     form: str, told: Dataset, arms: Dataset, tmp_path: Path
 ) -> None:
     if form in RECORDED:
-        with pytest.raises(QueryError, match=r"has no recordings; make a dataset that has, .* --demonstrate$"):
+        with pytest.raises(
+            QueryError, match=r"has no recordings; generate a dataset with recordings: .* --demonstrate$"
+        ):
             export(told, form, tmp_path / OUT[form])
     none = arms.where(*(f"lacks {name}" for name in {action.name for action in arms.task(0).actions}))
     with pytest.raises(QueryError, match="has no such task"):

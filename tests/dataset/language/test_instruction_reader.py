@@ -44,9 +44,12 @@ def test_other_words_for_the_same_are_read(writer: InstructionWriter, task: Task
     [
         (
             "Grab the cube from the table.",
-            "^'the cube' may be cube_1 or cube_2; say its colour, its size or where it is$",
+            "^'the cube' may be cube_1 or cube_2; state its colour, size or place$",
         ),
-        ("Grab the purple cube from the table.", "^'the purple cube' fits nothing that there is; name another thing$"),
+        (
+            "Grab the purple cube from the table.",
+            "^'the purple cube' fits no object that is present; name another one$",
+        ),
         (
             "Please grab the can from the table, then insert the cube into the tray.",
             "^'the cube' may be cube_1 or cube_2",

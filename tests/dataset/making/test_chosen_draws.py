@@ -66,7 +66,7 @@ def test_all_combinations_are_covered_and_more_tasks_are_sampled(tmp_path: Path)
     assert not list(verify(tmp_path / "whole"))
     generate(SPACE, tmp_path / "few", tasks=few + 20, **COVER)
     assert content(tmp_path / "few") == content(tmp_path / "whole")
-    with pytest.raises(QueryError, match="already; ask for at least as many"):
+    with pytest.raises(QueryError, match="already; request at least as many"):
         generate(SPACE, tmp_path / "few", **COVER)
 
 
@@ -169,7 +169,7 @@ def test_figures_that_do_not_hold_are_found(tmp_path: Path) -> None:
         told = json.loads(file.read_text())
         change(told)
         file.write_text(json.dumps(told))
-        assert f"{name} is not what the tasks reach" in "".join(map(str, verify(tmp_path / name)))
+        assert f"{name} does not match the tasks" in "".join(map(str, verify(tmp_path / name)))
 
 
 def test_the_command_says_what_is_reached_and_what_contradicts(tmp_path: Path) -> None:

@@ -163,7 +163,7 @@ def test_a_suite_is_verified_and_the_bytes_are_those_of_a_run_that_was_broken_of
     monkeypatch.setattr(suite_builder, "generate", broken)
     with pytest.raises(KeyboardInterrupt):
         generate_suite(small, tmp_path / "bench")
-    with pytest.raises(QueryError, match="the run that makes it has not ended"):
+    with pytest.raises(QueryError, match="the run that writes it has not ended"):
         next(verify(tmp_path / "bench"))
     monkeypatch.undo()
     generate_suite(small, tmp_path / "bench")
@@ -182,21 +182,21 @@ FORGERIES: Mapping[str, tuple[Callable[[Path], object], str]] = {
     "the card": (edited("README.md", lambda text: text.replace("Separation", "Alike")), "README.md: does not match"),
     "a size": (
         with_json("suite.json", lambda value: value["parts"][1].update(size="7")),
-        "parts, objects: size is not what",
+        "parts, objects: size differs from a new count",
     ),
     "what is shared": (
         with_json("suite.json", lambda value: value["shared"][0].update(tasks="3")),
-        "shared is not what",
+        "shared differs from a new count",
     ),
     "the suite": (edited("suite.toml", lambda text: text.replace('"jar_1"', '"jar"')), "suite.toml: has "),
     "a dataset": (lambda folder: (folder / "pairs" / "README.md").write_text("x"), "pairs/README.md: does not match"),
     "a task of another part": (
         lambda folder: (shutil.rmtree(folder / "objects"), shutil.copytree(folder / "train", folder / "objects")),
-        "objects: row 0: has the task of train, row 0",
+        "objects: row 0: has the same task as train, row 0",
     ),
     "words of training": (
         lambda folder: (shutil.rmtree(folder / "words"), shutil.copytree(folder / "train", folder / "words")),
-        "words: row 0: has words of train",
+        "words: row 0: has the same text as train",
     ),
     "a part that is gone": (lambda folder: shutil.rmtree(folder / "start"), "start: "),
 }

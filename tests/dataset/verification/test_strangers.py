@@ -72,7 +72,7 @@ FOUND: dict[str, tuple[Change, str]] = {
     "no share of a part": (part(covered=None), "dataset.json: parts, train: covered is not what the shards add up to"),
     "a share without an end": (
         said(lambda told: told["spec"].update(split={"train": "1e999999999"})),
-        "dataset.json: what was requested cannot be drawn: share of 'train': 1e999999999 is out of range",
+        "dataset.json: the request cannot be sampled: share of 'train': 1e999999999 is out of range",
     ),
     "a file of 1 TB": (sparse, f"{ROWS}: has 1,000,000,000,000 bytes; dataset.json says "),
     "a pipe": (pipe, f"{ROWS}: has 0 bytes; dataset.json says "),

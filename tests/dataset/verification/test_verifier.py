@@ -122,13 +122,13 @@ FIGURES: dict[str, tuple[Change, str]] = {
     "the size of a part": (noted(lambda told: part_of(told, "test").update(size="7")), r"test: has \d+ tasks to draw"),
     "an identity": (noted(lambda told: told.update(identity="0" * 40)), "identity is not that of"),
     "a length beyond all counting": (
-        noted(lambda told: told.update(lengths=[1, 10**9])), "spaces are not of the lengths requested"
+        noted(lambda told: told.update(lengths=[1, 10**9])), "spaces do not have the requested lengths"
     ),
     "another seed": (noted(lambda told: told["spec"].update(seed=6)), rf"{TRAIN}: row 0: its .*plan.* are not"),
     "a tally": (noted(lambda told: shard_of(told, "train")["tally"][0].update(drawn=77)), "the tally of shard 0"),
     "a cause": (
         noted(lambda told: shard_of(told, "train")["tally"][-1].update(causes=[{"cause": "x", "count": 1}])),
-        "the tally of shard 0 of train is not what its rows say",
+        "the tally of shard 0 of train does not match its rows",
     ),
     "a gap of draws": (noted(lambda told: shard_of(told, "train").update(end=1)), r"shard 1 begins at draw \d+, not"),
     "fewer wanted": (noted(lambda told: part_of(told, "train").update(requested=1)), "more tasks than the 1 requested"),

@@ -311,7 +311,7 @@ def test_what_cannot_be_drawn_is_refused() -> None:
         space.sampling(weights={"panda": 0}).array(1, seed=0)
     with pytest.raises(QueryError, match="there are skeletons, goals"):
         space.sample(1, seed=0, over="stars")  # type: ignore[arg-type]
-    with pytest.raises(QueryError, match="tasks and plans alone"):
+    with pytest.raises(QueryError, match="only for tasks and plans"):
         space.sampling(weights={}, by="skeleton", over="goals").array(1, seed=0)
     with pytest.raises(QueryError, match="skeletons have no weights"):
         space.sampling(weights={"grasp": 2}, by="skeleton").array(1, seed=0)
