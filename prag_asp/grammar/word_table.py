@@ -41,7 +41,7 @@ class Words:
 
     @cached_property
     def genders(self) -> tuple[str, ...]:
-        """The genders of nouns, the default gender first; grammatical number counts as a gender."""
+        """The genders of nouns, the default gender first; values of grammatical number count as genders."""
         return tuple(self.table["genders"])
 
     def agreeing(self, word: str, gender: str, case: str = "") -> str:

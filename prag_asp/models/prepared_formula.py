@@ -128,7 +128,10 @@ def prepare_formula(formula: ModelFormula, kept: Iterable[int]) -> PreparedFormu
 def propagate_units(
     clauses: Iterable[Sequence[Literal]],
 ) -> tuple[set[Literal], list[tuple[Literal, ...]] | None]:
-    """Return the literals that unit propagation implies and the remaining clauses, or None at a contradiction."""
+    """Return the literals that unit propagation derives, and the remaining clauses.
+
+    The second item is None if propagation derives a contradiction.
+    """
     distinct = list(dict.fromkeys(tuple(dict.fromkeys(clause)) for clause in clauses))
     against: dict[Literal, list[int]] = {}
     for place, clause in enumerate(distinct):

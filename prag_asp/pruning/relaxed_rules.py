@@ -57,8 +57,8 @@ class FluentSetter(NamedTuple):
 def fluent_setters(steps: Sequence[Statement]) -> list[FluentSetter]:
     """Return the step rules that set fluents, except rules for `changed` whose fluent is always set by other rules.
 
-    Other rules set the fluent whenever a rule for `changed` fires if one rule makes the fluent false and has no further
-    literals, except the negation of the only literal of another rule that makes it true.
+    The fluent of a rule for `changed` is always set if some rule makes it false whose body contains only literals of
+    the rule for `changed` and negations `not L`, where L is the whole body of a rule that makes the fluent true.
     """
     setting: dict[str, list[tuple[Statement, str, frozenset[str]]]] = {value: [] for value in BOOLEAN}
     for each in steps:

@@ -21,10 +21,10 @@ ActionCost = Callable[[Atom | None, Atom | None], Fraction | int]
 
 
 def metric_with_costs(cost: ActionCost, actions: Iterable[Atom], background: Background | None = None) -> Metric:
-    """Return the edit distance with the given costs between the given actions.
+    """Return the edit distance between tasks over the given actions, with the given costs.
 
     If the costs are not a metric, the result is a dissimilarity: `axioms` is False, and `summary` says why.
-    `background` has the interchangeable entities, which the costs must not distinguish.
+    `background` specifies which entities are interchangeable; the costs must not distinguish them.
 
     Raises:
         QueryError: the costs distinguish interchangeable entities, or their common denominator is too large.

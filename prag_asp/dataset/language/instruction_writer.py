@@ -312,7 +312,9 @@ def instruction_writer_of(
 
 
 def is_stated(fact: str, said: Set[str], function_words: Set[str]) -> bool:
-    """Return whether all words of a fact have already been `said`, as in "open the drawer, so that it is open".
+    """Return whether every word of a fact, except function words, occurs in `said`.
+
+    An example is "it is open" after "open the drawer".
 
     Two words count as the same if one begins with or contains the other, or if both have the same stem: "in" and
     "into", "öffne" and "geöffnet", "entferne" and "entfernt".

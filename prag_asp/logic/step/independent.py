@@ -151,7 +151,10 @@ class _Parts:
         return idle == [] and not all(number in move.touched for move in self._moves.values())
 
     def _read(self, bodies: Iterable[RuleBody], own: Collection[int] = ()) -> list[Node]:
-        """Return the variables that bodies read and, with `own`, the derived atoms that depend on a variable."""
+        """Return the variables and derived atoms that bodies read.
+
+        Derived atoms that depend on no variable are omitted, unless they are in `own`.
+        """
         nodes: list[Node] = []
         for atom in {abs(literal) for body in bodies for literal in body.literals}:
             if atom in self._variable:

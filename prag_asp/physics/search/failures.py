@@ -26,7 +26,7 @@ class FailureLog:
         self._missed = dict[PhysicsFault, float]()
 
     def add(self, fault: PhysicsFault, done: int, missed: float = 0.0) -> None:
-        """Count a fault that occurred after `done` actions, or while the initial state was sampled if `done` is -1.
+        """Count a fault that occurred after `done` actions or, if `done` is -1, in sampling the initial state.
 
         `missed` is the amount by which the attempt failed, as in `Failure`.
         """

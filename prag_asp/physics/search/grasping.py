@@ -301,7 +301,7 @@ def backed(tool: Pose) -> Pose:
 
 
 def is_downward(tool: Pose) -> bool:
-    """Return whether the fingers of a tool point straight down, so that moving back means moving up."""
+    """Return whether the fingers of a tool point straight down, in which case it retreats upwards."""
     return _along(tool, (0.0, 0.0, 1.0), (0.0, 0.0, -1.0)) > 1.0 - STRAIGHT_DOWN
 
 

@@ -4,8 +4,8 @@ The joint limits and speeds are KUKA's ("LBR iiwa 7 R800, LBR iiwa 14 R820: spec
 URDF in the PyBullet wheel has the same limits. The arm consists of a shoulder, an elbow and a wrist: the axes of joints
 1 to 3 meet in one point, and the axes of joints 5 to 7 in another. Its inverse kinematics is therefore that of Shimizu,
 Kakuya, Yoon, Kitagaki and Kosuge ("Analytical inverse kinematic computation for 7-DOF redundant manipulators with joint
-limits", 2008): for any flange pose, the elbow may turn about the line from the shoulder to the wrist, and for a fixed
-elbow angle, each of the three has two configurations.
+limits", 2008): for any flange pose, the elbow may turn about the line from the shoulder to the wrist. The angle of this
+rotation is the arm angle; for a fixed arm angle, each of the three has two configurations.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ TINY = 1e-9
 
 
 class KukaSolver:
-    """The kinematics of the iiwa; the free parameter is the elbow angle, which is 0 when the elbow points up."""
+    """The kinematics of the iiwa; its redundancy is the arm angle, which is 0 when the elbow points up."""
 
     last_resort: tuple[float, ...] = FINE
     weights: Joints = (1.0, 1.0, 1.5, 1.0, 1.0, 0.7, 0.3)
@@ -63,7 +63,7 @@ class KukaSolver:
         return pose
 
     def solutions(self, flange: Floats, near: Joints, angles: Sequence[float]) -> Iterator[Sequence[float]]:
-        """Yield joint angles for a pose of the flange: eight solutions for each elbow angle, or none beyond reach."""
+        """Yield joint angles for a pose of the flange: eight solutions for each arm angle, or none beyond reach."""
         wrist = flange[:3, 3] - WRIST * flange[:3, 2] - (0.0, 0.0, SHOULDER)
         length = float(np.linalg.norm(wrist))
         if not UPPER - FOREARM + TINY < length < UPPER + FOREARM + TINY:
@@ -77,7 +77,7 @@ class KukaSolver:
         yield from _joints(elbow, forearm, flange[:3, :3], np.tile(SIGNS, (len(angles), 1)), near).tolist()
 
     def sweeps(self, tool: Pose, near: Joints | None) -> Iterator[tuple[float, ...]]:
-        """Yield the elbow angles to try, most promising first."""
+        """Yield the arm angles to try, most promising first."""
         if near is None:
             yield AROUND
             yield COARSE

@@ -106,7 +106,7 @@ def test_a_phrase_that_names_the_source_of_an_action_replaces_it() -> None:
     state = {**task.initial, parse_atom("inside(cup_2,sink_1)"): False, parse_atom("on_top(cup_2,table_1)"): True}
     known = replace(task, initial=FrozenDict(state))
     words = instruction_writer_of(space.domain).instructions(known)
-    assert words.subgoals[0] == "Take the cup in the sink." and "from" not in words.default
+    assert words.subgoals[0] == "Pick up the cup in the sink." and "from" not in words.default
     assert instruction_writer_of(space.domain).read(known, words.default).actions == task.actions
 
 
@@ -135,7 +135,7 @@ def test_a_phrase_that_is_no_longer_true_says_so() -> None:
     known = replace(task, initial=FrozenDict(state))
     writer = instruction_writer_of(space.domain)
     words = writer.instructions(known)
-    assert words.exact.startswith("First, take the cup on the table")
+    assert words.exact.startswith("First, pick up the cup on the table")
     assert "Second, put the cup that was originally on the table" in words.exact
     assert "the cup that was originally on the table is in the sink" in words.vague
     assert_read_back(writer, known, words)
@@ -357,7 +357,7 @@ def test_a_pronoun_does_not_say_where_an_object_is() -> None:
     plan = "open(panda,drawer_1) approach(panda,apple_1,drawer_1) grasp(panda,apple_1) move(panda,apple_1,table_1)"
     task = task_of("kitchen", *plan.split(), "drop(panda,apple_1)", "withdraw(panda,apple_1)", "close(panda,drawer_1)")
     words = [writer("kitchen").instructions(task, seed=seed) for seed in range(6)]
-    assert all("go to it and" in each.default and "at it" not in each.default for each in words)
+    assert all("the red apple in it" in each.default and "at it" not in each.default for each in words)
 
 
 def test_where_there_is_one_robot_nobody_says_which() -> None:
