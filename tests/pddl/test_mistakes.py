@@ -46,7 +46,7 @@ PROBLEM = "(define (problem e)\n (:domain d)\n (:objects o - b)\n (:init (q k o)
         ("(increase (total-cost) 1)", "(probabilistic 1/2 (p k))", "domain.pddl:11: probabilistic: effects by chance"),
         ("(increase (total-cost) 1)", "(oneof (p k) k)", "domain.pddl:11: oneof has 1 effect and something else"),
         ("(increase (total-cost) 1)", "(forall (?z) (oneof (p k) (q k ?z)))", "domain.pddl:11: oneof below .for"),
-        ("(not (p ?x))", "(oneof () (q k k)) " * 10, "domain.pddl:10: this effect has more than 1,000 outcomes; divide"),
+        ("(not (p ?x))", "(oneof () (q k k)) " * 10, "domain.pddl:10: this effect has more than 1,000 outcomes; "),
         ("(q k o)", "(oneof (q k o) (q o o))", "problem.pddl:4: oneof: initial states of which one is true cannot be"),
         ("(p ?x) (q ?x ?y)", "(p ?x)) (q ?x ?y)", "domain.pddl:11: this '.' closes nothing; remove it"),
         (":parameters", ":parameter", "domain.pddl:8: ':parameter' is not expected here; look for a misspelt word"),
