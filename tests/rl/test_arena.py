@@ -149,11 +149,11 @@ def test_an_arm_that_is_blocked_by_the_table_is_free_at_once(
 
 @pytest.mark.parametrize("name", DOMAINS)
 def test_motor_targets_in_a_row_move_the_world_as_single_commands_do_and_all_poses_are_read(
-    name: str, scenes: Mapping[str, Scene], given: Mapping[str, list[Given]]
+    name: str, chance: Chance, scenes: Mapping[str, Scene], given: Mapping[str, list[Given]]
 ) -> None:
     _, witness = given[name][0]
     moment, scene = witness.moments[0], scenes[name].with_sizes(witness.sizes)
-    rng = np.random.default_rng(0)
+    rng = np.random.default_rng(chance.seed(0))
     speeds = {robot: rng.uniform(-1.0, 1.0, 7).tolist() for robot in moment.arms}
     commands = {
         robot: [ArmCommand(tuple(rng.normal(arm.joints, 0.05).tolist()), rng.uniform(0.0, 0.08)) for _ in range(40)]

@@ -38,7 +38,7 @@ def power(
     *, effect: str | None, scenarios: int | None, power: str, rate: str, alpha: str, correlation: str | None,
     discordant: str | None, tasks: int | None, form: str,
 ) -> None:  # fmt: skip
-    """Compute how many scenarios a claim needs, or the effect that a given number of scenarios can show.
+    """Compute how many scenarios a claim needs, or which effect they can show.
 
     The claim is that one policy succeeds more often than another. With --effect, prints the number of scenarios that
     each policy needs; with --scenarios, the smallest effect that they can show, and the half-width of Wilson's
