@@ -68,8 +68,6 @@ def count_by_race(compiled: CompiledProgram) -> int | None:
         whole=formula.whole,
         swept=prepared.order.swept,
     )
-    if table is not None:
-        turns = (*turns, Turn(OwnEngine.TABLE, LONG_TABLE))
     installed = [turn for turn in turns if isinstance(turn.engine, OwnEngine) or has_counter(turn.engine)]
 
     def begins(counter: Counter) -> None:
@@ -79,9 +77,14 @@ def count_by_race(compiled: CompiledProgram) -> int | None:
         OwnEngine.CLINGO: enumeration.count_within,
         OwnEngine.DIAGRAM: lambda seconds: _count_by_diagram(compiled, seconds),
     }
-    if table is not None:
-        own[OwnEngine.TABLE] = table.within
-    return count_unless_compiled(installed, lambda: compiled.counting_formula.cnf, compiled.compile, begins, own)
+
+    def compile_last(look: Callable[[], None]) -> None:
+        number = None if table is None else table.within(LONG_TABLE, look)
+        if number is not None:
+            raise _Counted(number)
+        compiled.compile(look)
+
+    return count_unless_compiled(installed, lambda: compiled.counting_formula.cnf, compile_last, begins, own)
 
 
 def _count_by_diagram(compiled: CompiledProgram, seconds: float) -> int | None:

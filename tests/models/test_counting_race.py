@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import product
 
 import pytest
@@ -14,6 +15,7 @@ from prag_asp.logic.formula.counter import D4, GANAK, count_models
 from prag_asp.models.counting_race import count_unless_compiled
 from prag_asp.models.enumeration.effort import Turn
 from prag_asp.models.prepared_formula import propagate_units
+from prag_asp.models.sums.sum_table import TableCount
 from prag_asp.processes.workers import WorkerGroup
 from tests.chance import Chance
 from tests.processes import children
@@ -94,6 +96,18 @@ def test_a_counter_whose_turn_is_over_waits_and_goes_on_beside_the_compiler() ->
     assert count_unless_compiled([Turn(GANAK, 0)], lambda: TWO_OF_THREE, compile_slowly, begun.append) == 4
     assert begun[-1] == GANAK
     assert set(children()) <= before
+
+
+@needs_d4
+def test_counters_go_on_beside_a_table_that_takes_long(monkeypatch: pytest.MonkeyPatch) -> None:
+    def endless(_: TableCount, seconds: float, look: Callable[[], None] | None = None) -> None:
+        while look is not None and seconds > 0:
+            look()
+
+    monkeypatch.setattr(TableCount, "within", endless)
+    monkeypatch.setattr("prag_asp.models.counting_race.turns_of_engines", lambda *_, **__: (Turn(D4, 1e-9),))
+    not_all = "{x(1..40)}. :- #sum { 2,X : x(X), X <= 20; 1,X : x(X), X > 20 } >= 60."
+    assert answer_sets(text=not_all).count() == 2**40 - 1
 
 
 @needs_d4

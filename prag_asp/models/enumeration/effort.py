@@ -82,7 +82,6 @@ class OwnEngine(Enum):
 
     CLINGO = "clingo"
     DIAGRAM = "the diagram compiler"
-    TABLE = "a table of partial sums"
 
 
 class Turn(NamedTuple):
@@ -148,4 +147,4 @@ def _turns_of_counters(width: int, *, tight: bool, whole: bool) -> tuple[Turn, .
         return (Turn(GANAK, 1),)
     if width <= NARROW:
         return (Turn(D4, 0.3 if width <= SLIM else 2), Turn(GANAK, 0, PATIENCE))
-    return (Turn(D4, 0.5), Turn(GANAK, 1))
+    return (Turn(D4, 0.7), Turn(GANAK, 1))

@@ -9,7 +9,7 @@ from the clauses (Huang and Darwiche 2005). Nothing is searched or learned, so a
 from __future__ import annotations
 
 from array import array
-from collections.abc import Container, Generator, Iterator, Sequence
+from collections.abc import Callable, Container, Generator, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from heapq import heappop, heappush
@@ -112,10 +112,14 @@ class TableCount:
         """A rough bound on the processor time."""
         return SECONDS * fsum(2.0 ** min(bound, 1000) for _, bound in self._orders)
 
-    def within(self, seconds: float) -> int | None:
-        """Return the number of projected models, or None if counting takes more than `seconds` of processor time."""
+    def within(self, seconds: float, look: Callable[[], None] = lambda: None) -> int | None:
+        """Return the number of projected models, or None if counting takes more than `seconds` of processor time.
+
+        `look` is called before each step; an exception from `look` ends the call.
+        """
         until = process_time() + seconds
         while self._number is None:
+            look()
             next(self._work, None)
             if process_time() > until:
                 break
